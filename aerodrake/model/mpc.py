@@ -1,0 +1,225 @@
+"""The MPC's cost and bounds, formed as a condensed quadratic program (paper, section III-A, B)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.kinematics import EndEffector
+from aerodrake.model.prediction import Prediction
+from aerodrake.model.setpoint import SetpointLimits
+from aerodrake.model.vehicle import GRAVITY, Vehicle
+from aerodrake.scenario import Mpc
+
+
+@dataclass(frozen=True)
+class MpcInputs:
+    """What one tick of the MPC is about.
+
+    Attributes:
+        x_0: (nx,) state of the equivalent model.
+        end_effector: Kinematics at the measured state.
+        xi_u_rates: (2,) rad/s, measured roll and pitch rates.
+        yaw_rate: rad/s, measured.
+        reference: (N + 1, 6), p_Ed [m] and p_Ed' [m/s] now and at each stage.
+        delta: (3,) m/s, residual velocity.
+        w_q, w_m, w_d: From the weight allocator.
+    """
+
+    x_0: np.ndarray
+    end_effector: EndEffector
+    xi_u_rates: np.ndarray
+    yaw_rate: float
+    reference: np.ndarray
+    delta: np.ndarray
+    w_q: float
+    w_m: float
+    w_d: float
+
+
+@dataclass(frozen=True)
+class MpcProgram:
+    """min z' H z / 2 + g' z with |z| <= 1 and lower <= A z <= upper; u = scale z.
+
+    `x_free` (N, nx) are the states under zero input.
+    """
+
+    H: np.ndarray
+    g: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    x_free: np.ndarray
+
+
+class MpcFormulation:
+    """Forms the program of one tick; everything constant is computed once.
+
+    With s_k = [p_B', q'] and the end-effector linearised at the tick,
+
+        J_1 = | J_s s_k + J_yaw yaw' + J_u xi_u' - p_Ed,k' + K_e e_E,k |^2  W_1
+        J_2 = | s_k |^2                                                    W_2
+        J_3 = | u_k |^2                                                    W_3
+        J_4 = | p_EB,k - p_O |^2                                           W_4
+
+    summed over the stages 1 ... N (J_3: 0 ... N-1, since u_N moves nothing).
+    e_E,k is predicted with the same linearisation, or frozen at e_E,0 as the
+    paper prints it. Roll and pitch follow by `config.tilt`: `none`; `held`,
+    their measured rates over the whole horizon; or `flatness`: the thrust axis
+    tilts as the model's own base acceleration a wants it, which moves the
+    end-effector by T a, T = -[r]x [z]x / g.
+
+    Args:
+        config: Weights and bounds.
+        model: The equivalent model.
+        limits: Of the setpoints, (3 + n): base velocity, joint positions and
+            velocities, and all accelerations.
+        vehicle: For the centre of the learning space.
+    """
+
+    def __init__(
+        self,
+        config: Mpc,
+        model: EquivalentModel,
+        limits: SetpointLimits,
+        vehicle: Vehicle,
+    ):
+        self.config, self.model, self.limits = config, model, limits
+        self._p_O = vehicle.p_O
+        w_2_joints = vehicle.per_joint(config.w_2_joints, "mpc.w_2_joints")
+        w_3_joints = vehicle.per_joint(config.w_3_joints, "mpc.w_3_joints")
+        N, m = config.horizon, 3 + model.joints
+        self.prediction = Prediction(model, N)
+        self.scale = np.tile(limits.acceleration, N)
+        # Everything below is per scaled input z.
+        self._Gamma = self.prediction.Gamma * self.scale
+        self._speeds = np.concatenate([model.base_velocity, model.joint_velocity])
+        self._places = np.concatenate([model.base_position, model.joint_position])
+        # J_2's shares of base and joints, which the allocator weighs anew each tick.
+        self._base_rows = self._Gamma[:, model.base_velocity].reshape(3 * N, -1)
+        self._joint_rows = self._Gamma[:, model.joint_velocity].reshape(model.joints * N, -1)
+        self._w_2_base = np.tile(config.w_2_base, N)
+        self._w_2_joints = np.tile(w_2_joints, N)
+        self._H_base = self._base_rows.T @ (self._w_2_base[:, None] * self._base_rows)
+        self._H_joints = self._joint_rows.T @ (self._w_2_joints[:, None] * self._joint_rows)
+        self._H_input = np.diag(np.tile([*config.w_3_base, *w_3_joints], N) * self.scale**2)
+        # The input that leads to stage k, for rates that answer it at once.
+        self._arriving = np.zeros((N, m, N * m))
+        for k in range(N):
+            self._arriving[k, :, k * m : (k + 1) * m] = np.diag(limits.acceleration)
+        self._form_rows()
+
+    def _form_rows(self) -> None:
+        """Bounds on states as unit-norm rows over z.
+
+        Base setpoint velocity, joint positions and velocities at each stage;
+        and at the last one, room to brake: q + t_s q' within the limits, with
+        t_s = v_max / (2 a_max) no joint needs more, so the next tick's program
+        is feasible if this one was.
+        """
+        model, limits, N = self.model, self.limits, self.config.horizon
+        self._bounded = np.concatenate(
+            [model.setpoint_velocity, model.joint_position, model.joint_velocity]
+        )
+        high = np.concatenate([limits.velocity[:3], limits.upper[3:], limits.velocity[3:]])
+        low = np.concatenate([-limits.velocity[:3], limits.lower[3:], -limits.velocity[3:]])
+        self._t_stop = limits.velocity[3:] / (2 * limits.acceleration[3:])
+        brake = self._Gamma[-1][model.joint_position] + (
+            self._t_stop[:, None] * self._Gamma[-1][model.joint_velocity]
+        )
+        rows = np.vstack([self._Gamma[:, self._bounded].reshape(N * len(high), -1), brake])
+        norms = np.linalg.norm(rows, axis=1)
+        self.A = rows / norms[:, None]
+        self._row_norms = norms
+        self._upper = np.concatenate([np.tile(high, N), limits.upper[3:]])
+        self._lower = np.concatenate([np.tile(low, N), limits.lower[3:]])
+
+    def form(self, tick: MpcInputs) -> MpcProgram:
+        """The program of one tick."""
+        x_free = self.prediction.free(tick.x_0, tick.delta)
+        H, g = self._H_input.copy(), np.zeros(len(self.scale))
+        for rows, offset, weight in (self._tracking(tick, x_free), self._centring(tick, x_free)):
+            weighted = weight[:, None] * rows
+            H += rows.T @ weighted
+            g += weighted.T @ offset
+        H += tick.w_q * self._H_base + tick.w_m * self._H_joints
+        model = self.model
+        g += tick.w_q * (
+            self._base_rows.T @ (self._w_2_base * x_free[:, model.base_velocity].ravel())
+        )
+        g += tick.w_m * (
+            self._joint_rows.T @ (self._w_2_joints * x_free[:, model.joint_velocity].ravel())
+        )
+        values = np.concatenate([
+            x_free[:, self._bounded].ravel(),
+            x_free[-1, model.joint_position] + self._t_stop * x_free[-1, model.joint_velocity],
+        ])
+        return MpcProgram(
+            H=H,
+            g=g,
+            lower=(self._lower - values) / self._row_norms,
+            upper=(self._upper - values) / self._row_norms,
+            x_free=x_free,
+        )
+
+    def _tracking(
+        self, tick: MpcInputs, x_free: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """J_1 as (rows over z, offset, weight)."""
+        config, model, end_effector = self.config, self.model, tick.end_effector
+        K_e = np.array(config.k_e)[:, None]
+        J_s = end_effector.J_s
+        nx = len(model.A)
+        places, speeds = np.zeros((3, nx)), np.zeros((3, nx))
+        places[:, self._places] = J_s
+        speeds[:, self._speeds] = J_s
+        inputs = np.zeros((3, 3 + model.joints))
+        known = end_effector.J_yaw * tick.yaw_rate
+        if config.tilt == "held":
+            known = known + end_effector.J_u @ tick.xi_u_rates
+        elif config.tilt == "flatness":
+            # a = k (v_d - v) and a' = k (u - a), the equivalent model's own.
+            T = tilt_matrix(end_effector.r)
+            a = np.zeros((3, nx))
+            a[range(3), model.setpoint_velocity] = model.k_b
+            a[range(3), model.base_velocity] = -model.k_b
+            places += T @ a
+            speeds -= T @ (model.k_b[:, None] * a)
+            inputs[:, :3] = T * model.k_b
+
+        rows = speeds
+        offset = known - tick.reference[1:, 3:]
+        if config.error == "predicted":
+            rows = speeds + K_e * places
+            e = end_effector.p_E - places @ tick.x_0 - tick.reference[1:, :3]
+        else:
+            e = np.broadcast_to(end_effector.p_E - tick.reference[0, :3], offset.shape)
+        offset = offset + K_e[:, 0] * e + x_free @ rows.T
+        stacked = rows @ self._Gamma
+        if config.tilt == "flatness":
+            stacked = stacked + inputs @ self._arriving
+        N = config.horizon
+        return stacked.reshape(3 * N, -1), offset.ravel(), np.tile(config.w_1, N)
+
+    def _centring(
+        self, tick: MpcInputs, x_free: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """J_4 as (rows over z, offset, weight)."""
+        model, end_effector, N = self.model, tick.end_effector, self.config.horizon
+        joints = model.joint_position
+        moved = x_free[:, joints] - tick.x_0[joints]
+        offset = end_effector.p_EB - self._p_O + moved @ end_effector.J_B.T
+        rows = end_effector.J_B @ self._Gamma[:, joints]
+        weight = np.tile(np.multiply(tick.w_d, self.config.w_4), N)
+        return rows.reshape(3 * N, -1), offset.ravel(), weight
+
+
+def tilt_matrix(r: np.ndarray) -> np.ndarray:
+    """(3, 3) s^2, T: a base acceleration a tilts the base and so moves the end-effector by T a.
+
+    T = -[r]x [z]x / g, with r (3,) m from the base to the end-effector in the
+    world, for tilts small enough that the thrust stays near gravity's.
+    """
+    rx, ry, rz = r
+    return np.array([[-rz, 0, 0], [0, -rz, 0], [rx, ry, 0]]) * (-1 / GRAVITY)

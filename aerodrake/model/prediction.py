@@ -1,0 +1,43 @@
+"""The equivalent model over the horizon, with the states eliminated."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from aerodrake.model.equivalent_model import EquivalentModel
+
+
+class Prediction:
+    """x_k = Phi_k x_0 + Gamma_k U + Psi_k Delta for k = 1 ... N.
+
+    U stacks u_0 ... u_{N-1}. The model is constant, so these are computed once.
+
+    Attributes:
+        Phi: (N, nx, nx).
+        Gamma: (N, nx, N m), m = 3 + n.
+        Psi: (N, nx, 3), for Delta held over the horizon.
+
+    Args:
+        model: The equivalent model.
+        horizon: N.
+    """
+
+    def __init__(self, model: EquivalentModel, horizon: int):
+        nx, m = model.B.shape
+        self.horizon = horizon
+        self.Phi = np.empty((horizon, nx, nx))
+        self.Gamma = np.zeros((horizon, nx, horizon * m))
+        self.Psi = np.empty((horizon, nx, 3))
+        Phi, Gamma, Psi = np.eye(nx), np.zeros((nx, horizon * m)), np.zeros((nx, 3))
+        for k in range(horizon):
+            Phi, Gamma, Psi = model.A @ Phi, model.A @ Gamma, model.A @ Psi + model.C
+            Gamma[:, k * m : (k + 1) * m] = model.B
+            self.Phi[k], self.Gamma[k], self.Psi[k] = Phi, Gamma, Psi
+
+    def free(self, x_0: np.ndarray, delta: np.ndarray) -> np.ndarray:
+        """(N, nx), the states if all inputs are zero."""
+        return self.Phi @ x_0 + self.Psi @ delta
+
+    def states(self, x_free: np.ndarray, U: np.ndarray) -> np.ndarray:
+        """(N, nx), the states under U (N m,), given those under zero input."""
+        return x_free + self.Gamma @ U

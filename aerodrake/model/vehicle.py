@@ -1,0 +1,246 @@
+"""The vehicle as its URDF has it: joints, limits, rotors, inertia and trim."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+from pydrake.geometry import Box
+from pydrake.math import RigidTransform
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
+from pydrake.multibody.tree import RevoluteJoint
+
+from aerodrake.errors import BadInput
+from aerodrake.model.vehicle_state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
+from aerodrake.scenario import Scenario
+
+BASE_FRAME = "base"
+TOOL_FRAME = "tool"
+ROTOR_PREFIX = "rotor_"
+GRAVITY = 9.81
+"""m/s^2, Drake's default."""
+
+
+def add_robot(plant: MultibodyPlant, robot: str) -> None:
+    """Parses a robot into an unfinalised plant.
+
+    Args:
+        plant: Where the robot goes.
+        robot: A `package://aerodrake/...` URI, or the path of a URDF.
+
+    Raises:
+        BadInput: if the file is missing, is no robot description, or lacks
+            the frames `base`, `tool` and `rotor_*`.
+    """
+    parser = Parser(plant)
+    parser.package_map().AddPackageXml(str(resources.files("aerodrake") / "package.xml"))
+    is_uri = robot.startswith("package://")
+    if not is_uri and not Path(robot).is_file():
+        raise BadInput(robot, "", "expected the path of a URDF; there is no such file")
+    try:
+        parser.AddModelsFromUrl(robot) if is_uri else parser.AddModels(robot)
+    except RuntimeError as error:
+        raise BadInput(robot, "", f"cannot be parsed: {error}") from None
+    for frame in (BASE_FRAME, TOOL_FRAME):
+        if not plant.HasFrameNamed(frame):
+            raise BadInput(robot, "", f"expected a frame named '{frame}'")
+
+
+def add_ground(plant: MultibodyPlant) -> None:
+    """Adds ground at z = 0 to a plant that is registered with a SceneGraph."""
+    slab = Box(100.0, 100.0, 1.0)
+    pose = RigidTransform([0.0, 0.0, -0.5])
+    friction = CoulombFriction(static_friction=0.8, dynamic_friction=0.6)
+    plant.RegisterCollisionGeometry(
+        plant.world_body(), pose, slab, "ground_collision", friction
+    )
+
+
+@dataclass(frozen=True)
+class Rotors:
+    """Where the rotors are.
+
+    Attributes:
+        names: Of their frames, in the order of thrust vectors.
+        p_B: (k, 3) m, their positions in the base frame.
+        spin: (k,) +1 where the propeller turns counter-clockwise seen from above.
+    """
+
+    names: tuple[str, ...]
+    p_B: np.ndarray
+    spin: np.ndarray
+
+    def mixer(self, torque_ratio: float) -> np.ndarray:
+        """(4, k) from thrusts [N] to [collective thrust N, torque about the base x, y, z N m].
+
+        Args:
+            torque_ratio: m, drag torque over thrust; it acts against the spin.
+        """
+        x, y, _ = self.p_B.T
+        return np.vstack([np.ones_like(x), y, -x, -self.spin * torque_ratio])
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """Facts about the robot, all read from its URDF, and its trim.
+
+    Attributes:
+        source: The scenario it belongs to, for messages.
+        robot: The URI or path it was read from.
+        joint_names: Of the n arm joints, from the base to the tool.
+        lower, upper: (n,) rad, joint position limits.
+        velocity: (n,) rad/s, joint velocity limits.
+        acceleration: (n,) rad/s^2, joint acceleration limits.
+        effort: (n,) N m, joint torque limits.
+        rotors: Where the rotors are.
+        p_B: (3,) m, where the base starts.
+        working: (n,) rad, the working configuration.
+        p_O: (3,) m, the tool there, in the base frame: centre of the learning space.
+        mass: kg, base and arm.
+        inertia: (3, 3) kg m^2, of base and arm in the working configuration,
+            about their common centre of mass, in the base frame.
+        joint_inertia: (n,) kg m^2, that each joint feels there with the base free.
+        trim_wrench: (4,) [N, N m, N m, N m], what the rotors give in hover there.
+        trim_torque: (n,) N m, what the joints hold there.
+    """
+
+    source: str
+    robot: str
+    joint_names: tuple[str, ...]
+    lower: np.ndarray
+    upper: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    effort: np.ndarray
+    rotors: Rotors
+    p_B: np.ndarray
+    working: np.ndarray
+    p_O: np.ndarray
+    mass: float
+    inertia: np.ndarray
+    joint_inertia: np.ndarray
+    trim_wrench: np.ndarray
+    trim_torque: np.ndarray
+
+    @property
+    def joints(self) -> int:
+        """n, the number of arm joints."""
+        return len(self.joint_names)
+
+    @property
+    def p_E(self) -> np.ndarray:
+        """(3,) m, where the end-effector starts."""
+        return self.p_B + self.p_O
+
+    @property
+    def trim_state(self) -> np.ndarray:
+        """(13 + 2 n,) the state in which flights start, as `VehicleState` has it."""
+        level, still = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)
+        rest = np.zeros(self.joints)
+        return VehicleState(level, self.p_B, self.working, still, still, rest).to_vector()
+
+    def per_joint(self, values: tuple[float, ...], key: str) -> np.ndarray:
+        """(n,), from a scenario's list of one value, or of one per joint.
+
+        Raises:
+            BadInput: if the list has another length.
+        """
+        if len(values) not in (1, self.joints):
+            raise BadInput(self.source, key, f"expected 1 value, or {self.joints}, one for each "
+                           f"joint, got {len(values)}")
+        return np.broadcast_to(np.array(values, dtype=float), self.joints)
+
+    @classmethod
+    def load(cls, scenario: Scenario) -> Vehicle:
+        """Reads the scenario's robot and computes its trim.
+
+        Raises:
+            BadInput: if it cannot be flown, or the working configuration does not fit it.
+        """
+        robot, working = scenario.vehicle.robot, scenario.vehicle.working_rad
+        plant = MultibodyPlant(0.0)
+        add_robot(plant, robot)
+        plant.Finalize()
+        joints = _arm_joints(plant, robot)
+        n = len(joints)
+        lower, upper = plant.GetPositionLowerLimits()[-n:], plant.GetPositionUpperLimits()[-n:]
+        _check_working(np.array(working), lower, upper, [j.name() for j in joints],
+                       scenario.source)
+
+        context = plant.CreateDefaultContext()
+        q = plant.GetDefaultPositions()
+        q[BASE_POSITIONS:] = working
+        plant.SetPositions(context, q)
+        base, tool = plant.GetFrameByName(BASE_FRAME), plant.GetFrameByName(TOOL_FRAME)
+        inertia = plant.CalcSpatialInertia(context, base, plant.GetBodyIndices(base.model_instance()))
+        gravity = plant.CalcGravityGeneralizedForces(context)
+        M = plant.CalcMassMatrix(context)
+        b, a = slice(BASE_VELOCITIES), slice(BASE_VELOCITIES, None)
+        felt = M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])
+        return cls(
+            source=scenario.source,
+            robot=robot,
+            joint_names=tuple(j.name() for j in joints),
+            lower=lower,
+            upper=upper,
+            velocity=plant.GetVelocityUpperLimits()[-n:],
+            acceleration=plant.GetAccelerationUpperLimits()[-n:],
+            effort=plant.GetEffortUpperLimits(),
+            rotors=_rotors(plant, robot),
+            p_B=np.array(scenario.vehicle.base_position_m),
+            working=np.array(working, dtype=float),
+            p_O=plant.CalcRelativeTransform(context, base, tool).translation(),
+            mass=inertia.get_mass(),
+            inertia=inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3(),
+            joint_inertia=np.diag(felt).copy(),
+            trim_wrench=-gravity[[5, 0, 1, 2]],  # Generalized forces are [torque, force].
+            trim_torque=-gravity[a],
+        )
+
+
+def _arm_joints(plant: MultibodyPlant, robot: str) -> list[RevoluteJoint]:
+    joints = [plant.get_joint(i) for i in plant.GetJointIndices()]
+    arm = [j for j in joints if isinstance(j, RevoluteJoint)]
+    if not arm or plant.num_positions() != BASE_POSITIONS + len(arm):
+        raise BadInput(robot, "", "expected a free base and a serial arm of revolute joints")
+    driven = [plant.get_joint_actuator(i).joint().name() for i in plant.GetJointActuatorIndices()]
+    if driven != [j.name() for j in arm]:
+        raise BadInput(robot, "", "expected one transmission per joint, in the joints' order")
+    limits = np.concatenate([
+        plant.GetPositionUpperLimits()[BASE_POSITIONS:], plant.GetEffortUpperLimits(),
+        plant.GetVelocityUpperLimits()[BASE_VELOCITIES:],
+        plant.GetAccelerationUpperLimits()[BASE_VELOCITIES:],
+    ])
+    if not np.all(np.isfinite(limits)):
+        raise BadInput(robot, "", "expected every joint to have limits of position, effort, "
+                       "velocity and drake:acceleration")
+    return arm
+
+
+def _rotors(plant: MultibodyPlant, robot: str) -> Rotors:
+    frames = [plant.get_frame(i) for i in plant.GetFrameIndices(plant.GetFrameByName(
+        BASE_FRAME).model_instance())]
+    frames = [f for f in frames if f.name().startswith(ROTOR_PREFIX)]
+    if len(frames) < 4 or not all(f.name().endswith(("_ccw", "_cw")) for f in frames):
+        raise BadInput(robot, "", "expected four or more frames rotor_*_ccw and rotor_*_cw")
+    return Rotors(
+        names=tuple(f.name() for f in frames),
+        p_B=np.array([f.GetFixedPoseInBodyFrame().translation() for f in frames]),
+        spin=np.array([1.0 if f.name().endswith("_ccw") else -1.0 for f in frames]),
+    )
+
+
+def _check_working(
+    working: np.ndarray, lower: np.ndarray, upper: np.ndarray, names: list[str], source: object
+) -> None:
+    key = "vehicle.working_rad"
+    if len(working) != len(names):
+        raise BadInput(source, key, f"expected {len(names)} angles in rad, one for each joint "
+                       f"({', '.join(names)}), got {len(working)}")
+    for i, name in enumerate(names):
+        if not lower[i] <= working[i] <= upper[i]:
+            raise BadInput(source, f"{key}[{i}]", f"expected {name} in [{lower[i]:.4g}, "
+                           f"{upper[i]:.4g}] rad, got {working[i]:.4g}")

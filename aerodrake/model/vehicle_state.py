@@ -1,0 +1,68 @@
+"""The measured state of base and arm, by its parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RollPitchYaw, RotationMatrix
+
+BASE_POSITIONS = 7
+BASE_VELOCITIES = 6
+
+
+@dataclass(frozen=True)
+class VehicleState:
+    """State of the vehicle, in the order in which `MultibodyPlant` has it.
+
+    Attributes:
+        quaternion: (4,) attitude of the base, w first.
+        p_B: (3,) m, base origin in the world.
+        q: (n,) rad, joint angles.
+        omega_W: (3,) rad/s, angular velocity of the base, expressed in the world.
+        v_B: (3,) m/s, velocity of the base origin in the world.
+        qdot: (n,) rad/s, joint velocities.
+    """
+
+    quaternion: np.ndarray
+    p_B: np.ndarray
+    q: np.ndarray
+    omega_W: np.ndarray
+    v_B: np.ndarray
+    qdot: np.ndarray
+
+    @staticmethod
+    def size(joints: int) -> int:
+        """Length of the state vector of a vehicle whose arm has `joints` joints."""
+        return BASE_POSITIONS + BASE_VELOCITIES + 2 * joints
+
+    @classmethod
+    def from_vector(cls, x: np.ndarray) -> VehicleState:
+        """Takes apart [quaternion, p_B, q, omega_W, v_B, qdot]."""
+        nq = BASE_POSITIONS + (len(x) - BASE_POSITIONS - BASE_VELOCITIES) // 2
+        return cls(x[:4], x[4:7], x[7:nq], x[nq : nq + 3], x[nq + 3 : nq + 6], x[nq + 6 :])
+
+    def to_vector(self) -> np.ndarray:
+        """The reverse of `from_vector`."""
+        return np.concatenate(
+            [self.quaternion, self.p_B, self.q, self.omega_W, self.v_B, self.qdot]
+        )
+
+    @property
+    def R_B(self) -> np.ndarray:
+        """(3, 3) rotation from the base to the world frame."""
+        return RotationMatrix(Quaternion(self._unit_quaternion())).matrix()
+
+    @property
+    def rpy(self) -> np.ndarray:
+        """(3,) rad, roll, pitch and yaw: the paper's Theta_B."""
+        return RollPitchYaw(Quaternion(self._unit_quaternion())).vector()
+
+    @property
+    def rpy_rates(self) -> np.ndarray:
+        """(3,) rad/s, time derivative of Theta_B."""
+        return RollPitchYaw(self.rpy).CalcRpyDtFromAngularVelocityInParent(self.omega_W)
+
+    def _unit_quaternion(self) -> np.ndarray:
+        return self.quaternion / np.linalg.norm(self.quaternion)

@@ -1,0 +1,98 @@
+"""Weight allocation: which of base and arm moves, and how freely (paper, section III-C)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+
+from aerodrake.scenario import Allocation
+
+HYSTERESIS = 0.1
+"""A boundary d, once crossed inward, is crossed outward at (1 + HYSTERESIS) d."""
+
+ADJUSTMENT_GAMMA_FLOOR = 0.2
+"""Least |gamma| that w_m sees in adjustment, lest the arm be frozen when it must recentre."""
+
+
+class Mode(IntEnum):
+    """Motion modes of the aerial manipulator."""
+
+    FLIGHT = 0
+    COORDINATED = 1
+    HOVER = 2
+    ADJUSTMENT = 3
+
+    @property
+    def label(self) -> str:
+        """The name by which results have it."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What the allocator says.
+
+    Attributes:
+        gamma: In [-1, 1], metric of the motion that is wanted of the arm.
+        mode: The motion mode.
+        w_q: Factor on the base's part of W_2,0.
+        w_m: Factor on the joints' part of W_2,0.
+        w_d: Factor on W_4,0.
+    """
+
+    gamma: float
+    mode: Mode
+    w_q: float
+    w_m: float
+    w_d: float
+
+
+def next_mode(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float) -> Mode:
+    """The mode, by the cases of the paper's gamma in their printed order.
+
+    Two things the paper leaves open: boundaries have hysteresis, and an
+    end-effector on a target that is too large for hovering is coordinated.
+
+    Args:
+        config: Boundaries.
+        last: The mode until now.
+        d_e: m, from the end-effector to its target.
+        d_o: m, from the end-effector to the centre of the learning space.
+        d_g: m, maximum diameter of the target trajectory.
+    """
+
+    def beyond(d: float, boundary: float, was_beyond: bool) -> bool:
+        return d > boundary if was_beyond else d > (1 + HYSTERESIS) * boundary
+
+    can_hover = d_g < config.d_h_m
+    d_f = config.d_h_m if can_hover else config.d_f_m
+    if beyond(d_e, d_f, last is Mode.FLIGHT):
+        return Mode.FLIGHT
+    if beyond(d_o, config.d_h_m, last is Mode.ADJUSTMENT):
+        return Mode.ADJUSTMENT
+    if can_hover:
+        return Mode.HOVER
+    return Mode.COORDINATED
+
+
+def allocate(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float) -> Weights:
+    """gamma and the weights, from the distances as in `next_mode` (paper, eq. 10, 11)."""
+    mode = next_mode(config, last, d_e, d_o, d_g)
+    d_h = config.d_h_m
+    if mode is Mode.FLIGHT:
+        gamma = 0.0
+    elif mode is Mode.HOVER:
+        gamma = 1.0
+    elif mode is Mode.COORDINATED:
+        gamma = (config.k_mp + d_h) / (config.k_mp + max(d_e, d_h))
+    else:
+        gamma = max(-config.k_mn * (d_o - d_h) / (config.d_edge_m - d_h), -1.0)
+    floor = ADJUSTMENT_GAMMA_FLOOR if mode is Mode.ADJUSTMENT else 0.0
+    return Weights(
+        gamma=gamma,
+        mode=mode,
+        w_q=config.k_q * (gamma**2 + 0.1),
+        w_m=config.k_m / (max(math.fabs(gamma), floor) + 0.01),
+        w_d=config.k_d * max(d_o, config.d_o_floor_m) / (1.1 + gamma),
+    )

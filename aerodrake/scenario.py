@@ -1,0 +1,307 @@
+"""Scenarios: everything that is told apart from one flight to another.
+
+A scenario is a YAML file. Each section below is one mapping in it, each field
+one key, with its unit and range where it is declared; keys that are left out
+have the defaults that stand here. Symbols are the paper's.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+from aerodrake.errors import BadInput
+from aerodrake.schema import choice, file, provenance, quantity, section
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Periods of the discrete events. Each is a multiple of `plant_step_s`."""
+
+    plant_step_s: float = quantity(0.001, "s", 1e-4, 5e-3)
+    sensor_period_s: float = quantity(0.010, "s", 1e-3, 0.1)
+    flight_period_s: float = quantity(0.010, "s", 1e-3, 0.1)
+    arm_period_s: float = quantity(0.005, "s", 1e-3, 0.1)
+    # The MPC, and the allocator and residual estimator whose outputs it pulls.
+    mpc_period_s: float = quantity(0.020, "s", 2e-3, 0.2)
+
+
+@dataclass(frozen=True)
+class Hover:
+    """The end-effector stays where it starts."""
+
+    kind: ClassVar[str] = "hover"
+
+
+@dataclass(frozen=True)
+class Clover:
+    """Four-leaf clover r = a cos(2 theta) in the horizontal plane, from a petal's tip."""
+
+    kind: ClassVar[str] = "clover"
+    amplitude_m: float = quantity(0.5, "m", 0.01, 10.0)
+    lap_s: float = quantity(24.0, "s", 1.0, 1000.0)
+    # Smooth start: the angular rate rises from 0 to 2 pi / lap_s in this time.
+    start_s: float = quantity(3.0, "s", 0.1, 100.0)
+
+
+@dataclass(frozen=True)
+class FigureEight:
+    """A Gerono lemniscate, `length_m` long and `width_m` wide, in a tilted plane."""
+
+    kind: ClassVar[str] = "figure_eight"
+    length_m: float = quantity(0.6, "m", 0.01, 10.0)
+    width_m: float = quantity(0.3, "m", 0.01, 10.0)
+    tilt_rad: float = quantity(0.0, "rad", -1.5708, 1.5708)
+    lap_s: float = quantity(12.0, "s", 1.0, 1000.0)
+    start_s: float = quantity(3.0, "s", 0.1, 100.0)
+
+
+@dataclass(frozen=True)
+class Lissajous:
+    """A_i [sin(2 pi t / T_i + phi_i) - sin(phi_i)] on each world axis i."""
+
+    kind: ClassVar[str] = "lissajous"
+    amplitude_m: tuple[float, ...] = quantity((0.4, 0.3, 0.15), "m", 0.0, 10.0, length=3)
+    period_s: tuple[float, ...] = quantity((16.0, 8.0, 16.0), "s", 1.0, 1000.0, length=3)
+    phase_rad: tuple[float, ...] = quantity((0.0, 0.0, 1.5708), "rad", -6.2832, 6.2832, length=3)
+    start_s: float = quantity(3.0, "s", 0.1, 100.0)
+
+
+@dataclass(frozen=True)
+class MovingTarget:
+    """A point at a constant height above a target that moves in a straight line."""
+
+    kind: ClassVar[str] = "moving_target"
+    target_m: tuple[float, ...] = quantity((0.0, 1.4, 0.0), "m", -100.0, 100.0, length=3)
+    velocity_m_s: tuple[float, ...] = quantity((0.0, 0.05, 0.0), "m/s", -2.0, 2.0, length=3)
+    height_m: float = quantity(0.6, "m", 0.0, 10.0)
+
+
+@dataclass(frozen=True)
+class Waypoints:
+    """A CSV with the header `t,x,y,z` (s and m, world frame), interpolated smoothly."""
+
+    kind: ClassVar[str] = "waypoints"
+    file: str = file()
+
+
+Reference = Hover | Clover | FigureEight | Lissajous | MovingTarget | Waypoints
+
+
+@dataclass(frozen=True)
+class Rotor:
+    """One rotor: thrust in [min, max], first-order lag, drag torque over thrust."""
+
+    min_thrust_n: float = quantity(0.0, "N", 0.0, 100.0)
+    max_thrust_n: float = quantity(20.0, "N", 0.1, 1000.0)
+    torque_ratio_m: float = quantity(0.020, "m", 1e-3, 1.0)
+    lag_up_s: float = quantity(0.0125, "s", 1e-3, 1.0)
+    lag_down_s: float = quantity(0.025, "s", 1e-3, 1.0)
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """The robot and the configuration in which it starts."""
+
+    robot: str = file("package://aerodrake/robots/quadrotor_arm6.urdf")
+    base_position_m: tuple[float, ...] = quantity((0.0, 0.0, 1.5), "m", -100, 100, length=3)
+    # One angle per joint; where it puts the end-effector in the base frame is
+    # p_O, the centre of the learning space.
+    working_rad: tuple[float, ...] = quantity(
+        (0.0, -0.13761843, 1.79340966, 0.0, -1.65579123, 0.0), "rad", -6.2832, 6.2832
+    )
+    rotor: Rotor = section(Rotor)
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """Standard deviation of white noise, one draw per sample and axis."""
+
+    position_noise_m: float = quantity(0.0, "m", 0.0, 1.0)
+    velocity_noise_m_s: float = quantity(0.0, "m/s", 0.0, 1.0)
+    attitude_noise_rad: float = quantity(0.0, "rad", 0.0, 0.2)
+    rate_noise_rad_s: float = quantity(0.0, "rad/s", 0.0, 1.0)
+    joint_noise_rad: float = quantity(0.0, "rad", 0.0, 0.2)
+
+
+@dataclass(frozen=True)
+class Flight:
+    """ESO-based flight controller; gains are per unit mass and inertia."""
+
+    # What the base setpoint consists of: (p_d, v_d, a_d), or p_d alone as in the paper.
+    interface: str = choice("trajectory", "position")
+    position_gain: tuple[float, ...] = quantity((9.0, 9.0, 9.0), "1/s^2", 0.0, 400.0, length=3)
+    velocity_gain: tuple[float, ...] = quantity((5.0, 5.0, 5.0), "1/s", 0.0, 100.0, length=3)
+    integral_gain: tuple[float, ...] = quantity((0.0, 0.0, 0.0), "1/s^3", 0.0, 400.0, length=3)
+    # About the base's roll, pitch and yaw axes.
+    attitude_gain: tuple[float, ...] = quantity(
+        (144.0, 144.0, 36.0), "1/s^2", 0.0, 1000.0, length=3
+    )
+    rate_gain: tuple[float, ...] = quantity((24.0, 24.0, 12.0), "1/s", 0.0, 200.0, length=3)
+    position_eso_rad_s: float = quantity(3.0, "rad/s", 0.1, 100.0)
+    attitude_eso_rad_s: float = quantity(15.0, "rad/s", 0.1, 100.0)
+    max_tilt_rad: float = quantity(0.6, "rad", 0.05, 1.2)
+
+
+@dataclass(frozen=True)
+class Arm:
+    """Joint PID; gains follow from bandwidth and damping by each joint's inertia."""
+
+    bandwidth_rad_s: float = quantity(40.0, "rad/s", 1.0, 200.0)
+    damping: float = quantity(1.0, "1", 0.1, 5.0)
+    # Integral action: how fast a constant torque error is taken out.
+    integral_rad_s: float = quantity(5.0, "rad/s", 0.0, 50.0)
+
+
+@dataclass(frozen=True)
+class Model:
+    """The equivalent model of the base under its flight controller."""
+
+    kind: str = choice("velocity_aware", "paper", "exact", "integral")
+    # K_B, identified for the flight interface and gains of this scenario.
+    k_b: tuple[float, ...] = quantity((1.8, 1.8, 1.8), "1/s", 0.01, 50.0, length=3)
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Residual velocity Delta: network, and online learning of its last layer."""
+
+    mode: str = choice("off", "offline", "online")
+    # Empty: an untrained network, whose output is zero until it learns online.
+    checkpoint: str = file()
+    learning_rate: float = quantity(0.0015, "1", 0.0, 1.0)
+    batch: int = quantity(20, "samples", 1, 1000)
+
+
+@dataclass(frozen=True)
+class Mpc:
+    """Horizon, weights and bounds of the MPC. Joint limits come from the robot."""
+
+    horizon: int = quantity(15, "ticks", 2, 200)
+    # K_e of the desired end-effector velocity.
+    k_e: tuple[float, ...] = quantity((3.0, 3.0, 3.0), "1/s", 0.0, 50.0, length=3)
+    # Diagonals of W_1, W_2,0, W_3 and W_4,0. Joint values: one, or one per joint.
+    w_1: tuple[float, ...] = quantity((1e4, 1e4, 1e4), "1", 0.0, 1e8, length=3)
+    w_2_base: tuple[float, ...] = quantity((1e-3, 1e-3, 1e-3), "1", 0.0, 1e6, length=3)
+    w_2_joints: tuple[float, ...] = quantity((1e-3,), "1", 0.0, 1e6)
+    w_3_base: tuple[float, ...] = quantity((30.0, 30.0, 30.0), "1", 1e-3, 1e6, length=3)
+    w_3_joints: tuple[float, ...] = quantity((10.0,), "1", 1e-3, 1e6)
+    w_4: tuple[float, ...] = quantity((300.0, 300.0, 300.0), "1", 0.0, 1e6, length=3)
+    # e_E along the horizon: predicted with the linearised p_E, or held as printed.
+    error: str = choice("predicted", "frozen")
+    # J_u xi_u': none, the base's own tilt predicted by flatness, or as measured and held.
+    tilt: str = choice("none", "flatness", "held")
+    base_velocity_m_s: tuple[float, ...] = quantity((1.5, 1.5, 1.5), "m/s", 0.01, 20.0, length=3)
+    base_acceleration_m_s2: tuple[float, ...] = quantity(
+        (4.0, 4.0, 4.0), "m/s^2", 0.1, 20.0, length=3
+    )
+    max_iterations: int = quantity(200, "iterations", 25, 100_000)
+
+
+@dataclass(frozen=True)
+class Allocation:
+    """Weight allocation: gamma, its boundaries and its gains."""
+
+    k_q: float = quantity(1000.0, "1", 0.0, 1e6)
+    k_m: float = quantity(10.0, "1", 0.0, 1e6)
+    k_d: float = quantity(100.0, "1/m", 0.0, 1e6)
+    k_mp: float = quantity(1.0, "m", 1e-3, 100.0)
+    k_mn: float = quantity(1.0, "1", 1e-3, 100.0)
+    d_edge_m: float = quantity(0.38, "m", 1e-3, 10.0)
+    d_f_m: float = quantity(1.0, "m", 1e-3, 100.0)
+    d_h_m: float = quantity(0.075, "m", 1e-3, 10.0)
+    # d_o as w_d sees it is no smaller, so that J_4 never vanishes.
+    d_o_floor_m: float = quantity(0.01, "m", 1e-4, 1.0)
+    learning_space_m: tuple[float, ...] = quantity((0.15, 0.15, 0.10), "m", 0.01, 10.0, length=3)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One flight, reproducible from this alone."""
+
+    # Defaults to the file's name.
+    name: str = dataclasses.field(default="")
+    duration: float = quantity(30.0, "s", 0.02, 3600.0)
+    # Hover before reference time 0.
+    settle_s: float = quantity(3.0, "s", 0.0, 60.0)
+    seed: int = quantity(0, "1", 0, 2**31 - 1)
+    rates: Rates = section(Rates)
+    reference: Reference = section(Hover)
+    vehicle: Vehicle = section(Vehicle)
+    sensors: Sensors = section(Sensors)
+    flight: Flight = section(Flight)
+    arm: Arm = section(Arm)
+    model: Model = section(Model)
+    residual: Residual = section(Residual)
+    mpc: Mpc = section(Mpc)
+    allocation: Allocation = section(Allocation)
+    # The file this was read from, for messages.
+    source: str = provenance()
+
+    def check(self, source: object) -> None:
+        """Checks what no single key can tell.
+
+        Args:
+            source: Named in errors: the file or option that was read last.
+
+        Raises:
+            BadInput: where keys contradict each other.
+        """
+        for field in dataclasses.fields(self.rates):
+            self._check_period(source, f"rates.{field.name}", getattr(self.rates, field.name))
+        for key in ("sensor_period_s", "flight_period_s"):
+            ticks = self.rates.mpc_period_s / getattr(self.rates, key)
+            if abs(ticks - round(ticks)) > 1e-6:
+                raise BadInput(
+                    source,
+                    "rates.mpc_period_s",
+                    f"expected a multiple of rates.{key} ({getattr(self.rates, key):g} s), "
+                    f"got {self.rates.mpc_period_s:g} s",
+                )
+        if self.vehicle.rotor.min_thrust_n >= self.vehicle.rotor.max_thrust_n:
+            raise BadInput(
+                source,
+                "vehicle.rotor.min_thrust_n",
+                f"expected less than max_thrust_n ({self.vehicle.rotor.max_thrust_n:g} N), "
+                f"got {self.vehicle.rotor.min_thrust_n:g} N",
+            )
+        if self.model.kind == "velocity_aware" and self.flight.interface != "trajectory":
+            raise BadInput(
+                source,
+                "model.kind",
+                "velocity_aware expects flight.interface trajectory, since a base that is "
+                f"not told v_d cannot follow it; got '{self.flight.interface}'",
+            )
+        if self.model.kind not in ("paper", "exact") and self.mpc.tilt == "flatness":
+            raise BadInput(
+                source,
+                "mpc.tilt",
+                "flatness expects model.kind paper or exact, whose base velocity is smooth; "
+                f"got '{self.model.kind}'",
+            )
+        allocation = self.allocation
+        for key, low, high in (
+            ("d_edge_m", allocation.d_h_m, allocation.d_edge_m),
+            ("d_f_m", allocation.d_h_m, allocation.d_f_m),
+        ):
+            if high <= low:
+                message = f"expected more than d_h_m ({low:g} m), got {high:g} m"
+                raise BadInput(source, f"allocation.{key}", message)
+
+    def _check_period(self, source: object, key: str, period: float) -> None:
+        step = self.rates.plant_step_s
+        if abs(period / step - round(period / step)) > 1e-6 or period < step:
+            raise BadInput(
+                source, key, f"expected a multiple of rates.plant_step_s ({step:g} s), got {period:g} s"
+            )
+
+    def warnings(self) -> list[str]:
+        """What is valid and flown as asked, but should be known."""
+        half_height = self.allocation.learning_space_m[2] / 2
+        if self.allocation.d_h_m > half_height:
+            return [
+                f"allocation.d_h_m ({self.allocation.d_h_m:g} m) reaches out of the learning "
+                f"space, whose half height is {half_height:g} m"
+            ]
+        return []

@@ -1,0 +1,200 @@
+"""From plain mappings to checked dataclasses.
+
+A section of a scenario is a frozen dataclass whose fields say, where they are
+declared, the unit and the range of their value:
+
+    amplitude_m: float = quantity(0.5, "m", 0.01, 5.0)
+
+`build` turns a mapping, as YAML gives it, into such a dataclass, and names the
+dotted key, the unit, the range and the nearest valid name when it cannot. A
+field whose type is a union of dataclasses is told apart by their `kind` key.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import reprlib
+import types
+import typing
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from aerodrake.errors import BadInput, nearest
+
+MAX_LIST = 1000
+"""No list in a scenario is longer: a guard against hostile files."""
+
+
+def quantity(
+    default: float | tuple[float, ...],
+    unit: str,
+    low: float = -math.inf,
+    high: float = math.inf,
+    *,
+    length: int | None = None,
+) -> Any:
+    """Declares a number, or a tuple of them, with its unit and closed range.
+
+    Args:
+        default: The value where the scenario gives none; its type (int, float
+            or tuple) is the field's.
+        unit: The unit, as it is to appear in messages; "1" for none.
+        low: Smallest valid value (of each element).
+        high: Largest valid value (of each element).
+        length: The number of elements a tuple must have; None leaves it open
+            (a per-joint list, whose length only the robot knows).
+    """
+    metadata = {"unit": unit, "low": low, "high": high, "length": length}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def choice(default: str, *others: str) -> Any:
+    """Declares a string that must be `default` or one of `others`."""
+    return dataclasses.field(default=default, metadata={"options": (default, *others)})
+
+
+def file(default: str = "") -> Any:
+    """Declares a path, taken relative to the scenario file; empty for none."""
+    return dataclasses.field(default=default, metadata={"file": True})
+
+
+def provenance() -> Any:
+    """Declares a string that tells where the data came from and is not part of it."""
+    return dataclasses.field(default="", metadata={"provenance": True})
+
+
+def section(cls: type) -> Any:
+    """Declares a nested section with its own defaults."""
+    return dataclasses.field(default_factory=cls)
+
+
+def build(cls: type, data: object, source: object, key: str = "") -> Any:
+    """Builds the dataclass `cls` from a mapping.
+
+    Args:
+        cls: A dataclass whose fields are declared with this module.
+        data: What the YAML parser returned.
+        source: Named in errors: the file or option `data` came from.
+        key: Dotted key of `data` inside the source.
+
+    Returns:
+        An instance of `cls`; keys that `data` lacks have their defaults.
+
+    Raises:
+        BadInput: on unknown keys, wrong types, lengths, or ranges.
+    """
+    if not isinstance(data, Mapping):
+        raise BadInput(source, key, f"expected a mapping of keys to values, got {_show(data)}")
+    hints = typing.get_type_hints(cls)
+    fields = {f.name: f for f in _data_fields(cls)}
+    values = {}
+    for name, value in data.items():
+        dotted = f"{key}.{name}" if key else str(name)
+        if name not in fields:
+            raise BadInput(source, dotted, f"unknown key; {nearest(name, fields)}")
+        values[name] = _convert(hints[name], fields[name].metadata, value, source, dotted)
+    return cls(**values)
+
+
+def as_mapping(config: Any) -> dict[str, Any]:
+    """The reverse of `build`: every key of `config`, defaults included."""
+
+    def plain(value: Any) -> Any:
+        if dataclasses.is_dataclass(value):
+            data = {f.name: plain(getattr(value, f.name)) for f in _data_fields(value)}
+            return {"kind": value.kind, **data} if hasattr(value, "kind") else data
+        if isinstance(value, tuple):
+            return [plain(v) for v in value]
+        return value
+
+    return plain(config)
+
+
+def map_files(config: Any, change: typing.Callable[[Path], Path]) -> Any:
+    """Returns `config` with `change` applied to every non-empty `file` field."""
+    changes: dict[str, Any] = {}
+    for f in dataclasses.fields(config):
+        value = getattr(config, f.name)
+        if dataclasses.is_dataclass(value):
+            changes[f.name] = map_files(value, change)
+        elif f.metadata.get("file") and value and not value.startswith("package://"):
+            changes[f.name] = str(change(Path(value)))
+    return dataclasses.replace(config, **changes)
+
+
+def _data_fields(config: Any) -> list[dataclasses.Field]:
+    return [f for f in dataclasses.fields(config) if "provenance" not in f.metadata]
+
+
+def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, key: str) -> Any:
+    if isinstance(hint, types.UnionType):
+        return _build_union(typing.get_args(hint), value, source, key)
+    if dataclasses.is_dataclass(hint):
+        return build(hint, value, source, key)
+    if hint is bool:
+        if not isinstance(value, bool):
+            raise BadInput(source, key, f"expected true or false, got {_show(value)}")
+        return value
+    if hint is str:
+        return _string(meta, value, source, key)
+    if hint in (int, float):
+        return _number(hint, meta, value, source, key)
+    element = typing.get_args(hint)[0]
+    what = f"a list of {meta.get('length') or ''} numbers in {meta['unit']}"
+    if not isinstance(value, list | tuple):
+        raise BadInput(source, key, f"expected {what}, got {_show(value)}")
+    if len(value) > MAX_LIST or (meta["length"] and len(value) != meta["length"]):
+        raise BadInput(source, key, f"expected {what}, got {len(value)} of them")
+    return tuple(
+        _number(element, meta, v, source, f"{key}[{i}]") for i, v in enumerate(value)
+    )
+
+
+def _build_union(options: tuple[type, ...], value: object, source: object, key: str) -> Any:
+    kinds = {option.kind: option for option in options}
+    kind = value.get("kind") if isinstance(value, Mapping) else None
+    if kind is None:
+        raise BadInput(source, key, f"expected a mapping with a kind {nearest('', kinds)}")
+    if not isinstance(kind, str) or kind not in kinds:
+        raise BadInput(source, f"{key}.kind", f"unknown kind {kind!r}; {nearest(kind, kinds)}")
+    return build(kinds[kind], {k: v for k, v in value.items() if k != "kind"}, source, key)
+
+
+def _string(meta: Mapping[str, Any], value: object, source: object, key: str) -> str:
+    # YAML reads a bare `off` as false.
+    text = {False: "off", True: "on"}.get(value, value) if isinstance(value, bool) else value
+    if not isinstance(text, str):
+        raise BadInput(source, key, f"expected a string, got {_show(value)}")
+    options = meta.get("options")
+    if options and text not in options:
+        raise BadInput(source, key, f"unknown value '{text}'; {nearest(text, options)}")
+    return text
+
+
+def _number(
+    hint: type, meta: Mapping[str, Any], value: object, source: object, key: str
+) -> float | int:
+    low, high = meta["low"], meta["high"]
+    kind = "a whole number" if hint is int else "a number"
+    unit = "" if meta["unit"] == "1" else f" {meta['unit']}"
+    expected = f"expected {kind} in [{low:g}, {high:g}]{unit}"
+    problem = BadInput(source, key, f"{expected}, got {_show(value)}")
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise problem
+    try:
+        number = float(value)  # YAML reads 1e-3, without its point, as a string.
+    except (ValueError, OverflowError):
+        raise problem from None
+    if not math.isfinite(number) or not low <= number <= high:
+        raise problem
+    if hint is int:
+        if number != int(number):
+            raise problem
+        return int(number)
+    return number
+
+
+def _show(value: object) -> str:
+    return reprlib.repr(value)  # Bounded in depth and length, whatever the file held.

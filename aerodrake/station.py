@@ -1,0 +1,222 @@
+"""All wiring: the station, the coordinator, and the closed loop of the two.
+
+The *station* is what hardware would replace: plant, rotors, sensors and the
+low-level controllers. The *coordinator* is what runs on a companion computer:
+reference, kinematics, weight allocator, residual estimator, MPC and setpoint
+integrator. They meet in three signals: `state`, `base_setpoint` and
+`joint_setpoint`.
+
+    event                           period, offset (defaults)     kind
+    plant, rotors                   1 ms                          discrete
+    sensors, sensor_noise           10 ms                         unrestricted, so first
+    mpc, residual_estimator,
+    weight_allocator,
+    setpoint_integrator             20 ms                         discrete
+    flight_controller               10 ms, after 1 ms             discrete
+    arm_controller                   5 ms, after 1 ms             discrete
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from pydrake.common import RandomDistribution, RandomGenerator
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import MultibodyPlant, Propeller, PropellerInfo
+from pydrake.math import RigidTransform
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
+from pydrake.systems.primitives import RandomSource, TrajectorySource
+from pydrake.trajectories import PiecewisePolynomial
+
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.joint_pid import JointPid
+from aerodrake.model.kinematics import Kinematics
+from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.reference import make_reference
+from aerodrake.model.residual_network import ResidualNetwork
+from aerodrake.model.setpoint import SetpointLimits
+from aerodrake.model.thrust_allocation import ThrustAllocation
+from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
+from aerodrake.scenario import Scenario
+from aerodrake.systems.arm_controller import ArmController
+from aerodrake.systems.flight_controller import FlightController
+from aerodrake.systems.kinematics import KinematicsSystem
+from aerodrake.systems.mpc import MpcSystem
+from aerodrake.systems.reference import ReferenceSystem
+from aerodrake.systems.residual_estimator import ResidualEstimator
+from aerodrake.systems.rotors import make_rotors
+from aerodrake.systems.sensors import SensorSystem, noise_size
+from aerodrake.systems.setpoint_integrator import SetpointIntegrator
+from aerodrake.systems.weight_allocator import WeightAllocator
+
+
+def make_station(scenario: Scenario) -> Diagram:
+    """Plant, rotors, sensors, and flight and arm controllers.
+
+    Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
+    Outputs: `state` (13 + 2 n), as measured; `true_state`; `thrust` and
+    `thrust_command` (k) N; `joint_torque` (n) N m; `disturbance` (6); `query_object`,
+    geometry for visualizers.
+    """
+    rates, rotor = scenario.rates, scenario.vehicle.rotor
+    vehicle = Vehicle.load(scenario)
+    builder = DiagramBuilder()
+
+    plant = builder.AddNamedSystem("plant", MultibodyPlant(rates.plant_step_s))
+    scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
+    plant.RegisterAsSourceForSceneGraph(scene_graph)
+    add_robot(plant, scenario.vehicle.robot)
+    add_ground(plant)
+    plant.Finalize()
+    base = plant.GetBodyByName(BASE_FRAME)
+    plant.SetDefaultPositions(vehicle.trim_state[: plant.num_positions()])
+
+    rotors = builder.AddNamedSystem("rotors", make_rotors(
+        rotor, ThrustAllocation.make(vehicle, rotor).allocate(vehicle.trim_wrench),
+        rates.plant_step_s))
+    propellers = builder.AddNamedSystem("propellers", Propeller([
+        PropellerInfo(base.index(), RigidTransform(p), 1.0, -spin * rotor.torque_ratio_m)
+        for p, spin in zip(vehicle.rotors.p_B, vehicle.rotors.spin, strict=True)]))
+    sensors = builder.AddNamedSystem("sensors", SensorSystem(
+        scenario.sensors, vehicle.joints, rates.sensor_period_s, vehicle.trim_state))
+    sensor_noise = builder.AddNamedSystem("sensor_noise", RandomSource(
+        RandomDistribution.kGaussian, noise_size(vehicle.joints), rates.sensor_period_s))
+    flight_controller = builder.AddNamedSystem("flight_controller", FlightController(
+        scenario.flight, rotor, vehicle, rates.flight_period_s, offset=rates.plant_step_s))
+    arm_controller = builder.AddNamedSystem("arm_controller", ArmController(
+        JointPid.make(scenario.arm, vehicle, rates.arm_period_s), vehicle,
+        offset=rates.plant_step_s))
+
+    connect = builder.Connect
+    connect(plant.get_geometry_pose_output_port(), scene_graph.get_source_pose_port(
+        plant.get_source_id()))
+    connect(scene_graph.get_query_output_port(), plant.get_geometry_query_input_port())
+    connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
+    connect(rotors.get_output_port(), propellers.get_command_input_port())
+    connect(plant.get_body_poses_output_port(), propellers.get_body_poses_input_port())
+    connect(propellers.get_spatial_forces_output_port(),
+            plant.get_applied_spatial_force_input_port())
+    connect(arm_controller.GetOutputPort("joint_torque"), plant.get_actuation_input_port())
+    connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
+    connect(sensor_noise.get_output_port(), sensors.GetInputPort("noise"))
+    connect(sensors.GetOutputPort("state"), flight_controller.GetInputPort("state"))
+    connect(sensors.GetOutputPort("state"), arm_controller.GetInputPort("state"))
+
+    builder.ExportInput(flight_controller.GetInputPort("base_setpoint"), "base_setpoint")
+    builder.ExportInput(arm_controller.GetInputPort("joint_setpoint"), "joint_setpoint")
+    builder.ExportOutput(sensors.GetOutputPort("state"), "state")
+    builder.ExportOutput(plant.get_state_output_port(), "true_state")
+    builder.ExportOutput(rotors.get_output_port(), "thrust")
+    builder.ExportOutput(flight_controller.GetOutputPort("thrust_command"), "thrust_command")
+    builder.ExportOutput(arm_controller.GetOutputPort("joint_torque"), "joint_torque")
+    builder.ExportOutput(flight_controller.GetOutputPort("disturbance"), "disturbance")
+    builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
+    return _named(builder.Build(), "station")
+
+
+def make_coordinator(scenario: Scenario) -> Diagram:
+    """Reference, kinematics, allocator, residual estimator, MPC and setpoint integrator.
+
+    Input: `state` (13 + 2 n), as measured.
+    Outputs: `base_setpoint` (9), `joint_setpoint` (3 n); `reference` (6), `weights`
+    (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (2), `delta` (3),
+    `prediction_error` (3), `nominal_prediction_error` (3).
+    """
+    period, residual = scenario.rates.mpc_period_s, scenario.residual
+    vehicle = Vehicle.load(scenario)
+    n = vehicle.joints
+    model = EquivalentModel.make(scenario.model.kind, scenario.model.k_b, period, n)
+    limits = SetpointLimits.make(scenario.mpc, vehicle)
+    builder = DiagramBuilder()
+
+    reference = builder.AddNamedSystem("reference", ReferenceSystem(
+        make_reference(scenario.reference, vehicle.p_E), scenario.settle_s, period, scenario.mpc.horizon))
+    kinematics = builder.AddNamedSystem("kinematics", KinematicsSystem(
+        Kinematics(vehicle.robot), n, vehicle.p_O))
+    weight_allocator = builder.AddNamedSystem("weight_allocator", WeightAllocator(
+        scenario.allocation, period))
+    residual_estimator = builder.AddNamedSystem("residual_estimator", ResidualEstimator(
+        ResidualNetwork.make(residual, n, scenario.seed), model, residual.mode,
+        residual.learning_rate, residual.batch))
+    mpc = builder.AddNamedSystem("mpc", MpcSystem(MpcFormulation(
+        scenario.mpc, model, limits, vehicle)))
+    setpoint_integrator = builder.AddNamedSystem("setpoint_integrator", SetpointIntegrator(
+        limits, np.concatenate([vehicle.p_B, vehicle.working]), period))
+    # Hovers on its setpoints in trim until reference time 0.
+    enable = builder.AddNamedSystem("enable", TrajectorySource(PiecewisePolynomial.ZeroOrderHold(
+        [-1.0, scenario.settle_s, scenario.settle_s + 1.0], [[0.0, 1.0, 1.0]])))
+
+    def connect(source: Any, source_port: str, target: Any, target_port: str = "") -> None:
+        builder.Connect(source.GetOutputPort(source_port),
+                        target.GetInputPort(target_port or source_port))
+
+    connect(reference, "reference", kinematics)
+    connect(reference, "horizon", mpc)
+    connect(reference, "d_g", weight_allocator)
+    connect(kinematics, "distances", weight_allocator)
+    connect(kinematics, "end_effector", mpc)
+    connect(weight_allocator, "weights", mpc)
+    connect(residual_estimator, "delta", mpc)
+    connect(mpc, "u", setpoint_integrator)
+    builder.Connect(enable.get_output_port(), setpoint_integrator.GetInputPort("enable"))
+    for consumer in (mpc, residual_estimator):
+        connect(setpoint_integrator, "base_setpoint", consumer)
+        connect(setpoint_integrator, "joint_setpoint", consumer)
+
+    builder.ExportInput(kinematics.GetInputPort("state"), "state")
+    builder.ConnectInput("state", mpc.GetInputPort("state"))
+    builder.ConnectInput("state", residual_estimator.GetInputPort("state"))
+    for system, ports in (
+        (setpoint_integrator, ("base_setpoint", "joint_setpoint")),
+        (reference, ("reference",)),
+        (weight_allocator, ("weights",)),
+        (mpc, ("u", "prediction", "status")),
+        (residual_estimator, ("delta", "prediction_error", "nominal_prediction_error")),
+    ):
+        for port in ports:
+            builder.ExportOutput(system.GetOutputPort(port), port)
+    return _named(builder.Build(), "coordinator")
+
+
+def make_closed_loop(scenario: Scenario) -> Diagram:
+    """The coordinator flying the station.
+
+    Outputs: all of both, and `query_object` for visualizers.
+    """
+    builder = DiagramBuilder()
+    station = builder.AddSystem(make_station(scenario))
+    coordinator = builder.AddSystem(make_coordinator(scenario))
+    builder.Connect(station.GetOutputPort("state"), coordinator.GetInputPort("state"))
+    for port in ("base_setpoint", "joint_setpoint"):
+        builder.Connect(coordinator.GetOutputPort(port), station.GetInputPort(port))
+    for side in (station, coordinator):
+        for i in range(side.num_output_ports()):
+            port = side.get_output_port(i)
+            builder.ExportOutput(port, port.get_name())
+    return _named(builder.Build(), "closed_loop")
+
+
+def make_context(diagram: Diagram, seed: int) -> Context:
+    """A Context of any of these diagrams, in trim, with its noise drawn from `seed`."""
+    context = diagram.CreateDefaultContext()
+    for system in _leaves(diagram):
+        if isinstance(system, RandomSource):
+            system.SetRandomContext(
+                system.GetMyMutableContextFromRoot(context), RandomGenerator(seed)
+            )
+    return context
+
+
+def _leaves(system: System) -> Iterator[System]:
+    if isinstance(system, Diagram):
+        for inner in system.GetSystems():
+            yield from _leaves(inner)
+    else:
+        yield system
+
+
+def _named(diagram: Diagram, name: str) -> Diagram:
+    diagram.set_name(name)
+    return diagram

@@ -1,0 +1,49 @@
+"""The arm's low-level controller."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+
+from aerodrake.model.joint_pid import JointPid
+from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.vehicle_state import VehicleState
+
+
+class ArmController(LeafSystem):
+    """Discrete PID of the joints.
+
+    Ports:
+        in `state` (13 + 2 n): measured state.
+        in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
+        out `joint_torque` (n): N m, held between ticks.
+    State:
+        `integral` (n) N m, `joint_torque` (n) N m.
+    Rate:
+        `period`, after `offset`, so that it sees what the MPC commanded at
+        the same sample.
+
+    Args:
+        pid: Gains and limits; its dt is the period.
+        vehicle: Trim.
+        offset: s.
+    """
+
+    def __init__(self, pid: JointPid, vehicle: Vehicle, offset: float):
+        super().__init__()
+        self._pid = pid
+        n = vehicle.joints
+        self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
+        self._setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * n)
+        self._x_integral = self.DeclareDiscreteState(vehicle.trim_torque)
+        self._x_torque = self.DeclareDiscreteState(vehicle.trim_torque)
+        self.DeclareStateOutputPort("joint_torque", self._x_torque)
+        self.DeclarePeriodicDiscreteUpdateEvent(pid.dt, offset, self._update)
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        state = VehicleState.from_vector(self._state.Eval(context))
+        q_d, qdot_d, _ = np.split(self._setpoint.Eval(context), 3)
+        error, rate_error = q_d - state.q, qdot_d - state.qdot
+        integral = context.get_discrete_state(self._x_integral).value()
+        discrete.set_value(self._x_torque, self._pid.torque(error, rate_error, integral))
+        discrete.set_value(self._x_integral, self._pid.integrate(error, rate_error, integral))

@@ -1,0 +1,63 @@
+"""Kinematics of the end-effector as a system, evaluated once for all who ask."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydrake.common.value import AbstractValue, Value
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from aerodrake.model.kinematics import EndEffector, Kinematics
+from aerodrake.model.vehicle_state import VehicleState
+
+
+class KinematicsSystem(LeafSystem):
+    """Where the end-effector is, how it moves, and how far it is from where it should be.
+
+    Ports:
+        in `state` (13 + 2 n): measured state.
+        in `reference` (6): p_Ed, p_Ed' in m, m/s.
+        out `end_effector` (abstract): `EndEffector`.
+        out `p_E` (3): m, its position in the world.
+        out `distances` (2): d_e, from its target, and d_o, from the centre of
+            the learning space, in m.
+    State, rate:
+        none; cached until `state` or `reference` changes.
+
+    Args:
+        kinematics: Of the robot.
+        joints: n.
+        p_O: (3,) m, centre of the learning space in the base frame.
+    """
+
+    def __init__(self, kinematics: Kinematics, joints: int, p_O: np.ndarray):
+        super().__init__()
+        self._kinematics = kinematics
+        self._p_O = p_O
+        self._state = self.DeclareVectorInputPort("state", VehicleState.size(joints))
+        self._reference = self.DeclareVectorInputPort("reference", 6)
+        state_only = {self.input_port_ticket(self._state.get_index())}
+        self._end_effector = self.DeclareAbstractOutputPort(
+            "end_effector", lambda: Value(object()), self._calc_end_effector, state_only
+        )
+        self.DeclareVectorOutputPort("p_E", 3, self._calc_p_E, state_only)
+        self.DeclareVectorOutputPort(
+            "distances", 2, self._calc_distances, {self.all_input_ports_ticket()}
+        )
+
+    def _calc_end_effector(self, context: Context, output: AbstractValue) -> None:
+        state = VehicleState.from_vector(self._state.Eval(context))
+        output.set_value(self._kinematics.end_effector(state))
+
+    def _calc_p_E(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._evaluate(context).p_E)
+
+    def _calc_distances(self, context: Context, output: BasicVector) -> None:
+        end_effector = self._evaluate(context)
+        p_Ed = self._reference.Eval(context)[:3]
+        output.SetFromVector([
+            np.linalg.norm(end_effector.p_E - p_Ed),
+            np.linalg.norm(end_effector.p_EB - self._p_O),
+        ])
+
+    def _evaluate(self, context: Context) -> EndEffector:
+        return self._end_effector.Eval(context)

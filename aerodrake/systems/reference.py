@@ -1,0 +1,54 @@
+"""The reference as a system: a function of time."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from aerodrake.model.reference import ReferenceCurve
+
+
+class ReferenceSystem(LeafSystem):
+    """Desired motion of the end-effector, now and over the MPC's horizon.
+
+    Reference time is the context's time less `settle_s`. Everything is in the
+    world frame.
+
+    Ports:
+        reference (out, 6): [p_E,d, p_E,d'] in m and m/s, now.
+        horizon (out, 6 (horizon + 1)): the same at k `period_s` from now, k = 0..horizon;
+            row-major (horizon + 1, 6).
+        d_g (out, 1): m, diameter of the target trajectory; inf for a moving target.
+    State: none.
+    Rate: none; a function of time.
+
+    Args:
+        curve: The motion over reference time.
+        settle_s: s, hover before reference time 0.
+        period_s: s, between the stages of the horizon.
+        horizon: N, stages after the first.
+    """
+
+    def __init__(self, curve: ReferenceCurve, settle_s: float, period_s: float, horizon: int):
+        super().__init__()
+        self._curve = curve
+        self._settle_s = settle_s
+        self._stages = period_s * np.arange(horizon + 1)
+        time = {self.time_ticket()}
+        self.DeclareVectorOutputPort("reference", 6, self._calc_reference, time)
+        self.DeclareVectorOutputPort("horizon", 6 * (horizon + 1), self._calc_horizon, time)
+        self.DeclareVectorOutputPort("d_g", 1, self._calc_d_g, {self.nothing_ticket()})
+
+    def _calc_reference(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._evaluate(context, np.zeros(1)))
+
+    def _calc_horizon(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._evaluate(context, self._stages))
+
+    def _calc_d_g(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector([self._curve.diameter_m])
+
+    def _evaluate(self, context: Context, ahead: np.ndarray) -> np.ndarray:
+        """(6 T,) motion at times `ahead` (T,) s from now."""
+        times = context.get_time() - self._settle_s + ahead
+        return np.hstack(self._curve.evaluate(times)).ravel()

@@ -1,0 +1,40 @@
+"""Rotor dynamics at the plant's rate, without Python in the loop."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydrake.symbolic import Variable, exp, if_then_else, max, min
+from pydrake.systems.primitives import SymbolicVectorSystem
+
+from aerodrake.scenario import Rotor
+
+
+def make_rotors(config: Rotor, trim: np.ndarray, period: float) -> SymbolicVectorSystem:
+    """Thrust limits and first-order lag of each rotor, exactly discretised.
+
+    Ports:
+        in `u0` (k): commanded thrusts, N.
+        out `y0` (k): thrusts, N.
+    State:
+        deviation of the thrusts from `trim`, so that the default Context, all
+        zeros, is in trim.
+    Rate:
+        `period`.
+
+    Args:
+        config: Limits and time constants.
+        trim: (k,) N, thrusts in trim.
+        period: s, the plant's step.
+    """
+    state = [Variable(f"df{i}") for i in range(len(trim))]
+    command = [Variable(f"c{i}") for i in range(len(trim))]
+    up = 1 - exp(-period / config.lag_up_s)
+    down = 1 - exp(-period / config.lag_down_s)
+    dynamics = []
+    for x, c, f0 in zip(state, command, trim, strict=True):
+        gap = min(max(c, config.min_thrust_n), config.max_thrust_n) - (f0 + x)
+        dynamics.append(x + if_then_else(gap > 0, up, down) * gap)
+    output = [f0 + x for x, f0 in zip(state, trim, strict=True)]
+    return SymbolicVectorSystem(
+        state=state, input=command, dynamics=dynamics, output=output, time_period=period
+    )

@@ -1,0 +1,54 @@
+"""Weight allocation as a system."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+
+from aerodrake.model.weight_allocation import Mode, Weights, allocate
+from aerodrake.scenario import Allocation
+
+
+class WeightAllocator(LeafSystem):
+    """gamma, mode and weights from three distances.
+
+    Ports:
+        in `distances` (2): d_e, d_o in m.
+        in `d_g` (1): m.
+        out `weights` (5): gamma, mode (a value of `Mode`), w_q, w_m, w_d. Feeds
+            through, so that the MPC, which pulls it, has it without delay.
+    State:
+        the mode at the last tick, for hysteresis.
+    Rate:
+        `period`.
+
+    Args:
+        config: Boundaries and gains.
+        period: s.
+    """
+
+    def __init__(self, config: Allocation, period: float):
+        super().__init__()
+        self._config = config
+        self._distances = self.DeclareVectorInputPort("distances", 2)
+        self._d_g = self.DeclareVectorInputPort("d_g", 1)
+        self._x_mode = self.DeclareDiscreteState([Mode.HOVER])
+        self._weights = self.DeclareVectorOutputPort(
+            "weights",
+            5,
+            self._calc_weights,
+            {self.all_input_ports_ticket(), self.discrete_state_ticket(self._x_mode)},
+        )
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+
+    def _calc_weights(self, context: Context, output: BasicVector) -> None:
+        last = Mode(int(context.get_discrete_state(self._x_mode).value()[0]))
+        d_e, d_o = self._distances.Eval(context)
+        weights: Weights = allocate(self._config, last, d_e, d_o, self._d_g.Eval(context)[0])
+        output.SetFromVector(
+            [weights.gamma, weights.mode, weights.w_q, weights.w_m, weights.w_d]
+        )
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        mode = self._weights.Eval(context)[1]
+        discrete.set_value(self._x_mode, np.array([mode]))

@@ -1,0 +1,270 @@
+"""The estimator against a plain loop with autograd, tick by tick."""
+
+import copy
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import torch
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context
+
+from aerodrake.model.equivalent_model import AXIS_MODELS, EquivalentModel
+from aerodrake.model.residual_network import ResidualNetwork, features
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.systems.residual_estimator import ResidualEstimator
+
+JOINTS = 6
+DT = 0.02
+PORTS = ("state", "base_setpoint", "joint_setpoint")
+OUTPUTS = ("delta", "prediction_error", "nominal_prediction_error")
+
+
+def equivalent_model(kind: str = "exact") -> EquivalentModel:
+    return EquivalentModel.make(kind, np.array([1.8, 2.0, 2.4]), DT, JOINTS)
+
+
+def trained(seed: int = 5) -> ResidualNetwork:
+    network = ResidualNetwork.untrained(JOINTS, seed)
+    rng = np.random.default_rng(seed)
+    with torch.no_grad():
+        network.last.weight.copy_(torch.tensor(0.1 * rng.normal(size=(3, 32))))
+        network.last.bias.copy_(torch.tensor(0.1 * rng.normal(size=3)))
+    return network
+
+
+def inputs(ticks: int, seed: int = 0) -> list[dict[str, np.ndarray]]:
+    """Values of the input ports at each tick; nothing in them is the same twice."""
+    rng = np.random.default_rng(seed)
+    sizes = (VehicleState.size(JOINTS), 9, 3 * JOINTS)
+    flight = [
+        {port: 0.3 * rng.normal(size=size) for port, size in zip(PORTS, sizes, strict=True)}
+        for _ in range(ticks)
+    ]
+    for tick in flight:
+        tick["state"][0] = 1
+    return flight
+
+
+def drive(estimator: ResidualEstimator, context: Context, flight) -> dict[str, np.ndarray]:
+    """Runs tick by tick; `delta` as sampled at the tick, the errors as they are after it."""
+    log = {name: [] for name in OUTPUTS}
+    for tick in flight:
+        for port, value in tick.items():
+            estimator.GetInputPort(port).FixValue(context, value)
+        log["delta"].append(estimator.GetOutputPort("delta").Eval(context))
+        context.SetDiscreteState(estimator.EvalUniquePeriodicDiscreteUpdate(context))
+        for name in OUTPUTS[1:]:
+            log[name].append(estimator.GetOutputPort(name).Eval(context))
+    return {name: np.array(values) for name, values in log.items()}
+
+
+def fly(network, model, mode, learning_rate, batch, flight) -> dict[str, np.ndarray]:
+    estimator = ResidualEstimator(network, model, mode, learning_rate, batch)
+    return drive(estimator, estimator.CreateDefaultContext(), flight)
+
+
+@dataclass
+class Pending:
+    x: np.ndarray
+    features: np.ndarray
+    delta: np.ndarray
+
+
+def straightforward(network, model, mode, learning_rate, batch, flight):
+    """What the paper says, with autograd and torch's SGD."""
+    network = copy.deepcopy(network)
+    sgd = torch.optim.SGD(network.last.parameters(), lr=learning_rate)
+    rows, c = model.base_velocity, torch.tensor(model.C[model.base_velocity])
+    pending, window = None, []
+    log, error, nominal_error = {name: [] for name in OUTPUTS}, np.zeros(3), np.zeros(3)
+    for tick in flight:
+        state = VehicleState.from_vector(tick["state"])
+        u = np.concatenate([tick["base_setpoint"][6:9], tick["joint_setpoint"][12:18]])
+        delta, valid = np.zeros(3), all(np.isfinite(value).all() for value in tick.values())
+        if valid:
+            if pending:
+                base = (model.A @ pending.x + model.B @ u)[rows]
+                nominal_error = base - state.v_B
+                error = model.predict(pending.x, u, pending.delta)[rows] - state.v_B
+                window = [*window, (pending.features, base, state.v_B)][-batch:]
+                if mode == "online":
+                    seen, bases, measured = (torch.tensor(np.array(v)) for v in zip(*window, strict=True))
+                    sgd.zero_grad()
+                    predicted = bases + network(seen) @ c.T
+                    ((predicted - measured) ** 2).sum(dim=1).mean().backward()
+                    sgd.step()
+            now = features(state, u)
+            if mode != "off":
+                delta = network(torch.tensor(now)).detach().numpy()
+        log["delta"].append(delta)
+        log["prediction_error"].append(error)
+        log["nominal_prediction_error"].append(nominal_error)
+        pending = None
+        if valid:
+            setpoints = tick["base_setpoint"], tick["joint_setpoint"]
+            pending = Pending(
+                model.initial_state(state.p_B, state.v_B, *setpoints), now, delta
+            )
+    return {name: np.array(values) for name, values in log.items()}
+
+
+def assert_same(log, expected):
+    for name in OUTPUTS:
+        np.testing.assert_allclose(log[name], expected[name], rtol=0, atol=1e-10, err_msg=name)
+
+
+@pytest.mark.parametrize("mode", ["off", "offline", "online"])
+@pytest.mark.parametrize("kind", list(AXIS_MODELS))
+def test_equals_the_straightforward_way(mode, kind):
+    setup = (trained(), equivalent_model(kind), mode, 0.01, 20, inputs(45))
+    assert_same(fly(*setup), straightforward(*setup))
+
+
+@pytest.mark.parametrize("batch", [1, 3, 100])
+def test_batches(batch):
+    setup = (trained(), equivalent_model(), "online", 0.01, batch, inputs(40))
+    assert_same(fly(*setup), straightforward(*setup))
+
+
+@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")  # An infinite quaternion.
+@pytest.mark.parametrize("port", PORTS)
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_ticks_that_are_not_finite_are_skipped(port, number):
+    flight = inputs(40)
+    for k in (0, 7, 8, 30):
+        flight[k][port][k % 9] = number
+    setup = (trained(), equivalent_model(), "online", 0.01, 20, flight)
+    log = fly(*setup)
+    assert np.all(log["delta"][[0, 7, 8, 30]] == 0)
+    assert_same(log, straightforward(*setup))
+
+
+def test_off_is_zero_and_predicts_as_the_model_alone():
+    log = fly(trained(), equivalent_model(), "off", 0.01, 20, inputs(5))
+    assert np.all(log["delta"] == 0)
+    np.testing.assert_array_equal(log["prediction_error"], log["nominal_prediction_error"])
+
+
+def test_without_effect_nothing_is_learned():
+    setup = (trained(), equivalent_model("integral"))
+    flight = inputs(30)
+    online = fly(*setup, "online", 0.01, 20, flight)
+    offline = fly(*setup, "offline", 0.01, 20, flight)
+    np.testing.assert_array_equal(online["delta"], offline["delta"])
+
+
+def test_the_first_tick_learns_nothing():
+    estimator = ResidualEstimator(trained(), equivalent_model(), "online", 0.01, 20)
+    context = estimator.CreateDefaultContext()
+    log = drive(estimator, context, inputs(1))
+    theta = context.get_discrete_state(0).value()
+    np.testing.assert_array_equal(theta, trained().last_layer().ravel())
+    assert np.all(log["prediction_error"] == 0) and np.all(log["nominal_prediction_error"] == 0)
+
+
+def test_the_update_comes_before_the_inference():
+    network, model, flight = ResidualNetwork.untrained(JOINTS, 0), equivalent_model(), inputs(2)
+    log = fly(network, model, "online", 0.01, 20, flight)
+
+    def phi(tick):
+        u = np.concatenate([tick["base_setpoint"][6:], tick["joint_setpoint"][2 * JOINTS :]])
+        return network.phi(features(VehicleState.from_vector(tick["state"]), u))
+
+    gain = model.C[model.base_velocity].diagonal()
+    target = -log["nominal_prediction_error"][1]
+    theta = np.outer(0.01 * 2 * gain * target, phi(flight[0]))
+    assert np.all(log["delta"][0] == 0)
+    assert np.all(log["delta"][1] != 0)
+    np.testing.assert_allclose(log["delta"][1], theta @ phi(flight[1]), rtol=1e-10)
+    # The network had nothing to say when it made the prediction that is compared here.
+    np.testing.assert_array_equal(log["prediction_error"][1], -target)
+
+
+@pytest.mark.parametrize("kind", ["paper", "exact", "velocity_aware"])
+def test_learns_a_constant_residual(kind):
+    residual = np.array([0.10, -0.05, 0.02])
+    model = equivalent_model(kind)
+    tick = {"state": np.zeros(VehicleState.size(JOINTS))}
+    tick |= {"base_setpoint": np.zeros(9), "joint_setpoint": np.zeros(3 * JOINTS)}
+    # At rest on its setpoint, the model alone predicts no motion.
+    state = VehicleState.from_vector(tick["state"])
+    state.quaternion[0] = 1
+    state.v_B[:] = model.C[model.base_velocity] @ residual
+    log = fly(ResidualNetwork.untrained(JOINTS, 0), model, "online", 0.02, 20, [tick] * 300)
+
+    np.testing.assert_allclose(log["delta"][-1], residual, atol=1e-4)
+    assert np.linalg.norm(log["prediction_error"][-1]) < 1e-4
+    np.testing.assert_allclose(log["nominal_prediction_error"][-1], -state.v_B, atol=1e-15)
+
+
+def test_clones_are_independent_and_alike():
+    estimator = ResidualEstimator(trained(), equivalent_model(), "online", 0.01, 20)
+    context = estimator.CreateDefaultContext()
+    drive(estimator, context, inputs(25))
+    estimator.GetOutputPort("delta").Eval(context)  # A cached value is cloned, too.
+    clone, other = context.Clone(), context.Clone()
+    drive(estimator, other, inputs(30, seed=2))
+
+    continued = drive(estimator, context, inputs(30, seed=1))
+    assert_same(drive(estimator, clone, inputs(30, seed=1)), continued)
+    for i in range(context.num_discrete_state_groups()):
+        np.testing.assert_array_equal(
+            context.get_discrete_state(i).value(), clone.get_discrete_state(i).value()
+        )
+
+
+def test_the_network_is_copied():
+    network = trained()
+    estimator = ResidualEstimator(network, equivalent_model(), "offline", 0.01, 20)
+    with torch.no_grad():
+        for parameter in network.parameters():
+            parameter.zero_()
+    log = drive(estimator, estimator.CreateDefaultContext(), inputs(3))
+    assert_same(log, fly(trained(), equivalent_model(), "offline", 0.01, 20, inputs(3)))
+
+
+def test_feedthrough_is_that_of_delta_alone():
+    estimator = ResidualEstimator(trained(), equivalent_model(), "online", 0.01, 20)
+    for port in range(len(PORTS)):
+        assert estimator.HasDirectFeedthrough(port, 0)
+        assert not estimator.HasDirectFeedthrough(port, 1)
+        assert not estimator.HasDirectFeedthrough(port, 2)
+
+
+class Counting(ResidualEstimator):
+    ticks = events = 0
+
+    def _calc_tick(self, context, tick):
+        self.ticks += 1
+        super()._calc_tick(context, tick)
+
+    def _update(self, context, state):
+        self.events += 1
+        super()._update(context, state)
+
+
+def test_output_and_update_share_one_computation_that_is_never_stale():
+    estimator = Counting(trained(), equivalent_model(), "online", 0.01, 20)
+    context = estimator.CreateDefaultContext()
+    drive(estimator, context, inputs(30))
+    assert estimator.ticks == estimator.events == 30
+
+    delta = estimator.GetOutputPort("delta")
+    for port, value in inputs(1, seed=9)[0].items():
+        before = delta.Eval(context)
+        estimator.GetInputPort(port).FixValue(context, value)
+        assert np.any(delta.Eval(context) != before), port
+    before = delta.Eval(context)
+    context.SetDiscreteState(0, context.get_discrete_state(0).value() + 1)
+    assert np.any(delta.Eval(context) != before)
+
+
+def test_fifty_events_a_second():
+    estimator = Counting(trained(), equivalent_model(), "online", 0.01, 20)
+    simulator = Simulator(estimator)
+    context = simulator.get_mutable_context()
+    for port, value in inputs(1)[0].items():
+        estimator.GetInputPort(port).FixValue(context, value)
+    simulator.AdvanceTo(1 - DT / 2)
+    assert estimator.events == estimator.ticks == 50
