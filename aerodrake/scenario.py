@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from aerodrake.errors import BadInput
-from aerodrake.schema import choice, file, provenance, quantity, section
+from aerodrake.schema import choice, file, provenance, quantity
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class Vehicle:
     working_rad: tuple[float, ...] = quantity(
         (0.0, -0.13761843, 1.79340966, 0.0, -1.65579123, 0.0), "rad", -6.2832, 6.2832
     )
-    rotor: Rotor = section(Rotor)
+    rotor: Rotor = Rotor()
 
 
 @dataclass(frozen=True)
@@ -226,16 +226,16 @@ class Scenario:
     # Hover before reference time 0.
     settle_s: float = quantity(3.0, "s", 0.0, 60.0)
     seed: int = quantity(0, "1", 0, 2**31 - 1)
-    rates: Rates = section(Rates)
-    reference: Reference = section(Hover)
-    vehicle: Vehicle = section(Vehicle)
-    sensors: Sensors = section(Sensors)
-    flight: Flight = section(Flight)
-    arm: Arm = section(Arm)
-    model: Model = section(Model)
-    residual: Residual = section(Residual)
-    mpc: Mpc = section(Mpc)
-    allocation: Allocation = section(Allocation)
+    rates: Rates = Rates()
+    reference: Reference = Hover()
+    vehicle: Vehicle = Vehicle()
+    sensors: Sensors = Sensors()
+    flight: Flight = Flight()
+    arm: Arm = Arm()
+    model: Model = Model()
+    residual: Residual = Residual()
+    mpc: Mpc = Mpc()
+    allocation: Allocation = Allocation()
     # The file this was read from, for messages.
     source: str = provenance()
 
@@ -293,7 +293,9 @@ class Scenario:
         step = self.rates.plant_step_s
         if abs(period / step - round(period / step)) > 1e-6 or period < step:
             raise BadInput(
-                source, key, f"expected a multiple of rates.plant_step_s ({step:g} s), got {period:g} s"
+                source,
+                key,
+                f"expected a multiple of rates.plant_step_s ({step:g} s), got {period:g} s",
             )
 
     def warnings(self) -> list[str]:

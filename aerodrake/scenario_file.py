@@ -43,8 +43,13 @@ def load_scenario(name_or_path: str, overrides: Iterable[tuple[str, str]] = ()) 
     path = _find(name_or_path)
     data = _parse(_read(path), path)
     if not isinstance(data, Mapping) or not data:
-        raise BadInput(path, "", "expected a mapping of scenario keys to values, got an empty file"
-                       if not data else "expected a mapping of scenario keys to values")
+        raise BadInput(
+            path,
+            "",
+            "expected a mapping of scenario keys to values, got an empty file"
+            if not data
+            else "expected a mapping of scenario keys to values",
+        )
     scenario = map_files(build(Scenario, data, path), lambda file: path.parent.resolve() / file)
     last: object = path
     for option, assignment in overrides:
@@ -66,8 +71,12 @@ def save_scenario(scenario: Scenario, folder: Path) -> Path:
         return Path(file.name)
 
     vehicle = scenario.vehicle  # The robot stays where its meshes are.
-    portable = dataclasses.replace(map_files(dataclasses.replace(
-        scenario, vehicle=dataclasses.replace(vehicle, robot="")), copy), vehicle=vehicle)
+    portable = dataclasses.replace(
+        map_files(
+            dataclasses.replace(scenario, vehicle=dataclasses.replace(vehicle, robot="")), copy
+        ),
+        vehicle=vehicle,
+    )
     path = folder / "scenario.yaml"
     path.write_text(yaml_dump(as_mapping(portable)), encoding="utf-8")
     return path
@@ -80,8 +89,11 @@ def _find(name_or_path: str) -> Path:
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml") or os.sep in name_or_path:
         return path
-    raise BadInput(name_or_path, "", f"no such scenario; {nearest(name_or_path, packaged)} "
-                   "or the path of a .yaml file")
+    raise BadInput(
+        name_or_path,
+        "",
+        f"no such scenario; {nearest(name_or_path, packaged)} or the path of a .yaml file",
+    )
 
 
 def _read(path: Path) -> str:
@@ -116,8 +128,11 @@ def _override(scenario: Scenario, option: str, assignment: str) -> Scenario:
     for depth, name in enumerate(parents):
         if not isinstance(node.get(name), dict):
             sections = [k for k, v in node.items() if isinstance(v, dict)]
-            raise BadInput(option, ".".join(parents[: depth + 1]),
-                           f"unknown section; {nearest(name, sections)}")
+            raise BadInput(
+                option,
+                ".".join(parents[: depth + 1]),
+                f"unknown section; {nearest(name, sections)}",
+            )
         node = node[name]
     if leaf == "kind" and isinstance(value, str) and node.get("kind") != value:
         node.clear()  # Another kind of reference has keys of its own.

@@ -65,11 +65,6 @@ def provenance() -> Any:
     return dataclasses.field(default="", metadata={"provenance": True})
 
 
-def section(cls: type) -> Any:
-    """Declares a nested section with its own defaults."""
-    return dataclasses.field(default_factory=cls)
-
-
 def build(cls: type, data: object, source: object, key: str = "") -> Any:
     """Builds the dataclass `cls` from a mapping.
 
@@ -147,9 +142,7 @@ def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, 
         raise BadInput(source, key, f"expected {what}, got {_show(value)}")
     if len(value) > MAX_LIST or (meta["length"] and len(value) != meta["length"]):
         raise BadInput(source, key, f"expected {what}, got {len(value)} of them")
-    return tuple(
-        _number(element, meta, v, source, f"{key}[{i}]") for i, v in enumerate(value)
-    )
+    return tuple(_number(element, meta, v, source, f"{key}[{i}]") for i, v in enumerate(value))
 
 
 def _build_union(options: tuple[type, ...], value: object, source: object, key: str) -> Any:

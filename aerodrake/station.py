@@ -24,18 +24,18 @@ from typing import Any
 import numpy as np
 from pydrake.common import RandomDistribution, RandomGenerator
 from pydrake.geometry import SceneGraph
-from pydrake.multibody.plant import MultibodyPlant, Propeller, PropellerInfo
 from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant, Propeller, PropellerInfo
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import RandomSource, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
+from aerodrake.model.checkpoint import network_for
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
 from aerodrake.model.reference import make_reference
-from aerodrake.model.residual_network import ResidualNetwork
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.thrust_allocation import ThrustAllocation
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
@@ -73,31 +73,60 @@ def make_station(scenario: Scenario) -> Diagram:
     base = plant.GetBodyByName(BASE_FRAME)
     plant.SetDefaultPositions(vehicle.trim_state[: plant.num_positions()])
 
-    rotors = builder.AddNamedSystem("rotors", make_rotors(
-        rotor, ThrustAllocation.make(vehicle, rotor).allocate(vehicle.trim_wrench),
-        rates.plant_step_s))
-    propellers = builder.AddNamedSystem("propellers", Propeller([
-        PropellerInfo(base.index(), RigidTransform(p), 1.0, -spin * rotor.torque_ratio_m)
-        for p, spin in zip(vehicle.rotors.p_B, vehicle.rotors.spin, strict=True)]))
-    sensors = builder.AddNamedSystem("sensors", SensorSystem(
-        scenario.sensors, vehicle.joints, rates.sensor_period_s, vehicle.trim_state))
-    sensor_noise = builder.AddNamedSystem("sensor_noise", RandomSource(
-        RandomDistribution.kGaussian, noise_size(vehicle.joints), rates.sensor_period_s))
-    flight_controller = builder.AddNamedSystem("flight_controller", FlightController(
-        scenario.flight, rotor, vehicle, rates.flight_period_s, offset=rates.plant_step_s))
-    arm_controller = builder.AddNamedSystem("arm_controller", ArmController(
-        JointPid.make(scenario.arm, vehicle, rates.arm_period_s), vehicle,
-        offset=rates.plant_step_s))
+    rotors = builder.AddNamedSystem(
+        "rotors",
+        make_rotors(
+            rotor,
+            ThrustAllocation.make(vehicle, rotor).allocate(vehicle.trim_wrench),
+            rates.plant_step_s,
+        ),
+    )
+    propellers = builder.AddNamedSystem(
+        "propellers",
+        Propeller(
+            [
+                PropellerInfo(base.index(), RigidTransform(p), 1.0, -spin * rotor.torque_ratio_m)
+                for p, spin in zip(vehicle.rotors.p_B, vehicle.rotors.spin, strict=True)
+            ]
+        ),
+    )
+    sensors = builder.AddNamedSystem(
+        "sensors",
+        SensorSystem(scenario.sensors, vehicle.joints, rates.sensor_period_s, vehicle.trim_state),
+    )
+    sensor_noise = builder.AddNamedSystem(
+        "sensor_noise",
+        RandomSource(
+            RandomDistribution.kGaussian, noise_size(vehicle.joints), rates.sensor_period_s
+        ),
+    )
+    flight_controller = builder.AddNamedSystem(
+        "flight_controller",
+        FlightController(
+            scenario.flight, rotor, vehicle, rates.flight_period_s, offset=rates.plant_step_s
+        ),
+    )
+    arm_controller = builder.AddNamedSystem(
+        "arm_controller",
+        ArmController(
+            JointPid.make(scenario.arm, vehicle, rates.arm_period_s),
+            vehicle,
+            offset=rates.plant_step_s,
+        ),
+    )
 
     connect = builder.Connect
-    connect(plant.get_geometry_pose_output_port(), scene_graph.get_source_pose_port(
-        plant.get_source_id()))
+    connect(
+        plant.get_geometry_pose_output_port(),
+        scene_graph.get_source_pose_port(plant.get_source_id()),
+    )
     connect(scene_graph.get_query_output_port(), plant.get_geometry_query_input_port())
     connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
     connect(rotors.get_output_port(), propellers.get_command_input_port())
     connect(plant.get_body_poses_output_port(), propellers.get_body_poses_input_port())
-    connect(propellers.get_spatial_forces_output_port(),
-            plant.get_applied_spatial_force_input_port())
+    connect(
+        propellers.get_spatial_forces_output_port(), plant.get_applied_spatial_force_input_port()
+    )
     connect(arm_controller.GetOutputPort("joint_torque"), plant.get_actuation_input_port())
     connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
     connect(sensor_noise.get_output_port(), sensors.GetInputPort("noise"))
@@ -131,26 +160,48 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     limits = SetpointLimits.make(scenario.mpc, vehicle)
     builder = DiagramBuilder()
 
-    reference = builder.AddNamedSystem("reference", ReferenceSystem(
-        make_reference(scenario.reference, vehicle.p_E), scenario.settle_s, period, scenario.mpc.horizon))
-    kinematics = builder.AddNamedSystem("kinematics", KinematicsSystem(
-        Kinematics(vehicle.robot), n, vehicle.p_O))
-    weight_allocator = builder.AddNamedSystem("weight_allocator", WeightAllocator(
-        scenario.allocation, period))
-    residual_estimator = builder.AddNamedSystem("residual_estimator", ResidualEstimator(
-        ResidualNetwork.make(residual, n, scenario.seed), model, residual.mode,
-        residual.learning_rate, residual.batch))
-    mpc = builder.AddNamedSystem("mpc", MpcSystem(MpcFormulation(
-        scenario.mpc, model, limits, vehicle)))
-    setpoint_integrator = builder.AddNamedSystem("setpoint_integrator", SetpointIntegrator(
-        limits, np.concatenate([vehicle.p_B, vehicle.working]), period))
+    reference = builder.AddNamedSystem(
+        "reference",
+        ReferenceSystem(
+            make_reference(scenario.reference, vehicle.p_E),
+            scenario.settle_s,
+            period,
+            scenario.mpc.horizon,
+        ),
+    )
+    kinematics = builder.AddNamedSystem(
+        "kinematics", KinematicsSystem(Kinematics(vehicle.robot), n, vehicle.p_O)
+    )
+    weight_allocator = builder.AddNamedSystem(
+        "weight_allocator", WeightAllocator(scenario.allocation, period)
+    )
+    residual_estimator = builder.AddNamedSystem(
+        "residual_estimator",
+        ResidualEstimator(
+            network_for(scenario, n), model, residual.mode, residual.learning_rate, residual.batch
+        ),
+    )
+    mpc = builder.AddNamedSystem(
+        "mpc", MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
+    )
+    setpoint_integrator = builder.AddNamedSystem(
+        "setpoint_integrator",
+        SetpointIntegrator(limits, np.concatenate([vehicle.p_B, vehicle.working]), period),
+    )
     # Hovers on its setpoints in trim until reference time 0.
-    enable = builder.AddNamedSystem("enable", TrajectorySource(PiecewisePolynomial.ZeroOrderHold(
-        [-1.0, scenario.settle_s, scenario.settle_s + 1.0], [[0.0, 1.0, 1.0]])))
+    enable = builder.AddNamedSystem(
+        "enable",
+        TrajectorySource(
+            PiecewisePolynomial.ZeroOrderHold(
+                [-1.0, scenario.settle_s, scenario.settle_s + 1.0], [[0.0, 1.0, 1.0]]
+            )
+        ),
+    )
 
     def connect(source: Any, source_port: str, target: Any, target_port: str = "") -> None:
-        builder.Connect(source.GetOutputPort(source_port),
-                        target.GetInputPort(target_port or source_port))
+        builder.Connect(
+            source.GetOutputPort(source_port), target.GetInputPort(target_port or source_port)
+        )
 
     connect(reference, "reference", kinematics)
     connect(reference, "horizon", mpc)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -119,37 +120,37 @@ class EquivalentModel:
         C[: 3 * BASE_STATES] = block_diag(*(c[:, None] for _, _, c in axes))
         return cls(A, B, C, dt, np.asarray(k_b, dtype=float), kind == "integral")
 
-    @property
+    @cached_property
     def joints(self) -> int:
         """n."""
         return self.B.shape[1] - 3
 
-    @property
+    @cached_property
     def base_position(self) -> np.ndarray:
         """(3,) indices of p_B in x."""
         return BASE_STATES * np.arange(3)
 
-    @property
+    @cached_property
     def base_velocity(self) -> np.ndarray:
         """(3,) indices of p_B' in x."""
         return self.base_position + 1
 
-    @property
+    @cached_property
     def setpoint_position(self) -> np.ndarray:
         """(3,) indices of p_B,d in x."""
         return self.base_position + 2
 
-    @property
+    @cached_property
     def setpoint_velocity(self) -> np.ndarray:
         """(3,) indices of p_B,d' in x."""
         return self.base_position + 3
 
-    @property
+    @cached_property
     def joint_position(self) -> np.ndarray:
         """(n,) indices of q in x."""
         return 3 * BASE_STATES + 2 * np.arange(self.joints)
 
-    @property
+    @cached_property
     def joint_velocity(self) -> np.ndarray:
         """(n,) indices of q' in x."""
         return self.joint_position + 1

@@ -77,7 +77,9 @@ class Kinematics:
         r = R_B @ p_EB
         _, pitch, yaw = RollPitchYaw(RotationMatrix(R_B)).vector()
         # The axes about which roll, pitch and yaw turn the base, in the world.
-        axis_roll = np.array([np.cos(yaw) * np.cos(pitch), np.sin(yaw) * np.cos(pitch), -np.sin(pitch)])
+        axis_roll = np.array(
+            [np.cos(yaw) * np.cos(pitch), np.sin(yaw) * np.cos(pitch), -np.sin(pitch)]
+        )
         axis_pitch = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
         axis_yaw = np.array([0.0, 0.0, 1.0])
         J_c = np.column_stack([np.eye(3), np.cross(axis_yaw, r), R_B @ J_B])

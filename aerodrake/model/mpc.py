@@ -151,10 +151,12 @@ class MpcFormulation:
         g += tick.w_m * (
             self._joint_rows.T @ (self._w_2_joints * x_free[:, model.joint_velocity].ravel())
         )
-        values = np.concatenate([
-            x_free[:, self._bounded].ravel(),
-            x_free[-1, model.joint_position] + self._t_stop * x_free[-1, model.joint_velocity],
-        ])
+        values = np.concatenate(
+            [
+                x_free[:, self._bounded].ravel(),
+                x_free[-1, model.joint_position] + self._t_stop * x_free[-1, model.joint_velocity],
+            ]
+        )
         return MpcProgram(
             H=H,
             g=g,

@@ -131,6 +131,4 @@ class CondensedQp:
         if np.abs(z).max() > 1 + FEASIBILITY:
             return False
         value = self.A @ z
-        return bool(
-            (value >= lower - FEASIBILITY).all() and (value <= upper + FEASIBILITY).all()
-        )
+        return bool((value >= lower - FEASIBILITY).all() and (value <= upper + FEASIBILITY).all())

@@ -54,9 +54,7 @@ def add_ground(plant: MultibodyPlant) -> None:
     slab = Box(100.0, 100.0, 1.0)
     pose = RigidTransform([0.0, 0.0, -0.5])
     friction = CoulombFriction(static_friction=0.8, dynamic_friction=0.6)
-    plant.RegisterCollisionGeometry(
-        plant.world_body(), pose, slab, "ground_collision", friction
-    )
+    plant.RegisterCollisionGeometry(plant.world_body(), pose, slab, "ground_collision", friction)
 
 
 @dataclass(frozen=True)
@@ -149,8 +147,11 @@ class Vehicle:
             BadInput: if the list has another length.
         """
         if len(values) not in (1, self.joints):
-            raise BadInput(self.source, key, f"expected 1 value, or {self.joints}, one for each "
-                           f"joint, got {len(values)}")
+            raise BadInput(
+                self.source,
+                key,
+                f"expected 1 value, or {self.joints}, one for each joint, got {len(values)}",
+            )
         return np.broadcast_to(np.array(values, dtype=float), self.joints)
 
     @classmethod
@@ -167,15 +168,16 @@ class Vehicle:
         joints = _arm_joints(plant, robot)
         n = len(joints)
         lower, upper = plant.GetPositionLowerLimits()[-n:], plant.GetPositionUpperLimits()[-n:]
-        _check_working(np.array(working), lower, upper, [j.name() for j in joints],
-                       scenario.source)
+        _check_working(np.array(working), lower, upper, [j.name() for j in joints], scenario.source)
 
         context = plant.CreateDefaultContext()
         q = plant.GetDefaultPositions()
         q[BASE_POSITIONS:] = working
         plant.SetPositions(context, q)
         base, tool = plant.GetFrameByName(BASE_FRAME), plant.GetFrameByName(TOOL_FRAME)
-        inertia = plant.CalcSpatialInertia(context, base, plant.GetBodyIndices(base.model_instance()))
+        inertia = plant.CalcSpatialInertia(
+            context, base, plant.GetBodyIndices(base.model_instance())
+        )
         gravity = plant.CalcGravityGeneralizedForces(context)
         M = plant.CalcMassMatrix(context)
         b, a = slice(BASE_VELOCITIES), slice(BASE_VELOCITIES, None)
@@ -209,20 +211,29 @@ def _arm_joints(plant: MultibodyPlant, robot: str) -> list[RevoluteJoint]:
     driven = [plant.get_joint_actuator(i).joint().name() for i in plant.GetJointActuatorIndices()]
     if driven != [j.name() for j in arm]:
         raise BadInput(robot, "", "expected one transmission per joint, in the joints' order")
-    limits = np.concatenate([
-        plant.GetPositionUpperLimits()[BASE_POSITIONS:], plant.GetEffortUpperLimits(),
-        plant.GetVelocityUpperLimits()[BASE_VELOCITIES:],
-        plant.GetAccelerationUpperLimits()[BASE_VELOCITIES:],
-    ])
+    limits = np.concatenate(
+        [
+            plant.GetPositionUpperLimits()[BASE_POSITIONS:],
+            plant.GetEffortUpperLimits(),
+            plant.GetVelocityUpperLimits()[BASE_VELOCITIES:],
+            plant.GetAccelerationUpperLimits()[BASE_VELOCITIES:],
+        ]
+    )
     if not np.all(np.isfinite(limits)):
-        raise BadInput(robot, "", "expected every joint to have limits of position, effort, "
-                       "velocity and drake:acceleration")
+        raise BadInput(
+            robot,
+            "",
+            "expected every joint to have limits of position, effort, "
+            "velocity and drake:acceleration",
+        )
     return arm
 
 
 def _rotors(plant: MultibodyPlant, robot: str) -> Rotors:
-    frames = [plant.get_frame(i) for i in plant.GetFrameIndices(plant.GetFrameByName(
-        BASE_FRAME).model_instance())]
+    frames = [
+        plant.get_frame(i)
+        for i in plant.GetFrameIndices(plant.GetFrameByName(BASE_FRAME).model_instance())
+    ]
     frames = [f for f in frames if f.name().startswith(ROTOR_PREFIX)]
     if len(frames) < 4 or not all(f.name().endswith(("_ccw", "_cw")) for f in frames):
         raise BadInput(robot, "", "expected four or more frames rotor_*_ccw and rotor_*_cw")
@@ -238,9 +249,16 @@ def _check_working(
 ) -> None:
     key = "vehicle.working_rad"
     if len(working) != len(names):
-        raise BadInput(source, key, f"expected {len(names)} angles in rad, one for each joint "
-                       f"({', '.join(names)}), got {len(working)}")
+        raise BadInput(
+            source,
+            key,
+            f"expected {len(names)} angles in rad, one for each joint "
+            f"({', '.join(names)}), got {len(working)}",
+        )
     for i, name in enumerate(names):
         if not lower[i] <= working[i] <= upper[i]:
-            raise BadInput(source, f"{key}[{i}]", f"expected {name} in [{lower[i]:.4g}, "
-                           f"{upper[i]:.4g}] rad, got {working[i]:.4g}")
+            raise BadInput(
+                source,
+                f"{key}[{i}]",
+                f"expected {name} in [{lower[i]:.4g}, {upper[i]:.4g}] rad, got {working[i]:.4g}",
+            )

@@ -84,8 +84,10 @@ class FlightController(LeafSystem):
             "disturbance",
             6,
             self._calc_disturbance,
-            {self.discrete_state_ticket(self._x_position),
-             self.discrete_state_ticket(self._x_attitude)},
+            {
+                self.discrete_state_ticket(self._x_position),
+                self.discrete_state_ticket(self._x_attitude),
+            },
         )
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
 
@@ -100,9 +102,7 @@ class FlightController(LeafSystem):
         omega = R.T @ state.omega_W
 
         # What the rotors gave since the last sample.
-        thrust, mean = self._lag.advance(
-            old(self._x_thrust).value(), old(self._x_command).value()
-        )
+        thrust, mean = self._lag.advance(old(self._x_thrust).value(), old(self._x_command).value())
         wrench = self._allocation.mixer @ mean
         gyroscopic = np.cross(omega, vehicle.inertia @ omega)
 
@@ -148,7 +148,11 @@ class FlightController(LeafSystem):
             discrete.set_value(index, value)
 
     def _calc_disturbance(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(np.concatenate([
-            context.get_discrete_state(self._x_position).value()[-3:],
-            context.get_discrete_state(self._x_attitude).value()[-3:],
-        ]))
+        output.SetFromVector(
+            np.concatenate(
+                [
+                    context.get_discrete_state(self._x_position).value()[-3:],
+                    context.get_discrete_state(self._x_attitude).value()[-3:],
+                ]
+            )
+        )

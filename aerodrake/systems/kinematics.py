@@ -54,10 +54,12 @@ class KinematicsSystem(LeafSystem):
     def _calc_distances(self, context: Context, output: BasicVector) -> None:
         end_effector = self._evaluate(context)
         p_Ed = self._reference.Eval(context)[:3]
-        output.SetFromVector([
-            np.linalg.norm(end_effector.p_E - p_Ed),
-            np.linalg.norm(end_effector.p_EB - self._p_O),
-        ])
+        output.SetFromVector(
+            [
+                np.linalg.norm(end_effector.p_E - p_Ed),
+                np.linalg.norm(end_effector.p_EB - self._p_O),
+            ]
+        )
 
     def _evaluate(self, context: Context) -> EndEffector:
         return self._end_effector.Eval(context)

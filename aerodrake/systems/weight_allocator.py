@@ -45,9 +45,7 @@ class WeightAllocator(LeafSystem):
         last = Mode(int(context.get_discrete_state(self._x_mode).value()[0]))
         d_e, d_o = self._distances.Eval(context)
         weights: Weights = allocate(self._config, last, d_e, d_o, self._d_g.Eval(context)[0])
-        output.SetFromVector(
-            [weights.gamma, weights.mode, weights.w_q, weights.w_m, weights.w_d]
-        )
+        output.SetFromVector([weights.gamma, weights.mode, weights.w_q, weights.w_m, weights.w_d])
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         mode = self._weights.Eval(context)[1]

@@ -7,6 +7,9 @@ import torch
 from aerodrake.model.last_layer import last_layer_step
 from aerodrake.model.residual_network import ResidualNetwork
 
+# Threads that wait for each other cost a hundred times the arithmetic.
+torch.set_num_threads(1)
+
 JOINTS = 6
 
 

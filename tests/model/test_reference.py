@@ -9,12 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
+from aerodrake.model.diameter import farthest_pair, path_diameter
 from aerodrake.model.reference import (
     MAX_LAP_S,
     common_period,
-    farthest_pair,
     make_reference,
-    path_diameter,
 )
 from aerodrake.scenario import Clover, FigureEight, Hover, Lissajous, MovingTarget, Waypoints
 

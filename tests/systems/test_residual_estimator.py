@@ -14,6 +14,9 @@ from aerodrake.model.residual_network import ResidualNetwork, features
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.systems.residual_estimator import ResidualEstimator
 
+# Threads that wait for each other cost a hundred times the arithmetic.
+torch.set_num_threads(1)
+
 JOINTS = 6
 DT = 0.02
 PORTS = ("state", "base_setpoint", "joint_setpoint")
@@ -89,7 +92,9 @@ def straightforward(network, model, mode, learning_rate, batch, flight):
                 error = model.predict(pending.x, u, pending.delta)[rows] - state.v_B
                 window = [*window, (pending.features, base, state.v_B)][-batch:]
                 if mode == "online":
-                    seen, bases, measured = (torch.tensor(np.array(v)) for v in zip(*window, strict=True))
+                    seen, bases, measured = (
+                        torch.tensor(np.array(column)) for column in zip(*window, strict=True)
+                    )
                     sgd.zero_grad()
                     predicted = bases + network(seen) @ c.T
                     ((predicted - measured) ** 2).sum(dim=1).mean().backward()

@@ -1,0 +1,1 @@
+"""Predictive kinematic control of aerial manipulators as a Drake diagram."""

@@ -1,0 +1,7 @@
+"""`python -m aerodrake`."""
+
+import sys
+
+from aerodrake.cli import main
+
+sys.exit(main())

@@ -1,0 +1,127 @@
+"""The command line: `aerodrake run | graph`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+from aerodrake.errors import BadInput
+
+# Drake and torch take seconds to import: each command imports what it needs.
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs one command.
+
+    Returns:
+        0 on success, 1 on a flight that did not complete, 2 on bad input.
+    """
+    arguments = _parser().parse_args(argv)
+    try:
+        return arguments.command(arguments)
+    except BadInput as error:
+        print(f"aerodrake: {error}", file=sys.stderr)
+        return 2
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Flies a scenario; writes its results and prints the table."""
+    from tqdm import tqdm
+
+    from aerodrake.scenario_file import load_scenario, save_scenario
+
+    scenario = load_scenario(arguments.scenario, _overrides(arguments))
+    target = arguments.out or Path("runs", f"{scenario.name}-{time.strftime('%Y%m%d-%H%M%S')}")
+
+    from aerodrake.replay import write_replay
+    from aerodrake.report import plot_tracking, table
+    from aerodrake.run_folder import run_folder
+    from aerodrake.simulate import Flight
+    from aerodrake.summary import summarize, to_json
+
+    say = (lambda line: None) if arguments.quiet else print
+    for warning in scenario.warnings():
+        say(f"note: {warning}")
+    with run_folder(target) as folder:
+        flight = Flight(scenario)
+        with tqdm(
+            total=scenario.settle_s + scenario.duration,
+            desc=scenario.name,
+            unit="s",
+            disable=arguments.quiet,
+            bar_format="{desc} {percentage:3.0f}%|{bar}| {n:.1f}/{total:.1f} s "
+            "[{elapsed}<{remaining}, {rate_fmt}]",
+        ) as bar:
+            log = flight.fly(progress=lambda t: bar.update(t - bar.n))
+        summary = summarize(scenario, log)
+        (folder / "summary.json").write_text(to_json(summary), encoding="utf-8")
+        save_scenario(scenario, folder)
+        log.save(folder / "log.npz")
+        plot_tracking(log, f"{scenario.name}, seed {scenario.seed}", folder / "tracking.png")
+        write_replay(log, scenario.vehicle.robot, folder / "replay.html")
+    say(table(summary, scenario.reference.kind))
+    say(f"\n{target}: summary.json, log.npz, scenario.yaml, tracking.png, replay.html")
+    return 0 if log.exit_reason == "completed" else 1
+
+
+def graph(arguments: argparse.Namespace) -> int:
+    """Writes the graphs of the closed loop, its two sides, or single systems."""
+    from aerodrake.graph import export_all
+    from aerodrake.scenario_file import load_scenario
+    from aerodrake.station import make_closed_loop
+
+    names = [arguments.name] if arguments.name else []
+    closed_loop = make_closed_loop(load_scenario("hover"))
+    for path in export_all(closed_loop, names, arguments.out, arguments.depth):
+        print(path)
+    return 0
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, as every other bad input does."""
+
+    def error(self, message: str) -> None:
+        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="aerodrake",
+        description="Predictive kinematic control of aerial manipulators as a Drake diagram.",
+    )
+    parser.add_argument("--version", action="version", version=f"aerodrake {version('aerodrake')}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    command = commands.add_parser("run", help="fly a scenario", description=run.__doc__)
+    command.add_argument("scenario", help="a packaged name, or the path of a YAML file")
+    command.add_argument("--out", type=Path, metavar="DIR", help="default: runs/SCENARIO-TIME")
+    command.add_argument("--seed", metavar="N", help="overrides the scenario's seed")
+    command.add_argument("--duration", metavar="S", help="reference time to fly, in s")
+    command.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="overrides a dotted key"
+    )
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    command.set_defaults(command=run)
+
+    command = commands.add_parser("graph", help="draw diagrams", description=graph.__doc__)
+    command.add_argument(
+        "name", nargs="?", help="closed_loop, station, coordinator or a system; default: all"
+    )
+    command.add_argument("--out", type=Path, default=Path("graphs"), metavar="DIR")
+    command.add_argument("--depth", type=int, default=2, metavar="N", help="levels of nesting")
+    command.set_defaults(command=graph)
+    return parser
+
+
+def _overrides(arguments: argparse.Namespace) -> list[tuple[str, str]]:
+    """The options that change the scenario, as typed, with their assignments."""
+    overrides = [("--set", assignment) for assignment in arguments.set]
+    for name in ("seed", "duration"):
+        value = getattr(arguments, name)
+        if value is not None:
+            overrides.append((f"--{name}", f"{name}={value}"))
+    return overrides

@@ -1,0 +1,114 @@
+"""What a flight leaves behind: signals over reference time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+PORTS: dict[str, tuple[tuple[str, str], ...]] = {
+    "true_state": (
+        ("quaternion", "4"),
+        ("p_B_m", "3"),
+        ("q_rad", "n"),
+        ("omega_W_rad_s", "3"),
+        ("v_B_m_s", "3"),
+        ("qdot_rad_s", "n"),
+    ),
+    "state": (
+        ("measured_quaternion", "4"),
+        ("measured_p_B_m", "3"),
+        ("measured_q_rad", "n"),
+        ("measured_omega_W_rad_s", "3"),
+        ("measured_v_B_m_s", "3"),
+        ("measured_qdot_rad_s", "n"),
+    ),
+    "reference": (("p_Ed_m", "3"), ("v_Ed_m_s", "3")),
+    "base_setpoint": (("p_Bd_m", "3"), ("v_Bd_m_s", "3"), ("a_Bd_m_s2", "3")),
+    "joint_setpoint": (("q_d_rad", "n"), ("qdot_d_rad_s", "n"), ("qddot_d_rad_s2", "n")),
+    "thrust": (("thrust_n", "k"),),
+    "thrust_command": (("thrust_command_n", "k"),),
+    "joint_torque": (("joint_torque_n_m", "n"),),
+    "disturbance": (("disturbance_m_s2", "3"), ("disturbance_rad_s2", "3")),
+    "weights": (("gamma", "1"), ("mode", "1"), ("w_q", "1"), ("w_m", "1"), ("w_d", "1")),
+    "prediction": (("predicted_p_E_m", "3(N+1)"),),
+    "status": (("qp_status", "1"), ("qp_iterations", "1")),
+    "delta": (("delta_m_s", "3"),),
+    "prediction_error": (("prediction_error_m_s", "3"),),
+    "nominal_prediction_error": (("nominal_prediction_error_m_s", "3"),),
+}
+"""Ports of the closed loop that are logged, and the keys and widths of their parts.
+
+n is the number of joints, k that of rotors, N the horizon. A part of width 1
+is logged as a plain series (T,), the others as (T, width).
+"""
+
+DERIVED = {
+    "time_s": "(T,) reference time; negative during the initial hover",
+    "p_E_m": "(T, 3) end-effector, from the true state",
+    "tick_ms": "(ticks,) wall time of forming and solving each program of the MPC",
+}
+"""Keys that are not a port's, with their meaning."""
+
+
+@dataclass(frozen=True)
+class FlightLog:
+    """Signals of one flight, and how it ended.
+
+    Attributes:
+        signals: Arrays by the keys of `PORTS` and `DERIVED`; all but `tick_ms`
+            have one row per sample.
+        exit_reason: `completed`, `lost` or `interrupted`.
+        exit_cause: One line on why it did not complete; empty if it did.
+        wall_s: Wall time of the simulation.
+    """
+
+    signals: Mapping[str, np.ndarray]
+    exit_reason: str
+    exit_cause: str
+    wall_s: float
+
+    def __getitem__(self, key: str) -> np.ndarray:
+        return self.signals[key]
+
+    @property
+    def time_s(self) -> np.ndarray:
+        """(T,) reference time in s; negative during the initial hover."""
+        return self.signals["time_s"]
+
+    @property
+    def error_m(self) -> np.ndarray:
+        """(T,) distance of the end-effector from its reference."""
+        return np.linalg.norm(self["p_E_m"] - self["p_Ed_m"], axis=1)
+
+    @property
+    def base_error_m(self) -> np.ndarray:
+        """(T,) distance of the base from its setpoint."""
+        return np.linalg.norm(self["p_B_m"] - self["p_Bd_m"], axis=1)
+
+    def save(self, path: Path) -> None:
+        """Writes the signals as a compressed `.npz`."""
+        np.savez_compressed(path, **self.signals)
+
+
+def split_port(port: str, rows: np.ndarray) -> dict[str, np.ndarray]:
+    """The parts of one port's samples, by key.
+
+    Args:
+        port: A key of `PORTS`.
+        rows: (T, size) samples.
+    """
+    parts = PORTS[port]
+    fixed = {"1": 1, "3": 3, "4": 4}
+    known = sum(fixed.get(width, 0) for _, width in parts)
+    open_parts = sum(width not in fixed for _, width in parts)
+    open_width = (rows.shape[1] - known) // open_parts if open_parts else 0
+    signals, start = {}, 0
+    for key, width in parts:
+        size = fixed.get(width, open_width)
+        part = rows[:, start : start + size]
+        signals[key] = part[:, 0] if width == "1" else part
+        start += size
+    return signals

@@ -1,0 +1,135 @@
+"""Flying a scenario: the closed loop, a Simulator, a monitor and logs."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+
+import numpy as np
+import torch
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
+from threadpoolctl import threadpool_limits
+
+from aerodrake.flight_log import PORTS, FlightLog, split_port
+from aerodrake.model.kinematics import Kinematics
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario import Scenario
+from aerodrake.station import make_closed_loop, make_context
+
+MONITOR_PERIOD_S = 0.1
+LOST_TILT_RAD = math.radians(60)
+LOST_ERROR_M = 1.0
+
+
+class Flight:
+    """A scenario's closed loop with logs on its ports, ready to fly.
+
+    Attributes:
+        scenario: What is flown.
+        closed_loop: Its diagram.
+    """
+
+    def __init__(self, scenario: Scenario):
+        self.scenario = scenario
+        builder = DiagramBuilder()
+        self.closed_loop: Diagram = builder.AddSystem(make_closed_loop(scenario))
+        self._sinks: dict[str, VectorLogSink] = {}
+        for port in PORTS:
+            sink = LogVectorOutput(
+                self.closed_loop.GetOutputPort(port), builder, scenario.rates.flight_period_s
+            )
+            sink.set_name(f"{port}_log")
+            self._sinks[port] = sink
+        self._diagram = builder.Build()
+        self._diagram.set_name("flight")
+        self._mpc = self.closed_loop.GetSubsystemByName("coordinator").GetSubsystemByName("mpc")
+        self._kinematics = Kinematics(scenario.vehicle.robot)
+
+    def fly(self, progress: Callable[[float], None] = lambda simulated_s: None) -> FlightLog:
+        """Flies from trim to the scenario's end, or until the vehicle is lost.
+
+        Args:
+            progress: Called with the simulated time in s as it advances.
+        """
+        scenario = self.scenario
+        context = make_context(self._diagram, scenario.seed)
+        simulator = Simulator(self._diagram, context)
+        end = scenario.settle_s + scenario.duration
+        self._mpc.tick_ms.clear()
+        monitor = _Monitor(self, context)
+        reason, cause = "completed", ""
+        start = time.perf_counter()
+        with single_thread():
+            try:
+                for step in range(1, math.ceil(end / MONITOR_PERIOD_S - 1e-9) + 1):
+                    simulator.AdvanceTo(min(step * MONITOR_PERIOD_S, end))
+                    progress(context.get_time())
+                    cause = monitor.lost()
+                    if cause:
+                        reason = "lost"
+                        break
+            except KeyboardInterrupt:
+                reason, cause = "interrupted", f"at {context.get_time():.2f} s"
+            except RuntimeError as error:
+                # The plant cannot step from a state that is not finite.
+                cause = monitor.lost()
+                if not cause:
+                    raise
+                reason, cause = "lost", f"{cause}; {error}".splitlines()[0]
+        wall_s = time.perf_counter() - start
+        return FlightLog(self._signals(context), reason, cause, wall_s)
+
+    def p_E(self, state: np.ndarray) -> np.ndarray:
+        """(3,) m, the end-effector at a state (13 + 2 n,)."""
+        return self._kinematics.end_effector(VehicleState.from_vector(state)).p_E
+
+    def _signals(self, context: Context) -> dict[str, np.ndarray]:
+        signals: dict[str, np.ndarray] = {}
+        states = np.empty((0, 0))
+        for port, sink in self._sinks.items():
+            log = sink.FindLog(context)
+            rows = log.data().T
+            signals.update(split_port(port, rows))
+            if port == "true_state":
+                states = rows
+                signals["time_s"] = log.sample_times() - self.scenario.settle_s
+        signals["p_E_m"] = np.array([self.p_E(state) for state in states])
+        signals["tick_ms"] = np.array(self._mpc.tick_ms)
+        return signals
+
+
+class _Monitor:
+    """Tells when the vehicle is lost."""
+
+    def __init__(self, flight: Flight, context: Context):
+        self._flight = flight
+        self._context = flight.closed_loop.GetMyContextFromRoot(context)
+        self._time = context.get_time
+        self._approached = False
+
+    def lost(self) -> str:
+        """Why the vehicle is lost; empty if it is not."""
+        flight = self._flight
+        x = flight.closed_loop.GetOutputPort("true_state").Eval(self._context)
+        if not np.isfinite(x).all():
+            return "the state is not finite"
+        tilt = math.acos(min(1.0, max(-1.0, VehicleState.from_vector(x).R_B[2, 2])))
+        if tilt > LOST_TILT_RAD:
+            return f"tilt of {math.degrees(tilt):.0f} deg at {self._time():.2f} s"
+        if self._time() < flight.scenario.settle_s:
+            return ""
+        reference = flight.closed_loop.GetOutputPort("reference").Eval(self._context)
+        error = float(np.linalg.norm(flight.p_E(x) - reference[:3]))
+        self._approached |= error <= flight.scenario.allocation.d_h_m
+        if self._approached and error > LOST_ERROR_M:
+            return f"error of {error:.2f} m at {self._time():.2f} s"
+        return ""
+
+
+def single_thread() -> threadpool_limits:
+    """Keeps torch and BLAS to one thread: the problems are too small to share."""
+    torch.set_num_threads(1)
+    return threadpool_limits(limits=1)

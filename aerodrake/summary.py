@@ -1,0 +1,115 @@
+"""Figures of one flight, as `summary.json` has them."""
+
+from __future__ import annotations
+
+import json
+import math
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from aerodrake.flight_log import FlightLog
+from aerodrake.model.qp import QpStatus
+from aerodrake.model.reference import make_reference
+from aerodrake.model.weight_allocation import Mode
+from aerodrake.scenario import Scenario
+
+SETTLED_AFTER_S = 15.0
+"""Reference time from which the paper calls the pursuit of a moving target stable."""
+
+
+def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
+    """The figures of a flight. Errors are of the true state; null where not flown.
+
+    Keys:
+        error: m, distance of the end-effector from its reference over
+            reference time: mean, rms, max; over one whole lap after the smooth
+            start; settled (after 15 s); and the time in s at which it first
+            came within d_h.
+        base_error: the same for the base and its setpoint.
+        mpc: ticks, wall time in ms, and ticks that took a fallback, did not
+            happen, or took longer than the period.
+        modes: s in each mode.
+        residual: RMS of the error in m/s with which one period of base velocity
+            is predicted, with and without the network.
+    """
+    flown = log.time_s >= 0
+    lap = make_reference(scenario.reference, log["p_E_m"][0]).lap
+    period_ms = 1e3 * scenario.rates.mpc_period_s
+    ticks = log["tick_ms"]
+    # The status port shows the last tick; logs run several times a tick.
+    stride = round(scenario.rates.mpc_period_s / scenario.rates.flight_period_s)
+    statuses = log["qp_status"][stride::stride]
+    simulated_s = log.time_s[-1] + scenario.settle_s
+    mode_s = np.bincount(log["mode"][flown].astype(int), minlength=len(Mode))
+    return {
+        "scenario": scenario.name,
+        "seed": scenario.seed,
+        "version": version("aerodrake"),
+        "simulated_s": _figure(simulated_s),
+        "wall_s": _figure(log.wall_s),
+        "real_time_factor": _figure(simulated_s / log.wall_s),
+        "exit_reason": log.exit_reason,
+        "exit_cause": log.exit_cause,
+        "error": _errors(log.error_m, log.time_s, lap, scenario.allocation.d_h_m),
+        "base_error": _errors(log.base_error_m, log.time_s, lap, scenario.allocation.d_h_m),
+        "mpc": {
+            "ticks": len(ticks),
+            "median_ms": _figure(np.median(ticks)) if len(ticks) else None,
+            "p99_ms": _figure(np.percentile(ticks, 99)) if len(ticks) else None,
+            "unconstrained": int((statuses == QpStatus.UNCONSTRAINED).sum()),
+            "solver_fallbacks": int((statuses == QpStatus.FAILED).sum()),
+            "missed": 0,
+            "overruns": int((ticks > period_ms).sum()),
+        },
+        "modes": {
+            mode.label: _figure(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode
+        },
+        "residual": {
+            "mode": scenario.residual.mode,
+            "prediction_rmse_m_s": {
+                "with_network": _rms(log["prediction_error_m_s"][flown]),
+                "without_network": _rms(log["nominal_prediction_error_m_s"][flown]),
+            },
+        },
+    }
+
+
+def to_json(summary: dict[str, Any]) -> str:
+    """The summary as strict JSON (no NaN), with its keys in order."""
+    return json.dumps(summary, indent=2, allow_nan=False) + "\n"
+
+
+def _errors(
+    error: np.ndarray, time_s: np.ndarray, lap: tuple[float, float] | None, d_h: float
+) -> dict[str, float | None]:
+    end = time_s[-1] + 1e-9
+    flown = time_s >= 0
+    near = np.flatnonzero(flown & (error <= d_h))
+    on_lap = np.zeros_like(flown)
+    if lap is not None and end >= lap[1]:
+        on_lap = (time_s >= lap[0]) & (time_s <= lap[1])
+    settled = time_s >= SETTLED_AFTER_S
+    return {
+        "mean_m": _mean(error[flown]),
+        "rms_m": _rms(error[flown]),
+        "max_m": _figure(error[flown].max()) if flown.any() else None,
+        "lap_mean_m": _mean(error[on_lap]),
+        "settled_mean_m": _mean(error[settled]),
+        "approach_s": _figure(time_s[near[0]]) if len(near) else None,
+    }
+
+
+def _mean(values: np.ndarray) -> float | None:
+    return _figure(values.mean()) if len(values) else None
+
+
+def _rms(values: np.ndarray) -> float | None:
+    """Root of the mean squared length of the rows."""
+    return _figure(math.sqrt((values**2).sum() / len(values))) if len(values) else None
+
+
+def _figure(value: float) -> float | None:
+    """Twelve digits at most; null for what is not finite."""
+    return float(f"{value:.12g}") if math.isfinite(value) else None
