@@ -1,7 +1,7 @@
 """Graphs of diagrams and systems, as Graphviz and Mermaid text.
 
-Both are functions of the wiring alone: the same diagram gives the same bytes in
-every process, so that graphs can be committed and compared.
+Both depend on the wiring alone: a diagram gives the same bytes in every process,
+so that its graphs can be committed and compared.
 """
 
 from __future__ import annotations
@@ -9,40 +9,34 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-from collections.abc import Iterable, Iterator
-from itertools import groupby
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
 
-from pydrake.systems.framework import (
-    Diagram,
-    InputPortIndex,
-    OutputPortIndex,
-    PortDataType,
-    System,
-)
+from pydrake.systems.framework import Diagram, InputPort, OutputPort, PortDataType, System
 
 from aerodrake.errors import BadInput, nearest
 
+Port = InputPort | OutputPort
+
 DOT_TIMEOUT_S = 60.0
-"""Graphviz lays out the closed loop in a fraction of this."""
+"""Graphviz lays out the closed loop in well under a second."""
 
 
-def systems_by_name(diagram: Diagram) -> dict[str, System]:
-    """The diagram itself, every diagram in it and every leaf system, by name.
+def systems_by_name(system: System) -> dict[str, System]:
+    """The system itself and, if it is a diagram, every diagram and leaf system in it.
 
     Raises:
-        ValueError: if two of them share a name, or one has none.
+        ValueError: if two of them share a name, or one has none: Drake then
+            calls it by its address.
     """
     systems: dict[str, System] = {}
-    for system in _systems(diagram):
-        name = system.get_name()
-        if not name or name in systems:
-            raise ValueError(
-                f"expected a name of its own for every system in {diagram.get_name()}, "
-                f"got '{name}'" + " twice" * bool(name)
-            )
-        systems[name] = system
+    for inner in _systems(system):
+        name = inner.get_name()
+        if not re.fullmatch(r"\w+", name) or name in systems:
+            problem = f"two named '{name}'" if name in systems else f"'{name}'"
+            raise ValueError(f"expected a different word as each system's name, got {problem}")
+        systems[name] = inner
     return systems
 
 
@@ -58,126 +52,197 @@ def to_dot(system: System, depth: int) -> str:
     def renumber(match: re.Match[str]) -> str:
         return f"{match[1]}{ids.setdefault(match[2], len(ids) + 1)}"
 
+    def sort_edges(match: re.Match[str]) -> str:
+        return "".join(sorted(match[0].splitlines(keepends=True), key=_natural))
+
     # Drake's ids count the systems built by the process so far, and its edges
     # come in the order of the systems' addresses.
-    text = re.sub(
-        r"(^digraph _|^subgraph clusters?|^s| -> s)(\d+)",
-        renumber,
-        system.GetGraphvizString(max_depth=depth),
-        flags=re.MULTILINE,
-    )
-    lines: list[str] = []
-    for are_edges, block in groupby(text.rstrip().split("\n"), lambda line: " -> " in line):
-        lines += sorted(block, key=_numbers) if are_edges else block
-    return "\n".join(lines) + "\n"
+    text = system.GetGraphvizString(max_depth=depth).rstrip() + "\n"
+    text = re.sub(r"(?m)(^digraph _|^subgraph clusters?|^s| -> s)(\d+)", renumber, text)
+    return re.sub(r"(?m)(^s\d+.* -> .*\n)+", sort_edges, text)
 
 
 def to_mermaid(system: System, depth: int) -> str:
     """The signals between systems, as a Mermaid flowchart.
 
-    An arrow joins two systems and lists its signals by the names of their
-    ports. Rounded nodes are the ports of `system` itself, with their sizes. A
-    diagram without inputs is a closed loop: once opened, its outputs only
-    repeat what is seen inside, and are left out.
+    One arrow joins two systems and lists its signals by the names of their
+    ports; Drake's default names, such as `u0`, say nothing and are left out.
+    Rounded nodes are the ports of `system` itself, with their sizes; those of
+    size zero are left out. A diagram without inputs is a closed loop: once
+    opened, its outputs only repeat what is seen inside, and are left out.
 
     Args:
         system: A diagram or a leaf system.
         depth: Levels of diagrams to open; 0 draws one box.
+
+    Raises:
+        ValueError: as `systems_by_name`.
     """
-    ports: list[str] = []
-    arrows: dict[tuple[str, str], list[str]] = {}
+    names = systems_by_name(system)
+    opened = _opens(system, depth)
+    inputs = {
+        f"in_{port.get_name()}": port
+        for port in _ports(system.num_input_ports(), system.get_input_port)
+    }
+    outputs = {
+        f"out_{port.get_name()}": port
+        for port in _ports(system.num_output_ports(), system.get_output_port)
+    }
+    if opened and not inputs:
+        outputs = {}
 
-    def add_port(node: str, port: Any) -> None:
-        ports.append(f'  {node}(["{port.get_name()} ({_size(port)})"])')
+    arrows: dict[tuple[str, str], set[str]] = defaultdict(set)
+    for node, port in inputs.items():
+        for target in _targets(port, depth):
+            arrows[node, _box(target)].add(_signal(target, known=port))
+    for source, target in _connections(system, depth):
+        arrows[_box(source), _box(target)].add(_signal(source, target))
+    for node, port in outputs.items():
+        source = _source(port, depth)
+        arrows[_box(source), node].add(_signal(source, known=port))
 
-    def add_arrow(source: str, target: str, *port_names: str) -> None:
-        signal = " → ".join(dict.fromkeys(name for name in port_names if name))
-        arrows.setdefault((source, target), []).append(signal)
-
-    for i in range(system.num_input_ports()):
-        port = system.get_input_port(i)
-        name = port.get_name()
-        add_port(f"in_{name}", port)
-        for target, target_port in _targets(system, i, depth):
-            add_arrow(
-                f"in_{name}", target.get_name(), _name(target.get_input_port(target_port), name)
-            )
-    for source, source_port, target, target_port in _connections(system, depth):
-        add_arrow(
-            source.get_name(),
-            target.get_name(),
-            _name(source.get_output_port(source_port)),
-            _name(target.get_input_port(target_port)),
-        )
-    if not (_opens(system, depth) and system.num_input_ports() == 0):
-        for i in range(system.num_output_ports()):
-            port = system.get_output_port(i)
-            name = port.get_name()
-            add_port(f"out_{name}", port)
-            source, source_port = _source(system, i, depth)
-            add_arrow(
-                source.get_name(), f"out_{name}", _name(source.get_output_port(source_port), name)
-            )
-    lines = ["flowchart LR", *_boxes(system, depth), *ports]
-    for (a, b), signals in arrows.items():
-        label = "<br/>".join(s for s in signals if s)
-        lines.append(f'  {a} -->|"{label}"| {b}' if label else f"  {a} --> {b}")
-    return "\n".join(lines) + "\n"
+    lines = [
+        "flowchart TB" if opened else "flowchart LR",  # The narrower, for each.
+        *(_rounded(node, port) for node, port in inputs.items()),
+        *_boxes(system, depth),
+        *(_rounded(node, port) for node, port in outputs.items()),
+    ]
+    # Layout engines break cycles in the order they read.
+    order = [*inputs, *names, *outputs]
+    for arrow in sorted(arrows, key=lambda ends: [order.index(end) for end in ends]):
+        label = "<br/>".join(sorted(arrows[arrow] - {""}))
+        lines.append((f' -->|"{label}"| ' if label else " --> ").join(arrow))
+    return "\n  ".join(lines) + "\n"
 
 
-def _name(port, known=""):
-    name = port.get_name()
-    return "" if name == known or re.fullmatch(r"[uy]\d+", name) else name
+def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
+    """Writes `NAME.dot` and `NAME.mmd`, and `NAME.svg` where Graphviz is there.
+
+    Returns:
+        The paths written.
+    """
+    dot = to_dot(system, depth)
+    texts = {"dot": dot, "mmd": to_mermaid(system, depth), "svg": _to_svg(dot)}
+    written = []
+    for suffix, text in texts.items():
+        if text:
+            written.append(folder / f"{name}.{suffix}")
+            written[-1].write_text(text, encoding="utf-8")
+    return written
 
 
-def _size(port: Any) -> str:
-    return "abstract" if port.get_data_type() == PortDataType.kAbstractValued else str(port.size())
+def export_all(closed_loop: Diagram, names: Iterable[str], folder: Path, depth: int) -> list[Path]:
+    """Exports the named systems of a closed loop, or all of them if none is named.
+
+    Args:
+        closed_loop: Of `make_closed_loop`.
+        names: Of diagrams and leaf systems, as on the wiring page.
+        folder: Created if missing.
+        depth: Levels of diagrams to open.
+
+    Returns:
+        The paths written.
+
+    Raises:
+        BadInput: if a name is unknown, or the folder cannot be written.
+    """
+    systems = systems_by_name(closed_loop)
+    names = list(names) or list(systems)
+    for name in names:
+        if name not in systems:
+            raise BadInput("graph", "", f"no system named '{name}'; {nearest(name, systems)}")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return [path for name in names for path in export(name, systems[name], folder, depth)]
+    except OSError as error:
+        raise BadInput(folder, "", f"cannot be written: {error.strerror}") from None
+
+
+def _to_svg(dot: str) -> str:
+    """Graphviz's drawing; empty where Graphviz is missing or fails."""
+    command = shutil.which("dot")
+    if command is None:
+        return ""
+    try:
+        return subprocess.run(
+            [command, "-Tsvg"],
+            input=dot,
+            capture_output=True,
+            check=True,
+            encoding="utf-8",
+            timeout=DOT_TIMEOUT_S,
+        ).stdout
+    except (OSError, subprocess.SubprocessError):
+        return ""
 
 
 def _boxes(system: System, depth: int) -> Iterator[str]:
+    """The lines that declare systems, opened ones as subgraphs."""
     if not _opens(system, depth):
-        yield f"  {system.get_name()}"
+        yield system.get_name()
         return
     for inner in system.GetSystems():
         if _opens(inner, depth - 1):
-            yield f"  subgraph {inner.get_name()}"
-            yield from ("  " + line for line in _boxes(inner, depth - 1))
-            yield "  end"
+            yield f"subgraph {inner.get_name()}"
+            yield from (f"  {line}" for line in _boxes(inner, depth - 1))
+            yield "end"
         else:
-            yield from _boxes(inner, depth - 1)
+            yield inner.get_name()
 
 
-def _connections(system: System, depth: int):
+def _rounded(node: str, port: Port) -> str:
+    size = "abstract" if _is_abstract(port) else port.size()
+    return f'{node}(["{port.get_name()} ({size})"])'
+
+
+def _box(port: Port) -> str:
+    return port.get_system().get_name()
+
+
+def _signal(*ports: Port, known: Port | None = None) -> str:
+    """What the ports call their signal, unless it is just what a `known` one does."""
+    names = dict.fromkeys(port.get_name() for port in ports)
+    if known is not None:
+        names.pop(known.get_name(), None)
+    return " → ".join(name for name in names if not re.fullmatch(r"[uy]\d+", name))
+
+
+def _connections(system: System, depth: int) -> Iterator[tuple[OutputPort, InputPort]]:
+    """Each signal between systems drawn as boxes, in no particular order."""
     if not _opens(system, depth):
         return
-    sources = system.connection_map()
-    for target in system.GetSystems():
-        for i in range(target.num_input_ports()):
-            if (target, InputPortIndex(i)) in sources:
-                source, o = sources[target, InputPortIndex(i)]
-                for end in _targets(target, i, depth - 1):
-                    yield *_source(source, o, depth - 1), *end
+    for (target, i), (source, o) in system.connection_map().items():
+        for port in _targets(target.get_input_port(i), depth - 1):
+            yield _source(source.get_output_port(o), depth - 1), port
     for inner in system.GetSystems():
         yield from _connections(inner, depth - 1)
 
 
-def _source(system: System, port: int, depth: int):
-    while _opens(system, depth):
-        system, port = system.get_output_port_locator(OutputPortIndex(port))
-        depth -= 1
-    return system, port
-
-
-def _targets(system: System, port: int, depth: int):
+def _source(port: OutputPort, depth: int) -> OutputPort:
+    """The port of a box that an output comes from."""
+    system = port.get_system()
     if not _opens(system, depth):
-        yield system, port
+        return port
+    inner, index = system.get_output_port_locator(port.get_index())
+    return _source(inner.get_output_port(index), depth - 1)
+
+
+def _targets(port: InputPort, depth: int) -> Iterator[InputPort]:
+    """The ports of boxes that an input goes to."""
+    system = port.get_system()
+    if not _opens(system, depth):
+        yield port
         return
-    order = system.GetSystems()
-    for inner, inner_port in sorted(
-        system.GetInputPortLocators(InputPortIndex(port)),
-        key=lambda locator: (order.index(locator[0]), int(locator[1])),
-    ):
-        yield from _targets(inner, int(inner_port), depth - 1)
+    for inner, index in system.GetInputPortLocators(port.get_index()):
+        yield from _targets(inner.get_input_port(index), depth - 1)
+
+
+def _ports(count: int, get: Callable[[int], Port]) -> list[Port]:
+    return [port for port in map(get, range(count)) if port.size() or _is_abstract(port)]
+
+
+def _is_abstract(port: Port) -> bool:
+    return port.get_data_type() == PortDataType.kAbstractValued
 
 
 def _opens(system: System, depth: int) -> bool:
@@ -191,5 +256,6 @@ def _systems(system: System) -> Iterator[System]:
             yield from _systems(inner)
 
 
-def _numbers(line: str) -> list[int]:
-    return [int(number) for number in re.findall(r"\d+", line)]
+def _natural(line: str) -> list[str | int]:
+    """Sorts 2 before 10."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", line)]

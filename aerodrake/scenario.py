@@ -180,21 +180,23 @@ class Mpc:
 
     horizon: int = quantity(15, "ticks", 2, 200)
     # K_e of the desired end-effector velocity.
-    k_e: tuple[float, ...] = quantity((3.0, 3.0, 3.0), "1/s", 0.0, 50.0, length=3)
+    k_e: tuple[float, ...] = quantity((4.0, 4.0, 4.0), "1/s", 0.0, 50.0, length=3)
+    # The correction K_e e_E never asks for more than this: a far target is flown to, not lunged at.
+    approach_speed_m_s: float = quantity(0.8, "m/s", 0.01, 100.0)
     # Diagonals of W_1, W_2,0, W_3 and W_4,0. Joint values: one, or one per joint.
     w_1: tuple[float, ...] = quantity((1e4, 1e4, 1e4), "1", 0.0, 1e8, length=3)
-    w_2_base: tuple[float, ...] = quantity((1e-3, 1e-3, 1e-3), "1", 0.0, 1e6, length=3)
-    w_2_joints: tuple[float, ...] = quantity((1e-3,), "1", 0.0, 1e6)
-    w_3_base: tuple[float, ...] = quantity((30.0, 30.0, 30.0), "1", 1e-3, 1e6, length=3)
-    w_3_joints: tuple[float, ...] = quantity((10.0,), "1", 1e-3, 1e6)
-    w_4: tuple[float, ...] = quantity((300.0, 300.0, 300.0), "1", 0.0, 1e6, length=3)
+    w_2_base: tuple[float, ...] = quantity((1e-4, 1e-4, 1e-4), "1", 0.0, 1e6, length=3)
+    w_2_joints: tuple[float, ...] = quantity((30.0,), "1", 0.0, 1e6)
+    w_3_base: tuple[float, ...] = quantity((400.0, 400.0, 400.0), "1", 1e-3, 1e6, length=3)
+    w_3_joints: tuple[float, ...] = quantity((400.0,), "1", 1e-3, 1e6)
+    w_4: tuple[float, ...] = quantity((1000.0, 1000.0, 1000.0), "1", 0.0, 1e6, length=3)
     # e_E along the horizon: predicted with the linearised p_E, or held as printed.
     error: str = choice("predicted", "frozen")
     # J_u xi_u': none, the base's own tilt predicted by flatness, or as measured and held.
     tilt: str = choice("none", "flatness", "held")
     base_velocity_m_s: tuple[float, ...] = quantity((1.5, 1.5, 1.5), "m/s", 0.01, 20.0, length=3)
     base_acceleration_m_s2: tuple[float, ...] = quantity(
-        (4.0, 4.0, 4.0), "m/s^2", 0.1, 20.0, length=3
+        (2.5, 2.5, 2.5), "m/s^2", 0.1, 20.0, length=3
     )
     max_iterations: int = quantity(200, "iterations", 25, 100_000)
 

@@ -65,7 +65,8 @@ class MpcFormulation:
 
     summed over the stages 1 ... N (J_3: 0 ... N-1, since u_N moves nothing).
     e_E,k is predicted with the same linearisation, or frozen at e_E,0 as the
-    paper prints it. Roll and pitch follow by `config.tilt`: `none`; `held`,
+    paper prints it; K_e is scaled down while e_E,0 is so large that the correction
+    would exceed `config.approach_speed_m_s`. Roll and pitch follow by `config.tilt`: `none`; `held`,
     their measured rates over the whole horizon; or `flatness`: the thrust axis
     tilts as the model's own base acceleration a wants it, which moves the
     end-effector by T a, T = -[r]x [z]x / g.
@@ -170,7 +171,7 @@ class MpcFormulation:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """J_1 as (rows over z, offset, weight)."""
         config, model, end_effector = self.config, self.model, tick.end_effector
-        K_e = np.array(config.k_e)[:, None]
+        K_e = self._correction_gain(tick)[:, None]
         J_s = end_effector.J_s
         nx = len(model.A)
         places, speeds = np.zeros((3, nx)), np.zeros((3, nx))
@@ -203,6 +204,12 @@ class MpcFormulation:
             stacked = stacked + inputs @ self._arriving
         N = config.horizon
         return stacked.reshape(3 * N, -1), offset.ravel(), np.tile(config.w_1, N)
+
+    def _correction_gain(self, tick: MpcInputs) -> np.ndarray:
+        """(3,) 1/s, K_e, scaled down where K_e e_E,0 exceeds the approach speed."""
+        K_e = np.array(self.config.k_e)
+        speed = np.linalg.norm(K_e * (tick.end_effector.p_E - tick.reference[0, :3]))
+        return K_e * min(1.0, self.config.approach_speed_m_s / max(speed, 1e-9))
 
     def _centring(
         self, tick: MpcInputs, x_free: np.ndarray

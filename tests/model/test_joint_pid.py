@@ -1,0 +1,86 @@
+"""The joint PID: its closed loop, its limits, and recovery from saturation."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from aerodrake.model.joint_pid import JointPid
+from aerodrake.scenario import Arm
+
+DT = 0.005
+
+
+@pytest.fixture
+def pid() -> JointPid:
+    """One joint of 0.03 kg m^2."""
+    I, w = 0.03, 40.0
+    k_p = np.array([I * w**2])
+    return JointPid(k_p, np.array([I * 2 * w]), 5 * k_p, np.array([4.0]), DT)
+
+
+def simulate(pid: JointPid, steps: int, *, disturbance=0.0, blocked=0, goal=0.5) -> np.ndarray:
+    """(steps,) rad: a joint of 0.03 kg m^2 sent from 0 to `goal`, blocked for some steps."""
+    q, qdot, integral, path = 0.0, 0.0, np.zeros(1), []
+    for k in range(steps):
+        error, rate_error = np.array([goal - q]), np.array([-qdot])
+        torque = pid.torque(error, rate_error, integral)[0]
+        integral = pid.integrate(error, rate_error, integral)
+        assert abs(torque) <= pid.effort[0] and abs(integral[0]) <= pid.effort[0]
+        if k >= blocked:
+            acceleration = (torque + disturbance) / 0.03
+            q, qdot = q + qdot * DT + acceleration * DT**2 / 2, qdot + acceleration * DT
+        path.append(q)
+    return np.array(path)
+
+
+def test_gains_place_each_joints_poles(vehicle):
+    arm = Arm(bandwidth_rad_s=30.0, damping=0.7, integral_rad_s=4.0)
+    pid = JointPid.make(arm, vehicle, DT)
+    for inertia, k_p, k_d in zip(vehicle.joint_inertia, pid.k_p, pid.k_d, strict=True):
+        poles = np.roots([inertia, k_d, k_p])
+        np.testing.assert_allclose(np.abs(poles), 30.0)
+        np.testing.assert_allclose(-poles.real / 30.0, 0.7)
+    np.testing.assert_allclose(pid.k_i / pid.k_p, 4.0)
+    np.testing.assert_array_equal(pid.effort, vehicle.effort)
+    assert pid.dt == DT
+
+
+def test_torque_is_linear_within_limits_and_clipped_beyond():
+    one = np.ones(4)
+    pid = JointPid(10 * one, 2 * one, 30 * one, 4 * one, DT)
+    error, rate_error = np.array([0.1, -0.1, 1.0, -1.0]), np.array([0.2, 0.3, 0.0, 0.0])
+    torque = pid.torque(error, rate_error, np.array([0.5, 0.0, 0.0, 0.0]))
+    np.testing.assert_allclose(torque, [1.9, -0.4, 4.0, -4.0])
+
+
+def test_integral_is_that_of_the_error_within_limits(pid):
+    errors = 0.02 * np.sin(np.arange(40))
+    integral = np.zeros(1)
+    for error in errors:
+        integral = pid.integrate(np.array([error]), np.zeros(1), integral)
+    assert integral[0] == pytest.approx(pid.k_i[0] * errors.sum() * DT)
+
+
+def test_constant_torque_is_taken_out(pid):
+    path = simulate(pid, 800, disturbance=-1.5, goal=0.02)
+    assert abs(path[-1] - 0.02) < 1e-4
+    without_integral = dataclasses.replace(pid, k_i=np.zeros(1))
+    droop = 0.02 - simulate(without_integral, 800, disturbance=-1.5, goal=0.02)[-1]
+    assert droop == pytest.approx(1.5 / pid.k_p[0], rel=1e-3)
+
+
+def test_no_windup_while_the_joint_is_stuck(pid):
+    """However long it was stuck, it then moves as if it had not been."""
+    free = simulate(pid, 600)
+    stuck = simulate(pid, 600 + 1000, blocked=1000)
+    np.testing.assert_allclose(stuck[1000:], free, atol=1e-12)
+    assert free.max() < 0.5 * 1.25
+    assert abs(free[-1] - 0.5) < 1e-3
+
+
+def test_a_full_integral_unwinds_at_once(pid):
+    """Saturated by its integral, it still integrates an error that leads back."""
+    full = pid.effort.copy()
+    back = pid.integrate(np.array([-0.001]), np.zeros(1), full)
+    assert back[0] == pytest.approx(full[0] - pid.k_i[0] * 0.001 * DT)

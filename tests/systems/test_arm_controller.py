@@ -1,0 +1,125 @@
+"""The arm controller alone, and on joints that are plain inertias."""
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+
+from aerodrake.model.joint_pid import JointPid
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario import Arm
+from aerodrake.systems.arm_controller import ArmController
+
+ARM = Arm(bandwidth_rad_s=40.0, damping=0.9, integral_rad_s=5.0)
+DT, OFFSET = 0.005, 0.001
+
+
+@pytest.fixture
+def controller(vehicle):
+    return ArmController(JointPid.make(ARM, vehicle, DT), vehicle, OFFSET)
+
+
+class Bench:
+    """The controller on a bench: joints of constant inertia, that may be held fast."""
+
+    def __init__(self, controller, vehicle):
+        self.controller, self.vehicle = controller, vehicle
+        self.context = controller.CreateDefaultContext()
+        self.q, self.qdot = vehicle.working.copy(), np.zeros(vehicle.joints)
+
+    def tick(self, q_d, qdot_d=None) -> np.ndarray:
+        """(n,) N m, the torques after an update."""
+        n = self.vehicle.joints
+        x = self.vehicle.trim_state
+        x[7 : 7 + n], x[-n:] = self.q, self.qdot
+        qdot_d = np.zeros(n) if qdot_d is None else qdot_d
+        setpoint = np.concatenate([q_d, qdot_d, np.zeros(n)])
+        self.controller.GetInputPort("state").FixValue(self.context, x)
+        self.controller.GetInputPort("joint_setpoint").FixValue(self.context, setpoint)
+        self.context.SetDiscreteState(
+            self.controller.EvalUniquePeriodicDiscreteUpdate(self.context)
+        )
+        return self.torque
+
+    @property
+    def torque(self) -> np.ndarray:
+        return self.controller.GetOutputPort("joint_torque").Eval(self.context)
+
+    def move(self, torque: np.ndarray) -> None:
+        """Moves by one tick under the joint torques beyond those of trim."""
+        acceleration = (torque - self.vehicle.trim_torque) / self.vehicle.joint_inertia
+        self.q = self.q + self.qdot * DT + acceleration * DT**2 / 2
+        self.qdot = self.qdot + acceleration * DT
+
+
+@pytest.fixture
+def bench(controller, vehicle) -> Bench:
+    return Bench(controller, vehicle)
+
+
+def test_trim_is_kept_forever(bench, vehicle):
+    np.testing.assert_array_equal(bench.torque, vehicle.trim_torque)
+    for _ in range(200):
+        np.testing.assert_array_equal(bench.tick(vehicle.working), vehicle.trim_torque)
+
+
+def test_ports_rate_and_feedthrough(controller, vehicle):
+    n = vehicle.joints
+    assert controller.GetInputPort("state").size() == VehicleState.size(n)
+    assert controller.GetInputPort("joint_setpoint").size() == 3 * n
+    assert controller.GetOutputPort("joint_torque").size() == n
+    assert not controller.HasAnyDirectFeedthrough()
+    timing = controller.GetUniquePeriodicDiscreteUpdateAttribute()
+    assert (timing.period_sec(), timing.offset_sec()) == (DT, OFFSET)
+
+
+def test_torque_is_held_between_ticks(controller, vehicle):
+    simulator = Simulator(controller)
+    context = simulator.get_mutable_context()
+    port = controller.GetOutputPort("joint_torque")
+    setpoint = np.concatenate([vehicle.working, np.zeros(12)])
+    controller.GetInputPort("state").FixValue(context, vehicle.trim_state)
+    controller.GetInputPort("joint_setpoint").FixValue(context, setpoint)
+    simulator.AdvanceTo(0.002)
+    controller.GetInputPort("joint_setpoint").FixValue(context, setpoint + 0.01)
+    simulator.AdvanceTo(0.0059)
+    np.testing.assert_array_equal(port.Eval(context), vehicle.trim_torque)
+    simulator.AdvanceTo(0.0061)
+    assert np.all(port.Eval(context) > vehicle.trim_torque)
+
+
+def test_gains_are_per_inertia(bench, vehicle):
+    """One tick, by hand: J (w^2 e + 2 z w e') on trim, and J w^2 i e dt more at the next."""
+    e, e_dot = 1e-3 * np.array([1, -2, 3, -1, 2, -3]), 1e-2 * np.array([2, 1, -1, -2, 1, 3])
+    expected = vehicle.trim_torque + vehicle.joint_inertia * (40**2 * e + 2 * 0.9 * 40 * e_dot)
+    np.testing.assert_allclose(bench.tick(vehicle.working + e, e_dot), expected, rtol=1e-12)
+    expected += vehicle.joint_inertia * 40**2 * 5 * e * DT
+    np.testing.assert_allclose(bench.tick(vehicle.working + e, e_dot), expected, rtol=1e-12)
+
+
+def test_a_constant_load_is_taken_out(bench, vehicle):
+    load = np.array([0.3, -0.5, 0.2, 0.05, -0.1, 0.1])
+    for _ in range(600):
+        bench.move(bench.tick(vehicle.working) + load)
+    np.testing.assert_allclose(bench.q, vehicle.working, atol=1e-6)
+    np.testing.assert_allclose(bench.torque, vehicle.trim_torque - load, atol=1e-5)
+
+
+def test_joints_that_are_held_fast_do_not_wind_up(bench, vehicle):
+    """After 5 s of pushing at the torque limit, trim is back within a tenth of a second."""
+    away = np.where(np.arange(vehicle.joints) % 2, -1.0, 1.0)
+    for _ in range(1000):
+        torque = bench.tick(vehicle.working + away)
+    np.testing.assert_array_equal(torque, away * vehicle.effort)
+
+    farthest = np.zeros(vehicle.joints)
+    for _ in range(400):
+        bench.move(bench.tick(vehicle.working))
+        farthest = np.maximum(farthest, np.abs(bench.q - vehicle.working))
+    assert np.all(farthest < 0.01)
+    np.testing.assert_allclose(bench.q, vehicle.working, atol=1e-5)
+
+
+def test_torques_keep_their_limits(bench, vehicle):
+    for side in (1, -1):
+        wild = bench.tick(vehicle.working + side * 100, np.full(6, side * 100.0))
+        np.testing.assert_array_equal(wild, side * vehicle.effort)

@@ -1,0 +1,168 @@
+"""Sensors: no latency, exact by default, and noise of the asked size that follows the seed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydrake.common import RandomDistribution
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RollPitchYaw, RotationMatrix
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.primitives import (
+    ConstantVectorSource,
+    LogVectorOutput,
+    RandomSource,
+    TrajectorySource,
+    ZeroOrderHold,
+)
+from pydrake.trajectories import PiecewisePolynomial
+
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario import Sensors
+from aerodrake.station import make_context, make_station
+from aerodrake.systems.sensors import SensorSystem, noise_size
+
+JOINTS = 6
+SIZE = VehicleState.size(JOINTS)
+PERIOD = 0.01
+NOISY = Sensors(
+    position_noise_m=0.01,
+    velocity_noise_m_s=0.2,
+    attitude_noise_rad=0.003,
+    rate_noise_rad_s=0.05,
+    joint_noise_rad=0.001,
+)
+EACH = {
+    "position_noise_m": "p_B",
+    "velocity_noise_m_s": "v_B",
+    "attitude_noise_rad": "quaternion",
+    "rate_noise_rad_s": "omega_W",
+    "joint_noise_rad": "q",
+}
+"""Which part of the state each standard deviation is about."""
+
+
+def truth() -> np.ndarray:
+    """A state of which no two numbers are alike."""
+    x = 0.3 + 0.1 * np.arange(SIZE)
+    x[:4] = RollPitchYaw(0.3, -0.2, 0.5).ToQuaternion().wxyz()
+    return x
+
+
+def make_noisy(config: Sensors) -> tuple[Diagram, LogVectorOutput]:
+    """Sensors that look at a vehicle at rest, and a log of what they say."""
+    builder = DiagramBuilder()
+    sensors = builder.AddSystem(SensorSystem(config, JOINTS, PERIOD, np.zeros(SIZE)))
+    source = builder.AddSystem(ConstantVectorSource(truth()))
+    noise = builder.AddSystem(
+        RandomSource(RandomDistribution.kGaussian, noise_size(JOINTS), PERIOD)
+    )
+    builder.Connect(source.get_output_port(), sensors.GetInputPort("true_state"))
+    builder.Connect(noise.get_output_port(), sensors.GetInputPort("noise"))
+    log = LogVectorOutput(sensors.GetOutputPort("state"), builder, PERIOD)
+    return builder.Build(), log
+
+
+def measure(config: Sensors, samples: int, seed: int = 0) -> np.ndarray:
+    """(samples, 13 + 2 n)"""
+    diagram, log = make_noisy(config)
+    context = make_context(diagram, seed)
+    Simulator(diagram, context).AdvanceTo(samples * PERIOD)
+    return log.FindLog(context).data().T[1:]  # Logged before the update of that instant.
+
+
+def turns(states: np.ndarray) -> np.ndarray:
+    """(samples, 3) rad, rotation vectors from the true to the measured attitude."""
+    R = RotationMatrix(Quaternion(truth()[:4]))
+    measured = (R.inverse().multiply(RotationMatrix(Quaternion(x[:4]))) for x in states)
+    return np.array([a.angle() * a.axis() for a in (m.ToAngleAxis() for m in measured)])
+
+
+def test_exact_by_default_without_a_look_at_the_noise():
+    sensors = SensorSystem(Sensors(), JOINTS, PERIOD, np.zeros(SIZE))
+    simulator = Simulator(sensors)
+    context = simulator.get_mutable_context()
+    x = np.linspace(-1, 2, SIZE)
+    sensors.GetInputPort("true_state").FixValue(context, x)
+    np.testing.assert_array_equal(sensors.GetOutputPort("state").Eval(context), np.zeros(SIZE))
+    simulator.AdvanceTo(PERIOD / 2)
+    np.testing.assert_array_equal(sensors.GetOutputPort("state").Eval(context), x)
+
+
+def test_a_consumer_of_the_same_instant_sees_the_new_sample():
+    """Drake's own sample-and-hold after the sensors adds nothing, after itself a period."""
+    builder = DiagramBuilder()
+    ramp = PiecewisePolynomial.FirstOrderHold([0, 10], np.outer(np.ones(SIZE), [0, 10]))
+    source = builder.AddSystem(TrajectorySource(ramp))
+    sensors = builder.AddSystem(SensorSystem(Sensors(), JOINTS, PERIOD, np.zeros(SIZE)))
+    first = builder.AddSystem(ZeroOrderHold(PERIOD, SIZE))
+    second = builder.AddSystem(ZeroOrderHold(PERIOD, SIZE))
+    builder.Connect(source.get_output_port(), sensors.GetInputPort("true_state"))
+    builder.Connect(sensors.GetOutputPort("state"), first.get_input_port())
+    builder.Connect(first.get_output_port(), second.get_input_port())
+    diagram = builder.Build()
+    simulator = Simulator(diagram)
+    context = simulator.get_context()
+    for time, sampled in ((0.0950, 0.09), (0.0999, 0.09), (0.1001, 0.10), (0.1099, 0.10)):
+        simulator.AdvanceTo(time)
+        for system, expected in ((sensors, sampled), (first, sampled), (second, sampled - PERIOD)):
+            seen = system.get_output_port().Eval(system.GetMyContextFromRoot(context))
+            np.testing.assert_allclose(seen, expected, atol=1e-12, err_msg=f"{system} {time}")
+
+
+def test_no_feedthrough():
+    assert not SensorSystem(NOISY, JOINTS, PERIOD, truth()).HasAnyDirectFeedthrough()
+
+
+def test_noise_is_white_and_of_the_asked_size_on_every_axis():
+    samples = 5000
+    states = measure(NOISY, samples)
+    n = JOINTS
+    attitude = turns(states)
+    errors = np.hstack([attitude, (states - truth())[:, 4:]])
+    deviations = np.repeat([0.003, 0.01, 0.001, 0.05, 0.2, 0.0], [3, 3, n, 3, 3, n])
+    noisy = deviations > 0
+    np.testing.assert_array_equal(errors[:, ~noisy], 0)
+
+    drawn = errors[:, noisy] / deviations[noisy]
+    np.testing.assert_allclose(drawn.std(axis=0), 1, atol=0.05)
+    np.testing.assert_allclose(drawn.mean(axis=0), 0, atol=0.06)
+    # No axis shares its draws with another one, or with the sample before.
+    both = np.hstack([drawn[1:], drawn[:-1]])
+    np.testing.assert_allclose(np.corrcoef(both.T), np.eye(both.shape[1]), atol=0.075)
+    np.testing.assert_allclose(np.linalg.norm(states[:, :4], axis=1), 1, atol=1e-12)
+
+
+@pytest.mark.parametrize("key", EACH)
+def test_each_deviation_is_about_one_part_alone(key):
+    states = measure(Sensors(**{key: 0.01}), 20)
+    for part in ("quaternion", "p_B", "q", "omega_W", "v_B", "qdot"):
+        error = [
+            getattr(VehicleState.from_vector(x), part)
+            - getattr(VehicleState.from_vector(truth()), part)
+            for x in states
+        ]
+        largest = np.abs(error).max(axis=0)
+        assert np.all(largest > 1e-4) if part == EACH[key] else np.all(largest < 1e-15), part
+
+
+def test_noise_depends_on_the_seed_alone():
+    first, again, other = measure(NOISY, 20, 3), measure(NOISY, 20, 3), measure(NOISY, 20, 4)
+    np.testing.assert_array_equal(first, again)
+    assert np.all(first[:, 4:-JOINTS] != other[:, 4:-JOINTS])
+
+
+def test_the_seed_reaches_the_noise_of_a_station(scenario, vehicle):
+    station = make_station(replace(scenario, sensors=NOISY))
+    seen = []
+    for seed in (1, 1, 2):
+        context = make_context(station, seed)
+        hover = np.concatenate([vehicle.p_B, np.zeros(6)])
+        folded = np.concatenate([vehicle.working, np.zeros(2 * vehicle.joints)])
+        station.GetInputPort("base_setpoint").FixValue(context, hover)
+        station.GetInputPort("joint_setpoint").FixValue(context, folded)
+        Simulator(station, context).AdvanceTo(0.025)
+        seen.append(station.GetOutputPort("state").Eval(context))
+    np.testing.assert_array_equal(seen[0], seen[1])
+    assert np.all(seen[0][4:7] != seen[2][4:7])

@@ -1,0 +1,34 @@
+"""The one line that people get to see."""
+
+import pytest
+
+from aerodrake.errors import BadInput, nearest
+
+
+def test_names_source_and_key_in_one_line():
+    assert str(BadInput("a.yaml", "mpc.horizon", "expected\n  2")) == (
+        "a.yaml: mpc.horizon: expected 2"
+    )
+    assert str(BadInput("a.yaml", "", "expected UTF-8")) == "a.yaml: expected UTF-8"
+
+
+@pytest.mark.parametrize(
+    "hostile",
+    ["k" * 1_000_000, "a\nb\r\nc", "\x1b[31mred\x1b[0m\x07"],
+    ids=["long", "lines", "escapes"],
+)
+@pytest.mark.parametrize("place", range(3))
+def test_stays_one_short_printable_line_whatever_it_quotes(hostile, place):
+    parts = ["a.yaml", "key", "message"]
+    parts[place] = hostile
+    message = str(BadInput(*parts))
+    assert len(message) < 2000
+    assert message.isprintable()
+
+
+def test_nearest_name_and_the_rest():
+    assert nearest("horizn", ["k_e", "horizon"]) == (
+        "did you mean 'horizon'? (valid: horizon, k_e)"
+    )
+    assert nearest("zzz", ["k_e", "horizon"]) == "(valid: horizon, k_e)"
+    assert nearest(3, ["k_e"]) == "(valid: k_e)"

@@ -1,0 +1,192 @@
+"""Every key of a scenario, by its declaration; and the checks that no single key can make."""
+
+import dataclasses
+import math
+import typing
+
+import pytest
+
+from aerodrake.errors import BadInput
+from aerodrake.scenario import Flight, Hover, Model, Reference, Scenario
+from aerodrake.schema import as_mapping, build
+
+KINDS = [reference() for reference in typing.get_args(Reference)]
+
+
+def nested(values: dict[str, object], reference: object = Hover()) -> dict:
+    """The mapping of a scenario that has values at dotted keys and a reference of some kind."""
+    data: dict = {"reference": {"kind": reference.kind}}
+    for key, value in values.items():
+        *parents, leaf = key.split(".")
+        node = data
+        for parent in parents:
+            node = node.setdefault(parent, {})
+        node[leaf] = value
+    return data
+
+
+def leaves(config: object, prefix: str = ""):
+    """Yields (dotted key, dataclass field, default) of every key that is no section."""
+    for field in dataclasses.fields(config):
+        value, key = getattr(config, field.name), f"{prefix}{field.name}"
+        if dataclasses.is_dataclass(value):
+            yield from leaves(value, f"{key}.")
+        elif "provenance" not in field.metadata:
+            yield key, field, value
+
+
+def sections(config: object, prefix: str = ""):
+    """Yields (prefix of dotted keys, names of keys) of every section."""
+    yield prefix, [f.name for f in dataclasses.fields(config) if "provenance" not in f.metadata]
+    for field in dataclasses.fields(config):
+        value = getattr(config, field.name)
+        if dataclasses.is_dataclass(value):
+            yield from sections(value, f"{prefix}{field.name}.")
+
+
+LEAVES = [(Hover(), *leaf) for leaf in leaves(Scenario())]
+LEAVES += [(kind, *leaf) for kind in KINDS for leaf in leaves(kind, "reference.")]
+QUANTITIES = [leaf for leaf in LEAVES if "unit" in leaf[2].metadata]
+
+
+def refuses(reference: object, key: str, value: object) -> str:
+    """The message about one bad value, which must name the key."""
+    with pytest.raises(BadInput) as caught:
+        build(Scenario, nested({key: value}, reference), "f.yaml")
+    message = str(caught.value)
+    assert message.startswith(f"f.yaml: {key}")
+    return message
+
+
+@pytest.mark.parametrize("reference", KINDS, ids=lambda kind: kind.kind)
+def test_mapping_round_trip(reference):
+    scenario = Scenario(reference=reference)
+    assert build(Scenario, as_mapping(scenario), "f.yaml") == scenario
+    assert build(Scenario, {"reference": {"kind": reference.kind}}, "f.yaml") == scenario
+
+
+def test_defaults_are_consistent(scenario):
+    scenario.check("defaults")
+    assert scenario == build(Scenario, {}, "f.yaml")
+
+
+def test_every_key_is_declared():
+    """Numbers with unit and finite range, strings with their choices or as files."""
+    for _, key, field, value in LEAVES:
+        if isinstance(value, str):
+            assert key == "name" or field.metadata.keys() & {"options", "file"}, key
+        else:
+            low, high, length = (field.metadata[k] for k in ("low", "high", "length"))
+            assert field.metadata["unit"] and math.isfinite(low) and math.isfinite(high), key
+            assert low < high, key
+            assert length in (None, len(value) if isinstance(value, tuple) else None), key
+
+
+@pytest.mark.parametrize(
+    "wrong", ["10 s", True, None, {"x": 1}, math.nan, math.inf, "below", "above"], ids=str
+)
+def test_numbers_out_of_type_or_range_are_named_with_unit_and_range(wrong):
+    for reference, key, field, default in QUANTITIES:
+        low, high, unit = (field.metadata[k] for k in ("low", "high", "unit"))
+        value = low - 1 if wrong == "below" else high + 1 if wrong == "above" else wrong
+        if isinstance(default, tuple):
+            key, value = f"{key}[{len(default) - 1}]", [*default[:-1], value]
+        message = refuses(reference, key.partition("[")[0], value)
+        whole = "a whole number" if isinstance(default, int) else "a number"
+        ending = "" if unit == "1" else f" {unit}"
+        assert f": {key}: expected {whole} in [{low:g}, {high:g}]{ending}, got " in message
+
+
+def test_lists_of_the_wrong_length_are_named():
+    for reference, key, field, default in QUANTITIES:
+        if field.metadata["length"]:
+            for wrong in ([], [default[0]] * (len(default) + 1), default[0]):
+                message = refuses(reference, key, wrong)
+                assert f": {key}: expected a list of {len(default)} numbers" in message
+
+
+def test_choices_are_listed():
+    for reference, key, field, default in LEAVES:
+        if options := field.metadata.get("options"):
+            message = refuses(reference, key, f"{default}z")
+            assert f"did you mean '{default}'?" in message
+            assert all(option in message for option in options)
+            refuses(reference, key, 3)
+
+
+@pytest.mark.parametrize("reference", KINDS, ids=lambda kind: kind.kind)
+def test_unknown_keys_are_named_on_every_level(reference):
+    for prefix, names in sections(Scenario(reference=reference)):
+        for name in names:
+            wrong = f"{prefix}{name}x"
+            message = refuses(reference, wrong, 1.0)
+            assert f": {wrong}: unknown key; did you mean '{name}'? (valid: " in message
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"rates.plant_step_s": 0.003}, "rates.sensor_period_s: expected a multiple of"),
+        ({"rates.sensor_period_s": 0.0105}, "rates.sensor_period_s: expected a multiple of"),
+        ({"rates.flight_period_s": 0.0105}, "rates.flight_period_s: expected a multiple of"),
+        ({"rates.arm_period_s": 0.0055}, "rates.arm_period_s: expected a multiple of"),
+        ({"rates.mpc_period_s": 0.0205}, "rates.mpc_period_s: expected a multiple of"),
+        (
+            {"rates.plant_step_s": 0.005, "rates.arm_period_s": 0.002},
+            "rates.arm_period_s: expected a multiple of rates.plant_step_s (0.005 s), got 0.002 s",
+        ),
+        (
+            {"rates.sensor_period_s": 0.012},
+            "rates.mpc_period_s: expected a multiple of rates.sensor_period_s (0.012 s), "
+            "got 0.02 s",
+        ),
+        (
+            {"rates.flight_period_s": 0.04},
+            "rates.mpc_period_s: expected a multiple of rates.flight_period_s",
+        ),
+        (
+            {"vehicle.rotor.min_thrust_n": 20.0},
+            "vehicle.rotor.min_thrust_n: expected less than max_thrust_n (20 N), got 20 N",
+        ),
+        ({"flight.interface": "position"}, "model.kind: velocity_aware expects"),
+        ({"mpc.tilt": "flatness"}, "mpc.tilt: flatness expects model.kind paper or exact"),
+        (
+            {"mpc.tilt": "flatness", "model.kind": "integral"},
+            "mpc.tilt: flatness expects model.kind paper or exact",
+        ),
+        (
+            {"allocation.d_edge_m": 0.07},
+            "allocation.d_edge_m: expected more than d_h_m (0.075 m), got 0.07 m",
+        ),
+        (
+            {"allocation.d_f_m": 0.075},
+            "allocation.d_f_m: expected more than d_h_m (0.075 m), got 0.075 m",
+        ),
+    ],
+)
+def test_contradictions_are_named(changes, expected):
+    scenario = build(Scenario, nested(changes), "f.yaml")
+    with pytest.raises(BadInput) as caught:
+        scenario.check("--set")
+    assert str(caught.value).startswith(f"--set: {expected}")
+
+
+@pytest.mark.parametrize("kind", ["paper", "exact"])
+def test_combinations_that_go_together(kind):
+    data = {
+        "flight": {"interface": "position"},
+        "model": {"kind": kind},
+        "mpc": {"tilt": "flatness"},
+        "rates": {"plant_step_s": 0.0005, "sensor_period_s": 0.005, "mpc_period_s": 0.03},
+    }
+    scenario = build(Scenario, data, "f.yaml")
+    scenario.check("f.yaml")
+    assert scenario.flight == Flight(interface="position")
+    assert scenario.model == Model(kind=kind)
+
+
+def test_warns_where_hovering_reaches_out_of_the_learning_space(scenario):
+    (warning,) = scenario.warnings()
+    assert "allocation.d_h_m" in warning and "0.075 m" in warning and "0.05 m" in warning
+    quiet = dataclasses.replace(scenario.allocation, d_h_m=0.05)
+    assert dataclasses.replace(scenario, allocation=quiet).warnings() == []

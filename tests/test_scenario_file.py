@@ -1,0 +1,307 @@
+"""Scenario files: found, read, overridden and written; and files that are none."""
+
+import dataclasses
+import os
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from aerodrake.errors import BadInput
+from aerodrake.model.waypoints import read_waypoints
+from aerodrake.scenario import Clover, Model, Scenario, Waypoints
+from aerodrake.scenario_file import (
+    MAX_FILE_BYTES,
+    load_scenario,
+    packaged_scenarios,
+    save_scenario,
+)
+from aerodrake.schema import as_mapping, build
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Writes a scenario file and returns its path."""
+
+    def write(content: str | bytes, name: str = "flight.yaml") -> str:
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return str(path)
+
+    return write
+
+
+def refuses(path: str, *overrides: tuple[str, str]) -> str:
+    """The message about a scenario that cannot be used."""
+    with pytest.raises(BadInput) as caught:
+        load_scenario(path, overrides)
+    message = str(caught.value)
+    assert len(message) < 2000 and message.isprintable()
+    return message
+
+
+# Reading.
+
+
+@pytest.mark.parametrize("name", packaged_scenarios())
+def test_packaged_scenarios_are_valid_and_survive_their_mapping(name):
+    scenario = load_scenario(name)
+    assert scenario.name == name and scenario.source.endswith(f"{name}.yaml")
+    rebuilt = build(Scenario, as_mapping(scenario), "f.yaml")
+    assert dataclasses.replace(rebuilt, source=scenario.source) == scenario
+
+
+def test_packaged_waypoints_are_found_from_any_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    times, points = read_waypoints(load_scenario("waypoints").reference.file)
+    assert times[0] == 0
+    assert list(points[0]) == [0, 0.2, 1.2]
+
+
+def test_unknown_names_are_answered_with_the_nearest():
+    assert refuses("clovr").startswith("clovr: no such scenario; did you mean 'clover'? (valid: ")
+
+
+def test_reads_a_file_by_its_path(write, tmp_path, monkeypatch):
+    path = write("duration: 4\nreference: {kind: clover, lap_s: 30}\n")
+    scenario = load_scenario(path)
+    assert scenario.duration == 4 and scenario.reference == Clover(lap_s=30)
+    assert (scenario.name, scenario.source) == ("flight", path)
+    monkeypatch.chdir(tmp_path)
+    assert load_scenario("flight.yaml").duration == load_scenario("./flight.yaml").duration == 4
+    assert load_scenario(write("name: mine\nseed: 1\n")).name == "mine"
+
+
+def test_a_bare_off_is_a_string(write):
+    assert load_scenario(write("residual: {mode: off}\n")).residual.mode == "off"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "expected a mapping of scenario keys to values, got an empty file"),
+        ("# nothing\n", "expected a mapping of scenario keys to values, got an empty file"),
+        ("---\n", "expected a mapping of scenario keys to values, got an empty file"),
+        ("- 3\n", "expected a mapping of scenario keys to values"),
+        ("3\n", "expected a mapping of scenario keys to values"),
+        ("hello\n", "expected a mapping of scenario keys to values"),
+        ("duration: 3\nduration: 4\n", "duration"),
+        ("mpc: {horizon: 3, horizon: 5}\n", "horizon"),
+        ("duration: 3\n---\nduration: 4\n", "expected YAML; line 2"),
+        ("duration: 3\n  seed: 1\n", "expected YAML; line 2"),
+        ("\tduration: 3\n", "expected YAML; line 1"),
+        ("duration: [3\n", "expected YAML; line "),
+        ("duration: *nowhere\n", "expected YAML; line 1: found undefined alias"),
+        ("duration: !!python/object/apply:os.getcwd []\n", "expected YAML; line 1"),
+        ("duration: !unknown 3\n", "expected YAML; line 1"),
+        ("duration: \x07\n", "expected YAML; "),
+        ("duration: 2020-01-01\n", "duration: expected a number"),
+        ("duration: !!binary aGVsbG8=\n", "duration: expected a number"),
+        ("? [a, b]\n: 1\n", "expected YAML; line 1"),
+        ("~: 1\n", "None: unknown key"),
+        ("3: 1\n", "3: unknown key"),
+        ("_duration: 3\n", "_duration: unknown key; did you mean 'duration'?"),
+        ("<<: {duration: 3}\n", "<<"),
+    ],
+)
+def test_unusable_text_is_named_with_its_file(write, text, expected):
+    path = write(text)
+    message = refuses(path)
+    assert message.startswith(f"{path}: ") and expected in message
+
+
+@pytest.mark.parametrize(
+    "content", [b"\x00\x01\x02\xff\xfe", b"\x89PNG\r\n\x1a\n", "duration: 3".encode("utf-16")]
+)
+def test_binary_is_no_scenario(write, content):
+    path = write(content)
+    assert refuses(path).startswith(f"{path}: expected ")
+
+
+def test_files_that_are_not_there(tmp_path):
+    missing = str(tmp_path / "missing.yaml")
+    assert refuses(missing) == f"{missing}: cannot be read: No such file or directory"
+    folder = tmp_path / "folder.yaml"
+    folder.mkdir()
+    assert refuses(str(folder)) == f"{folder}: cannot be read: Is a directory"
+    assert "cannot be read" in refuses("x" * 300 + ".yaml")
+
+
+def test_size_is_limited_whatever_the_file_claims(tmp_path):
+    """A pipe claims to be empty, and so do devices that never end."""
+    pipe = tmp_path / "pipe.yaml"
+    os.mkfifo(pipe)
+    content = b"#" * (MAX_FILE_BYTES + 1)
+    writer = threading.Thread(target=pipe.write_bytes, args=(content,))
+    writer.start()
+    try:
+        assert f"at most {MAX_FILE_BYTES} bytes" in refuses(str(pipe))
+    finally:
+        writer.join()
+
+
+def nested(text: str, template: str, levels: int) -> str:
+    """A YAML bomb: level after level of nine references to the one before."""
+    lines = [f"a0: &a0 {text}"]
+    for i in range(1, levels):
+        lines.append(f"a{i}: &a{i} " + template.format(",".join([f"*a{i - 1}"] * 9)))
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# " + "x" * MAX_FILE_BYTES,
+        "duration: " + "9" * (MAX_FILE_BYTES - 100),
+        "duration: [" + "1," * (MAX_FILE_BYTES // 2 - 100) + "1]",
+        "duration: " + "[" * (MAX_FILE_BYTES - 100),
+        "duration: " + "[" * 20000 + "]" * 20000,
+        "duration: " + "{a: " * 20000 + "1" + "}" * 20000,
+        "mpc: &a\n  k_e: *a\n",
+        "model: {kind: " + "k" * (MAX_FILE_BYTES - 100) + "}",
+        '"' + "k" * (MAX_FILE_BYTES - 100) + '": 1',
+        nested("[lol,lol]", "[{}]", 30) + "duration: *a29\n",
+        "mpc:\n  " + nested("[lol,lol]", "[{}]", 30).replace("\n", "\n  "),
+        nested("{x: 1}", "{{<<: [{}]}}", 8),
+    ],
+    ids=["large", "digits", "list", "open", "lists", "maps", "loop", "value", "key", "aliases",
+         "inner_aliases", "merges"],
+)  # fmt: skip
+def test_hostile_files_are_refused_at_once(write, text):
+    path = write(text)
+    start = time.process_time()
+    assert refuses(path).startswith(f"{path}: ")
+    assert time.process_time() - start < 2
+
+
+# Overriding.
+
+
+def test_overrides_apply_in_order(write):
+    path = write("seed: 1\nmpc: {k_e: [1, 2, 3]}\nmodel: {k_b: [4, 5, 6]}\n")
+    scenario = load_scenario(
+        path,
+        [
+            ("--set", "seed=2"),
+            ("--set", "seed=3"),
+            ("--set", "mpc.k_e=[7, 8, 9]"),
+            ("--set", "reference.kind=clover"),
+            ("--set", "reference.amplitude_m=0.3"),
+            ("--set", "vehicle.rotor.lag_up_s=0.02"),
+            ("--set", "name=mine"),
+        ],
+    )
+    assert scenario.seed == 3 and scenario.mpc.k_e == (7, 8, 9) and scenario.name == "mine"
+    assert scenario.reference == Clover(amplitude_m=0.3)
+    assert scenario.vehicle.rotor.lag_up_s == 0.02
+    assert scenario.model == Model(k_b=(4, 5, 6))
+
+
+def test_overriding_a_choice_called_kind_keeps_its_section(write):
+    """Only another kind of reference has keys of its own."""
+    path = write("model: {kind: paper, k_b: [4, 5, 6]}\n")
+    scenario = load_scenario(path, [("--set", "model.kind=exact")])
+    assert scenario.model == Model(kind="exact", k_b=(4, 5, 6))
+
+
+def test_naming_the_same_kind_again_keeps_its_keys(write):
+    path = write("reference: {kind: clover, amplitude_m: 0.3}\n")
+    scenario = load_scenario(path, [("--set", "reference.kind=clover")])
+    assert scenario.reference == Clover(amplitude_m=0.3)
+
+
+@pytest.mark.parametrize(
+    ("assignment", "expected"),
+    [
+        ("seed", "expected dotted.key=value, got 'seed'"),
+        ("=3", "expected dotted.key=value, got '=3'"),
+        ("", "expected dotted.key=value, got ''"),
+        ("sed=3", "sed: unknown key; did you mean 'seed'?"),
+        ("mcp.horizon=3", "mcp: unknown section; did you mean 'mpc'? (valid: "),
+        ("mpc.horizn=3", "mpc.horizn: unknown key; did you mean 'horizon'?"),
+        ("vehicle.rotr.lag_up_s=1", "vehicle.rotr: unknown section; did you mean 'rotor'?"),
+        ("seed.x=3", "seed: unknown section"),
+        ("mpc.horizon.x=3", "mpc.horizon: unknown section"),
+        ("reference.lap_s=3", "reference.lap_s: unknown key"),
+        ("reference.kind=clovr", "reference.kind: unknown kind 'clovr'; did you mean 'clover'?"),
+        ("reference=clover", "reference: expected a mapping with a kind"),
+        ("mpc=3", "mpc: expected a mapping"),
+        ("kind=clover", "kind: unknown key"),
+        ("mpc.horizon=x", "mpc.horizon: expected a whole number in [2, 200] ticks, got 'x'"),
+        ("mpc.horizon=", "mpc.horizon: expected a whole number in [2, 200] ticks, got None"),
+        ("duration=10 s", "duration: expected a number in [0.02, 3600] s, got '10 s'"),
+        ("mpc.k_e=[1, 2", "expected YAML; line 1"),
+        ("source=x", "source: unknown key"),
+        ("mpc..horizon=3", "mpc.: unknown section"),
+        ("vehicle.rotor.min_thrust_n=30", "vehicle.rotor.min_thrust_n: expected less than"),
+        ("mpc.tilt=flatness", "mpc.tilt: flatness expects"),
+    ],
+)
+def test_bad_overrides_name_the_option(write, assignment, expected):
+    message = refuses(write("seed: 1\n"), ("--set", assignment))
+    assert message.startswith(f"--set: {expected}")
+
+
+def test_each_override_is_named_by_its_own_option(write):
+    path = write("seed: 1\n")
+    message = refuses(path, ("--seed", "seed=2"), ("--duration", "duration=-1"))
+    assert message.startswith("--duration: duration: expected a number")
+
+
+# Files beside the scenario.
+
+
+def test_files_are_relative_to_the_scenario_file_or_the_working_directory(
+    write, tmp_path, monkeypatch
+):
+    path = write("reference: {kind: waypoints, file: points.csv}\n", "inside/flight.yaml")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    relative = os.path.relpath(path)
+    for asked in (path, relative):
+        assert load_scenario(asked).reference == Waypoints(str(tmp_path / "inside" / "points.csv"))
+    overridden = load_scenario(path, [("--set", "reference.file=points.csv")])
+    assert Path(overridden.reference.file).absolute() == tmp_path / "elsewhere" / "points.csv"
+    absolute = write("reference: {kind: waypoints, file: /somewhere/points.csv}\n")
+    assert load_scenario(absolute).reference.file == "/somewhere/points.csv"
+    assert load_scenario(absolute).vehicle.robot == Scenario().vehicle.robot
+
+
+# Writing.
+
+
+@pytest.mark.parametrize("name", packaged_scenarios())
+def test_saved_scenarios_are_the_same_flight(name, tmp_path):
+    first = load_scenario(name)
+    second = load_scenario(str(save_scenario(first, tmp_path)))
+    portable = {"reference": first.reference, "source": first.source}
+    assert dataclasses.replace(second, **portable) == first
+    again = tmp_path / "again"
+    again.mkdir()
+    text = save_scenario(second, again).read_text()
+    assert text == (tmp_path / "scenario.yaml").read_text()
+
+
+def test_saved_scenarios_need_nothing_but_their_folder(write, tmp_path, monkeypatch):
+    path = write("reference: {kind: waypoints, file: points.csv}\n", "origin/flight.yaml")
+    points = Path(write("t,x,y,z\n0,0,0.2,1.2\n5,0,0.3,1.2\n", "origin/points.csv"))
+    before = read_waypoints(points)
+    run = tmp_path / "run"
+    run.mkdir()
+    save_scenario(load_scenario(path), run)
+    for file in (path, points):
+        os.remove(file)
+    moved = run.rename(tmp_path / "moved")
+    monkeypatch.chdir("/")
+    loaded = load_scenario(str(moved / "scenario.yaml"))
+    assert loaded.name == "flight"
+    for ours, theirs in zip(read_waypoints(loaded.reference.file), before, strict=True):
+        assert (ours == theirs).all()
+
+
+@pytest.mark.parametrize("name", ["off", "1e3", "null", "2020-01-01", "1:30", "a: b", "ü", "'x", "7"])
+def test_names_survive_being_saved(name, tmp_path):
+    path = save_scenario(Scenario(name=name), tmp_path)
+    assert load_scenario(str(path)).name == name
