@@ -141,6 +141,8 @@ class Flight:
     rate_gain: tuple[float, ...] = quantity((24.0, 24.0, 12.0), "1/s", 0.0, 200.0, length=3)
     position_eso_rad_s: float = quantity(3.0, "rad/s", 0.1, 100.0)
     attitude_eso_rad_s: float = quantity(15.0, "rad/s", 0.1, 100.0)
+    # Of omega_d, the rate at which the desired attitude turns.
+    rate_filter_s: float = quantity(0.03, "s", 0.0, 1.0)
     max_tilt_rad: float = quantity(0.6, "rad", 0.05, 1.2)
 
 

@@ -173,7 +173,7 @@ def test_hostile_files_are_refused_at_once(write, text):
     path = write(text)
     start = time.process_time()
     assert refuses(path).startswith(f"{path}: ")
-    assert time.process_time() - start < 2
+    assert time.process_time() - start < 5
 
 
 # Overriding.
@@ -301,7 +301,9 @@ def test_saved_scenarios_need_nothing_but_their_folder(write, tmp_path, monkeypa
         assert (ours == theirs).all()
 
 
-@pytest.mark.parametrize("name", ["off", "1e3", "null", "2020-01-01", "1:30", "a: b", "ü", "'x", "7"])
+@pytest.mark.parametrize(
+    "name", ["off", "1e3", "null", "2020-01-01", "1:30", "a: b", "ü", "'x", "7"]
+)
 def test_names_survive_being_saved(name, tmp_path):
     path = save_scenario(Scenario(name=name), tmp_path)
     assert load_scenario(str(path)).name == name

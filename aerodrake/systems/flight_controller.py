@@ -35,7 +35,8 @@ class FlightController(LeafSystem):
     State:
         `position_eso` (3, 3), `attitude_eso` (2, 3), `integral` (3) of the
         position error, `thrust` (k) that the rotors are believed to give,
-        `thrust_command` (k), `R_d` (3, 3), the last desired attitude.
+        `thrust_command` (k), `R_d` (3, 3), the last desired attitude, and
+        `omega_d` (3) rad/s, its filtered rate, in its own frame.
     Rate:
         `period`, after `offset`, so that it sees what the MPC commanded at
         the same sample.
@@ -79,6 +80,8 @@ class FlightController(LeafSystem):
         self._x_thrust = self.DeclareDiscreteState(trim)
         self._x_command = self.DeclareDiscreteState(trim)
         self._x_R_d = self.DeclareDiscreteState(np.eye(3).ravel())
+        self._x_omega_d = self.DeclareDiscreteState(np.zeros(3))
+        self._smoothing = period / (period + config.rate_filter_s)
         self.DeclareStateOutputPort("thrust_command", self._x_command)
         self.DeclareVectorOutputPort(
             "disturbance",
@@ -124,8 +127,12 @@ class FlightController(LeafSystem):
         R_d = desired_attitude(f)
         R_d_last = old(self._x_R_d).value().reshape(3, 3)
         turned = RotationMatrix(R_d_last.T @ R_d).ToAngleAxis()
-        omega_d = R.T @ R_d @ turned.axis() * (turned.angle() / self._period)
-        u_omega = attitude_law(config, attitude_error(R, R_d), omega - omega_d, attitude_eso[-1])
+        omega_d = old(self._x_omega_d).value()
+        omega_d = omega_d + self._smoothing * (
+            turned.axis() * (turned.angle() / self._period) - omega_d
+        )
+        rate_error = omega - R.T @ R_d @ omega_d
+        u_omega = attitude_law(config, attitude_error(R, R_d), rate_error, attitude_eso[-1])
 
         wanted = np.concatenate(
             [[vehicle.mass * (f @ R[:, 2])], vehicle.inertia @ u_omega + gyroscopic]
@@ -144,6 +151,7 @@ class FlightController(LeafSystem):
             (self._x_thrust, thrust),
             (self._x_command, command),
             (self._x_R_d, R_d.ravel()),
+            (self._x_omega_d, omega_d),
         ):
             discrete.set_value(index, value)
 

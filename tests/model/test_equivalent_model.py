@@ -32,7 +32,7 @@ def test_solves_its_equation_under_held_input(kind, dt):
         p = p_d
 
     def slope(t, y):
-        p, p_d, v_d, q, qdot = np.split(y, [3, 6, 9, 9 + JOINTS])
+        p, p_d, v_d, _, qdot = np.split(y, [3, 6, 9, 9 + JOINTS])
         return np.concatenate([base_slope(kind, K_B, p, p_d, v_d, delta), v_d, a_d, qdot, qddot])
 
     y = np.concatenate([p, p_d, v_d, q, qdot])

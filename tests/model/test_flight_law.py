@@ -53,7 +53,7 @@ def test_desired_attitude(thrust, yaw):
 @given(accelerations, st.floats(0.05, 1.2))
 def test_desired_thrust(u_v, max_tilt):
     """Tilted no further than allowed, upward, and as wanted where that is possible."""
-    wanted = u_v + [0, 0, GRAVITY]
+    wanted = u_v + np.array([0, 0, GRAVITY])
     thrust = desired_thrust(u_v.copy(), max_tilt)
     tilt = np.arctan2(np.hypot(*thrust[:2]), thrust[2])
     assert tilt <= max_tilt + 1e-12

@@ -81,8 +81,9 @@ def test_yaw_costs_neither_thrust_nor_tilt(lift, roll, pitch):
 def test_makes_the_vehicles_own(scenario, vehicle):
     rotor = scenario.vehicle.rotor
     allocation = ThrustAllocation.make(vehicle, rotor)
-    np.testing.assert_allclose(allocation.mixer @ allocation.allocate(vehicle.trim_wrench),
-                               vehicle.trim_wrench, atol=1e-9)
+    np.testing.assert_allclose(
+        allocation.mixer @ allocation.allocate(vehicle.trim_wrench), vehicle.trim_wrench, atol=1e-9
+    )
     most = allocation.allocate(np.array([1e3, 0.1, 0.1, 0.1]))
     assert most.max() == rotor.max_thrust_n
 

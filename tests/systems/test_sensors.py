@@ -14,6 +14,7 @@ from pydrake.systems.primitives import (
     LogVectorOutput,
     RandomSource,
     TrajectorySource,
+    VectorLogSink,
     ZeroOrderHold,
 )
 from pydrake.trajectories import PiecewisePolynomial
@@ -50,7 +51,7 @@ def truth() -> np.ndarray:
     return x
 
 
-def make_noisy(config: Sensors) -> tuple[Diagram, LogVectorOutput]:
+def make_noisy(config: Sensors) -> tuple[Diagram, VectorLogSink]:
     """Sensors that look at a vehicle at rest, and a log of what they say."""
     builder = DiagramBuilder()
     sensors = builder.AddSystem(SensorSystem(config, JOINTS, PERIOD, np.zeros(SIZE)))

@@ -1,0 +1,36 @@
+"""A short flight that brings the MPC's bounds into play, tick by tick."""
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+
+from aerodrake.model.mpc import MpcInputs
+from aerodrake.scenario import Clover, Mpc, Scenario
+from aerodrake.station import make_closed_loop, make_context
+
+FLOWN_S = 2.6
+
+
+@pytest.fixture(scope="session")
+def tight_scenario() -> Scenario:
+    """A clover four times too fast for a base that may hardly move."""
+    return Scenario(
+        settle_s=0.0,
+        reference=Clover(lap_s=6.0, start_s=0.5),
+        mpc=Mpc(base_velocity_m_s=(0.3, 0.3, 0.3), base_acceleration_m_s2=(0.8, 0.8, 0.8)),
+    )
+
+
+@pytest.fixture(scope="session")
+def ticks(tight_scenario) -> list[MpcInputs]:
+    """What each tick of that flight was about."""
+    diagram = make_closed_loop(tight_scenario)
+    mpc = diagram.GetSubsystemByName("coordinator").GetSubsystemByName("mpc")
+    simulator = Simulator(diagram, make_context(diagram, seed=0))
+    context = mpc.GetMyContextFromRoot(simulator.get_context())
+    period = tight_scenario.rates.mpc_period_s
+    flown = []
+    for time in np.arange(0, FLOWN_S, period):
+        simulator.AdvanceTo(time)
+        flown.append(mpc.tick_inputs(context))
+    return flown

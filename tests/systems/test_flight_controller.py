@@ -1,0 +1,203 @@
+"""The flight controller alone, and on the station's plant."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+
+from aerodrake.model.vehicle import GRAVITY
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.station import make_context, make_station
+from aerodrake.systems.flight_controller import FlightController
+
+PERIOD, OFFSET = 0.01, 0.001
+
+
+def make_controller(scenario, vehicle, **flight) -> FlightController:
+    config = replace(scenario.flight, **flight)
+    return FlightController(config, scenario.vehicle.rotor, vehicle, PERIOD, OFFSET)
+
+
+@pytest.fixture(scope="module")
+def mixer(scenario, vehicle):
+    """(4, k) from thrusts to the wrench on the base, written out from the rotors' places."""
+    x, y, _ = vehicle.rotors.p_B.T
+    return np.array(
+        [np.ones(4), y, -x, -scenario.vehicle.rotor.torque_ratio_m * np.array([1, -1, 1, -1])]
+    )
+
+
+@pytest.fixture
+def hover(vehicle) -> np.ndarray:
+    return np.concatenate([vehicle.p_B, np.zeros(6)])
+
+
+def tick(controller, context, state, setpoint) -> np.ndarray:
+    """(k,) N, the command after an update."""
+    controller.GetInputPort("state").FixValue(context, state)
+    controller.GetInputPort("base_setpoint").FixValue(context, setpoint)
+    context.SetDiscreteState(controller.EvalUniquePeriodicDiscreteUpdate(context))
+    return controller.GetOutputPort("thrust_command").Eval(context)
+
+
+def first_command(controller, state, setpoint) -> np.ndarray:
+    return tick(controller, controller.CreateDefaultContext(), state, setpoint)
+
+
+def test_ports_rate_and_feedthrough(scenario, vehicle):
+    controller = make_controller(scenario, vehicle)
+    assert controller.GetInputPort("state").size() == VehicleState.size(vehicle.joints)
+    assert controller.GetInputPort("base_setpoint").size() == 9
+    assert controller.GetOutputPort("thrust_command").size() == len(vehicle.rotors.names)
+    assert controller.GetOutputPort("disturbance").size() == 6
+    assert not controller.HasAnyDirectFeedthrough()
+    timing = controller.GetUniquePeriodicDiscreteUpdateAttribute()
+    assert (timing.period_sec(), timing.offset_sec()) == (PERIOD, OFFSET)
+
+
+@pytest.mark.parametrize("interface", ["trajectory", "position"])
+def test_trim_is_kept_forever(scenario, vehicle, mixer, hover, interface):
+    controller = make_controller(scenario, vehicle, interface=interface, integral_gain=(1, 1, 1))
+    context = controller.CreateDefaultContext()
+    trim = controller.GetOutputPort("thrust_command").Eval(context).copy()
+    np.testing.assert_allclose(mixer @ trim, vehicle.trim_wrench, atol=1e-12)
+    for _ in range(500):
+        command = tick(controller, context, vehicle.trim_state, hover)
+        np.testing.assert_allclose(command, trim, rtol=0, atol=1e-11)
+
+
+def test_height_error_by_hand(scenario, vehicle, mixer, hover):
+    """m (g + k_p e) more or less, and no torque beyond that of trim."""
+    controller = make_controller(scenario, vehicle, position_gain=(9, 9, 7))
+    hover[2] += 0.2
+    wrench = mixer @ first_command(controller, vehicle.trim_state, hover)
+    expected = [vehicle.mass * (GRAVITY + 7 * 0.2), *vehicle.trim_wrench[1:]]
+    np.testing.assert_allclose(wrench, expected, atol=1e-10)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("rate_filter_s", [0.0, 0.04])
+def test_horizontal_error_by_hand(scenario, vehicle, mixer, hover, axis, rate_filter_s):
+    """The thrust axis turns towards the setpoint, and its filtered rate is fed forward."""
+    controller = make_controller(
+        scenario,
+        vehicle,
+        position_gain=(9, 9, 9),
+        attitude_gain=(144, 144, 36),
+        rate_gain=(24, 24, 12),
+        rate_filter_s=rate_filter_s,
+    )
+    step = 1e-4
+    hover[axis] += step
+    angle = math.atan(9 * step / GRAVITY)
+    turn = 144 * math.sin(angle) + 24 * angle / (PERIOD + rate_filter_s)
+    torque = vehicle.inertia @ ([0, turn, 0] if axis == 0 else [-turn, 0, 0])
+    wrench = [vehicle.mass * GRAVITY, *(vehicle.trim_wrench[1:] + torque)]
+    command = first_command(controller, vehicle.trim_state, hover)
+    np.testing.assert_allclose(mixer @ command, wrench, rtol=1e-8, atol=1e-10)
+
+
+def test_velocity_and_feedforward_by_hand(scenario, vehicle, mixer, hover):
+    """Also with the base moving: its velocity alone is seen by the law, not yet by the ESO."""
+    controller = make_controller(scenario, vehicle, velocity_gain=(5, 5, 6))
+    hover[5], hover[8] = 0.3, 0.7
+    state = vehicle.trim_state
+    state[-vehicle.joints - 1] = 0.1
+    wrench = mixer @ first_command(controller, state, hover)
+    assert wrench[0] == pytest.approx(vehicle.mass * (GRAVITY + 6 * 0.2 + 0.7), rel=1e-12)
+
+
+def test_position_interface_heeds_p_d_alone(scenario, vehicle, hover):
+    moving = hover + np.concatenate([np.zeros(3), np.full(6, 0.2)])
+    for interface, is_heeded in (("position", False), ("trajectory", True)):
+        controller = make_controller(scenario, vehicle, interface=interface)
+        still = first_command(controller, vehicle.trim_state, hover)
+        assert is_heeded == np.any(still != first_command(controller, vehicle.trim_state, moving))
+        higher = first_command(controller, vehicle.trim_state, hover + np.eye(9)[2])
+        assert np.all(higher > still)
+
+
+def test_commands_keep_the_rotors_limits(scenario, vehicle, hover):
+    controller = make_controller(scenario, vehicle)
+    context = controller.CreateDefaultContext()
+    rotor = scenario.vehicle.rotor
+    for away in 1e3 * np.vstack([np.eye(3), -np.eye(3)]):
+        setpoint = hover + np.concatenate([away, np.zeros(6)])
+        command = tick(controller, context, vehicle.trim_state, setpoint)
+        assert np.all((rotor.min_thrust_n <= command) & (command <= rotor.max_thrust_n))
+
+
+class Flight:
+    """The station, with the base setpoint and a force on the base at hand."""
+
+    def __init__(self, scenario, vehicle, **flight):
+        self.station = make_station(replace(scenario, flight=replace(scenario.flight, **flight)))
+        self.context = make_context(self.station, 0)
+        folded = np.concatenate([vehicle.working, np.zeros(2 * vehicle.joints)])
+        self.station.GetInputPort("joint_setpoint").FixValue(self.context, folded)
+        self.simulator = Simulator(self.station, self.context)
+
+    def push(self, torque_and_force) -> None:
+        """Pushes at the base origin from now on, [N m, N] in the world frame."""
+        plant = self.station.GetSubsystemByName("plant")
+        forces = np.zeros(plant.num_velocities())
+        forces[:6] = torque_and_force
+        plant.get_applied_generalized_force_input_port().FixValue(
+            plant.GetMyContextFromRoot(self.context), forces
+        )
+
+    def advance(self, base_setpoint, duration: float) -> np.ndarray:
+        """(samples, 3) m, base positions over the next `duration` s."""
+        self.station.GetInputPort("base_setpoint").FixValue(self.context, base_setpoint)
+        positions = []
+        for end in self.context.get_time() + np.arange(0.05, duration + 1e-9, 0.05):
+            self.simulator.AdvanceTo(end)
+            positions.append(self.output("true_state")[4:7])
+        return np.array(positions)
+
+    def output(self, port: str) -> np.ndarray:
+        return self.station.GetOutputPort(port).Eval(self.context)
+
+
+def test_a_constant_force_is_estimated_and_taken_out(scenario, vehicle, hover):
+    flight = Flight(scenario, vehicle)
+    force = np.array([2.0, -1.0, 3.0])
+    flight.push([0, 0, 0, *force])
+    p_B = flight.advance(hover, 6.0)
+    assert np.abs(p_B - vehicle.p_B).max() > 0.02  # It was pushed.
+    np.testing.assert_allclose(p_B[-1], vehicle.p_B, atol=1e-5)
+    np.testing.assert_allclose(flight.output("disturbance")[:3], force / vehicle.mass, atol=1e-4)
+
+
+def test_a_constant_torque_is_estimated_and_taken_out(scenario, vehicle, hover):
+    flight = Flight(scenario, vehicle)
+    torque = np.array([0.3, -0.2, 0.1])
+    flight.push([*torque, 0, 0, 0])
+    p_B = flight.advance(hover, 6.0)
+    np.testing.assert_allclose(p_B[-1], vehicle.p_B, atol=1e-5)
+    # In hover the rotors balance the push and the weight of the arm.
+    expected = np.linalg.solve(vehicle.inertia, torque - vehicle.trim_wrench[1:])
+    np.testing.assert_allclose(flight.output("disturbance")[3:], expected, atol=1e-4)
+    np.testing.assert_allclose(flight.output("disturbance")[:3], 0, atol=1e-4)
+
+
+@pytest.mark.parametrize("away", [(1000, 0, 0), (0, 0, 1000)])
+def test_a_setpoint_out_of_reach_does_not_wind_up(scenario, vehicle, hover, away):
+    """With an integral it comes back as it does without one, and the ESO stays sober."""
+    scenario = replace(scenario, vehicle=replace(scenario.vehicle, base_position_m=(0, 0, 50)))
+    hover[2] = 50
+    far = hover + np.concatenate([away, np.zeros(6)])
+    lowest, highest = [], []
+    for gain in (0.0, 2.0):
+        flight = Flight(scenario, replace(vehicle, p_B=hover[:3]), integral_gain=(gain,) * 3)
+        out = flight.advance(far, 1.5)
+        assert np.abs(flight.output("disturbance")[:3]).max() < 3.0
+        back = flight.advance(hover, 10.0)
+        assert np.linalg.norm(out[-1] - hover[:3]) > 4
+        np.testing.assert_allclose(back[-1], hover[:3], atol=0.3)
+        lowest.append(back.min(axis=0))
+        highest.append(back.max(axis=0))
+    np.testing.assert_allclose(lowest[0], lowest[1], atol=0.5)
+    np.testing.assert_allclose(highest[0], highest[1], atol=0.5)

@@ -1,0 +1,222 @@
+"""The MPC as a system: ports, fallback and status; its prediction against the flown loop."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydrake.common.value import Value
+
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.kinematics import Kinematics
+from aerodrake.model.mpc import MpcFormulation, MpcInputs
+from aerodrake.model.qp import QpStatus
+from aerodrake.model.setpoint import SetpointLimits
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario import Flight as FlightGains
+from aerodrake.scenario import Lissajous, Model, Mpc
+from aerodrake.simulate import Flight
+from aerodrake.systems.mpc import MpcSystem
+
+N, DT = 6, 0.02
+CONFIG = Mpc(
+    horizon=N,
+    k_e=(3.0, 2.5, 2.0),
+    w_1=(1e4, 1.1e4, 0.9e4),
+    w_2_base=(1e-3, 2e-3, 3e-3),
+    w_2_joints=(1e-3,),
+    w_3_base=(30.0, 40.0, 50.0),
+    w_3_joints=(10.0,),
+    w_4=(300.0, 200.0, 100.0),
+    error="predicted",
+    tilt="held",  # With it, every input matters.
+)
+WEIGHTS = [0.7, 1.0, 500.0, 20.0, 7.0]
+
+
+@pytest.fixture(scope="module")
+def formulation(vehicle) -> MpcFormulation:
+    model = EquivalentModel.make("exact", np.array([1.8, 2.0, 2.4]), DT, vehicle.joints)
+    return MpcFormulation(CONFIG, model, SetpointLimits.make(CONFIG, vehicle), vehicle)
+
+
+@pytest.fixture(scope="module")
+def kinematics(vehicle) -> Kinematics:
+    return Kinematics(vehicle.robot)
+
+
+@pytest.fixture
+def mpc(formulation) -> MpcSystem:
+    return MpcSystem(formulation)
+
+
+@pytest.fixture
+def values(vehicle, kinematics):
+    """Of the input ports: near trim, and no two numbers alike."""
+    rng = np.random.default_rng(0)
+    state = vehicle.trim_state + 1e-2 * rng.normal(size=len(vehicle.trim_state))
+    end_effector = kinematics.end_effector(VehicleState.from_vector(state))
+    horizon = 1e-2 * rng.normal(size=(N + 1, 6))
+    horizon[:, :3] += end_effector.p_E
+    n = vehicle.joints
+    return {
+        "state": state,
+        "end_effector": Value(end_effector),
+        "base_setpoint": np.concatenate([vehicle.p_B, np.zeros(6)]) + 1e-2 * rng.normal(size=9),
+        "joint_setpoint": np.concatenate([vehicle.working, np.zeros(2 * n)])
+        + 1e-2 * rng.normal(size=3 * n),
+        "horizon": horizon.ravel(),
+        "weights": np.array(WEIGHTS),
+        "delta": 1e-2 * rng.normal(size=3),
+    }
+
+
+def tick(mpc, context, values) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(u, prediction (N + 1, 3), status) after an update."""
+    for port, value in values.items():
+        mpc.GetInputPort(port).FixValue(context, value)
+    context.SetDiscreteState(mpc.EvalUniquePeriodicDiscreteUpdate(context))
+    u, prediction, status = (
+        mpc.GetOutputPort(port).Eval(context) for port in ("u", "prediction", "status")
+    )
+    return u, prediction.reshape(N + 1, 3), status
+
+
+def plan(mpc, formulation, context) -> np.ndarray:
+    """(N, 3 + n) accelerations."""
+    U = formulation.scale * context.get_discrete_state(1).value()
+    return U.reshape(N, -1)
+
+
+def by_hand(formulation, values) -> tuple[np.ndarray, np.ndarray]:
+    """(x_0, (N, 3 + n) the unconstrained optimum), each quantity taken from its port's layout."""
+    state, n = values["state"], formulation.model.joints
+    base, arm = values["base_setpoint"], values["joint_setpoint"]
+    x_0 = np.empty(12 + 2 * n)
+    for i in range(3):
+        x_0[4 * i : 4 * i + 4] = state[4 + i], state[7 + n + 3 + i], base[i], base[3 + i]
+    x_0[12::2], x_0[13::2] = arm[:n], arm[n : 2 * n]
+    rates = VehicleState.from_vector(state).rpy_rates
+    program = formulation.form(
+        MpcInputs(
+            x_0=x_0,
+            end_effector=values["end_effector"].get_value(),
+            xi_u_rates=rates[:2],
+            yaw_rate=rates[2],
+            reference=values["horizon"].reshape(N + 1, 6),
+            delta=values["delta"],
+            w_q=WEIGHTS[2],
+            w_m=WEIGHTS[3],
+            w_d=WEIGHTS[4],
+        )
+    )
+    z = np.linalg.solve(program.H, -program.g)
+    assert np.abs(z).max() < 1  # Or it would be no optimum.
+    return x_0, (formulation.scale * z).reshape(N, -1)
+
+
+def test_first_tick_by_hand(mpc, formulation, values):
+    context = mpc.CreateDefaultContext()
+    u, _, status = tick(mpc, context, values)
+    _, expected = by_hand(formulation, values)
+    np.testing.assert_allclose(plan(mpc, formulation, context), expected, rtol=1e-8, atol=1e-9)
+    np.testing.assert_array_equal(u, plan(mpc, formulation, context)[0])
+    assert tuple(status) == (QpStatus.UNCONSTRAINED, 0)
+
+
+def test_prediction_is_the_models_from_where_the_end_effector_is(mpc, formulation, values):
+    context = mpc.CreateDefaultContext()
+    _, prediction, _ = tick(mpc, context, values)
+    x_0, expected_plan = by_hand(formulation, values)
+    end_effector, model = values["end_effector"].get_value(), formulation.model
+    x, places = x_0, [0, 4, 8, *range(12, len(x_0), 2)]
+    np.testing.assert_allclose(prediction[0], end_effector.p_E, atol=1e-14)
+    for k in range(N):
+        x = model.predict(x, expected_plan[k], values["delta"])
+        moved = end_effector.J_s @ (x - x_0)[places]
+        np.testing.assert_allclose(prediction[k + 1], end_effector.p_E + moved, atol=1e-10)
+
+
+def test_nothing_feeds_through(mpc):
+    assert not mpc.HasAnyDirectFeedthrough()
+    timing = mpc.GetUniquePeriodicDiscreteUpdateAttribute()
+    assert (timing.period_sec(), timing.offset_sec()) == (DT, 0)
+
+
+@pytest.mark.parametrize("port", ["state", "base_setpoint", "horizon", "weights", "delta"])
+def test_a_program_that_fails_leaves_the_shifted_plan(mpc, formulation, values, port):
+    context = mpc.CreateDefaultContext()
+    tick(mpc, context, values)
+    first = plan(mpc, formulation, context).copy()
+
+    broken = values | {port: np.full(len(values[port]), np.nan)}
+    for k in range(1, N + 2):
+        u, _, status = tick(mpc, context, broken)
+        np.testing.assert_array_equal(u, first[k] if k < N else np.zeros_like(u))
+        assert status[0] == QpStatus.FAILED
+
+    # Nothing of it stays once the inputs are back.
+    u, prediction, status = tick(mpc, context, values)
+    fresh, fresh_prediction, _ = tick(mpc, mpc.CreateDefaultContext(), values)
+    assert status[0] == QpStatus.UNCONSTRAINED
+    np.testing.assert_array_equal(u, fresh)
+    np.testing.assert_array_equal(prediction, fresh_prediction)
+
+
+def test_a_target_that_runs_away_is_solved_within_bounds(mpc, formulation, values, vehicle):
+    context = mpc.CreateDefaultContext()
+    values["horizon"] = values["horizon"] + np.tile([5.0, -5.0, 5.0, 5.0, -5.0, 5.0], N + 1)
+    u, prediction, status = tick(mpc, context, values)
+    assert status[0] == QpStatus.SOLVED and 0 < status[1] <= CONFIG.max_iterations
+    limits = np.concatenate([CONFIG.base_acceleration_m_s2, vehicle.acceleration])
+    assert np.all(np.abs(plan(mpc, formulation, context)) <= limits * (1 + 1e-9))
+    assert np.any(np.abs(u) > 0.99 * limits)
+    assert (prediction[-1] - prediction[0]) @ [1, -1, 1] > 0
+
+
+def test_wall_times_are_kept_and_do_not_feed_back(mpc, values):
+    tick(mpc, mpc.CreateDefaultContext(), values)
+    u, _, _ = tick(mpc, mpc.CreateDefaultContext(), values)
+    assert len(mpc.tick_ms) == 2 and min(mpc.tick_ms) > 0
+    mpc.tick_ms.clear()
+    again, _, _ = tick(mpc, mpc.CreateDefaultContext(), values)
+    np.testing.assert_array_equal(u, again)
+
+
+def test_the_flown_loop_arrives_where_stage_1_predicts(scenario):
+    """20 ms later, to a tenth of the way; gains and weights of a calm flight."""
+    calm = replace(
+        scenario,
+        settle_s=0.1,
+        duration=2.4,
+        reference=Lissajous(amplitude_m=(0.2, 0.15, 0.1), period_s=(10.0, 8.0, 12.0), start_s=1.0),
+        flight=FlightGains(
+            interface="trajectory",
+            position_gain=(9.0, 9.0, 9.0),
+            velocity_gain=(5.0, 5.0, 5.0),
+            integral_gain=(0.0, 0.0, 0.0),
+            attitude_gain=(144.0, 144.0, 36.0),
+            rate_gain=(24.0, 24.0, 12.0),
+        ),
+        model=Model(kind="velocity_aware", k_b=(1.8, 1.8, 1.8)),
+        mpc=replace(
+            CONFIG,
+            horizon=15,
+            k_e=(1.0, 1.0, 1.0),
+            w_1=(1e3, 1e3, 1e3),
+            w_2_base=(1e-3, 1e-3, 1e-3),
+            w_3_base=(30.0, 30.0, 30.0),
+            w_4=(300.0, 300.0, 300.0),
+            tilt="none",
+        ),
+    )
+    log = Flight(calm).fly()
+    assert log.exit_reason == "completed"
+    # Logs see the state before the update: the tick at sample i shows at i + 1.
+    i = np.arange(150, 240, 2)
+    now, later = log["p_E_m"][i], log["p_E_m"][i + 2]
+    stages = log["predicted_p_E_m"][i + 1].reshape(len(i), -1, 3)
+    np.testing.assert_allclose(stages[:, 0], now, atol=1e-12)
+    way = np.linalg.norm(later - now, axis=1)
+    miss = np.linalg.norm(stages[:, 1] - later, axis=1)
+    assert way.min() > 1e-3
+    assert np.all(miss < 0.1 * way)

@@ -1,0 +1,150 @@
+"""The same flight twice is the same to the last bit, however it is flown."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+
+import aerodrake
+from aerodrake.scenario import Clover, Residual, Scenario, Sensors
+from aerodrake.simulate import Flight, single_thread
+from aerodrake.station import make_closed_loop, make_context
+
+
+def noisy(seed: int = 7) -> Scenario:
+    """Short, with all that could differ from flight to flight: noise, learning, motion."""
+    return Scenario(
+        duration=0.8,
+        settle_s=0.2,
+        seed=seed,
+        reference=Clover(start_s=0.3),
+        residual=Residual(mode="online", learning_rate=0.01, batch=5),
+        sensors=Sensors(
+            position_noise_m=1e-3,
+            velocity_noise_m_s=1e-2,
+            attitude_noise_rad=1e-3,
+            rate_noise_rad_s=1e-2,
+            joint_noise_rad=1e-4,
+        ),
+    )
+
+
+def assert_same(signals, others) -> None:
+    assert set(signals) == set(others)
+    for key in set(signals) - {"tick_ms"}:
+        np.testing.assert_array_equal(signals[key], others[key], err_msg=key)
+    assert len(signals["tick_ms"]) == len(others["tick_ms"])
+
+
+@pytest.fixture(scope="module")
+def flight() -> Flight:
+    return Flight(noisy())
+
+
+@pytest.fixture(scope="module")
+def signals(flight):
+    return flight.fly().signals
+
+
+def test_there_is_something_that_could_differ(signals):
+    assert np.any(signals["measured_p_B_m"] != signals["p_B_m"])
+    assert np.any(signals["delta_m_s"] != 0)
+    assert np.ptp(signals["p_E_m"]) > 0
+    for key, signal in signals.items():
+        assert np.all(np.isfinite(signal)), key
+
+
+def test_flown_again(flight, signals):
+    assert_same(flight.fly().signals, signals)
+
+
+def test_flown_by_another_diagram(signals):
+    """Built after others, some of which were flown: no state is shared between them."""
+    Flight(noisy(seed=8)).fly()
+    assert_same(Flight(noisy()).fly().signals, signals)
+
+
+def test_flown_by_another_process(signals, tmp_path):
+    """Which hashes differently, and has built no other diagram."""
+    path = tmp_path / "log.npz"
+    code = (
+        f"import sys; sys.path[:0] = {[str(Path(__file__).parent)]!r}\n"
+        "from test_determinism import Flight, noisy\n"
+        f"from pathlib import Path; Flight(noisy()).fly().save(Path({str(path)!r}))"
+    )
+    root = str(Path(aerodrake.__file__).parents[1])
+    environment = os.environ | {"PYTHONHASHSEED": "123", "PYTHONPATH": root}
+    subprocess.run([sys.executable, "-c", code], check=True, env=environment, cwd=tmp_path)
+    with np.load(path) as log:
+        assert_same(signals, dict(log))
+
+
+def test_another_seed_is_another_flight(signals):
+    other = Flight(noisy(seed=8)).fly().signals
+    for key in ("measured_p_B_m", "measured_q_rad", "p_B_m", "thrust_n", "p_E_m"):
+        assert np.any(other[key] != signals[key]), key
+
+
+@pytest.fixture(scope="module")
+def closed_loop():
+    return make_closed_loop(noisy())
+
+
+def advance(diagram, context, *times) -> np.ndarray:
+    """Everything in the state after advancing to each of `times`."""
+    simulator = Simulator(diagram, context)
+    simulator.Initialize()
+    with single_thread():
+        for time in times:
+            simulator.AdvanceTo(time)
+    return numbers(diagram, context)
+
+
+def numbers(diagram, context) -> np.ndarray:
+    """All discrete state, and all vector outputs."""
+    groups = context.get_discrete_state()
+    state = [groups.value(i) for i in range(groups.num_groups())]
+    ports = map(diagram.get_output_port, range(diagram.num_output_ports()))
+    outputs = [p.Eval(context) for p in ports if p.get_name() != "query_object"]
+    return np.concatenate([np.ravel(value) for value in (*state, *outputs)])
+
+
+@pytest.fixture
+def context(closed_loop):
+    context = make_context(closed_loop, 7)
+    Simulator(closed_loop, context).AdvanceTo(0.405)
+    return context
+
+
+def test_a_clone_continues_as_the_original_does(closed_loop, context):
+    clone = context.Clone()
+    ahead = advance(closed_loop, context, 0.6)
+    np.testing.assert_array_equal(advance(closed_loop, clone, 0.6), ahead)
+
+
+def test_a_clone_is_independent(closed_loop, context):
+    clone, third = context.Clone(), context.Clone()
+    before = numbers(closed_loop, context)
+    ahead = advance(closed_loop, clone, 0.6)
+    np.testing.assert_array_equal(numbers(closed_loop, context), before)
+    assert context.get_time() == 0.405
+
+    # Even a change by hand to one of them is none to another.
+    plant = closed_loop.GetSubsystemByName("station").GetSubsystemByName("plant")
+    pushed = plant.GetMyMutableContextFromRoot(third)
+    plant.SetPositions(pushed, plant.GetPositions(pushed) + 0.01 * (np.arange(13) == 4))
+    assert np.any(advance(closed_loop, third, 0.6) != ahead)
+    np.testing.assert_array_equal(advance(closed_loop, context, 0.6), ahead)
+
+
+def test_chunks_do_not_matter(closed_loop):
+    whole = advance(closed_loop, make_context(closed_loop, 7), 0.5)
+    chunks = np.sort(np.random.default_rng(0).uniform(0, 0.5, 40))
+    ticks = np.arange(1, 25) * 0.02
+    for times in (chunks, ticks):
+        parts = advance(closed_loop, make_context(closed_loop, 7), *times, 0.5)
+        np.testing.assert_array_equal(parts, whole)
