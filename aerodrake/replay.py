@@ -13,7 +13,7 @@ from aerodrake.flight_log import FlightLog
 from aerodrake.model.vehicle import add_ground, add_robot
 
 FRAMES_PER_S = 30.0
-VIEW_FROM_M = np.array([1.6, 2.4, 0.5])
+VIEW_FROM_M = np.array([1.1, 1.7, 0.3])
 REFERENCE_COLOR = Rgba(0.53, 0.56, 0.59, 1.0)
 TRACE_COLOR = Rgba(0.91, 0.35, 0.05, 1.0)
 

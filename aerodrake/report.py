@@ -150,6 +150,7 @@ def _error(axes: Axes, log: FlightLog) -> None:
         alpha=0.7,
         label="base",
     )
+    axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-2))
     axes.set_ylabel("error / mm")
     axes.legend(loc="best", ncols=2)
 

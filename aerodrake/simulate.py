@@ -7,17 +7,16 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-import torch
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
-from threadpoolctl import threadpool_limits
 
 from aerodrake.flight_log import PORTS, FlightLog, split_port
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_closed_loop, make_context
+from aerodrake.threads import single_thread
 
 MONITOR_PERIOD_S = 0.1
 LOST_TILT_RAD = math.radians(60)
@@ -127,9 +126,3 @@ class _Monitor:
         if self._approached and error > LOST_ERROR_M:
             return f"error of {error:.2f} m at {self._time():.2f} s"
         return ""
-
-
-def single_thread() -> threadpool_limits:
-    """Keeps torch and BLAS to one thread: the problems are too small to share."""
-    torch.set_num_threads(1)
-    return threadpool_limits(limits=1)

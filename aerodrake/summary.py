@@ -42,7 +42,8 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
     stride = round(scenario.rates.mpc_period_s / scenario.rates.flight_period_s)
     statuses = log["qp_status"][stride::stride]
     simulated_s = log.time_s[-1] + scenario.settle_s
-    mode_s = np.bincount(log["mode"][flown].astype(int), minlength=len(Mode))
+    # Each sample stands for the time until the next, so the last one for none.
+    mode_s = np.bincount(log["mode"][:-1][flown[:-1]].astype(int), minlength=len(Mode))
     return {
         "scenario": scenario.name,
         "seed": scenario.seed,

@@ -17,7 +17,6 @@ class KinematicsSystem(LeafSystem):
         in `state` (13 + 2 n): measured state.
         in `reference` (6): p_Ed, p_Ed' in m, m/s.
         out `end_effector` (abstract): `EndEffector`.
-        out `p_E` (3): m, its position in the world.
         out `distances` (2): d_e, from its target, and d_o, from the centre of
             the learning space, in m.
     State, rate:
@@ -39,7 +38,6 @@ class KinematicsSystem(LeafSystem):
         self._end_effector = self.DeclareAbstractOutputPort(
             "end_effector", lambda: Value(object()), self._calc_end_effector, state_only
         )
-        self.DeclareVectorOutputPort("p_E", 3, self._calc_p_E, state_only)
         self.DeclareVectorOutputPort(
             "distances", 2, self._calc_distances, {self.all_input_ports_ticket()}
         )
@@ -48,11 +46,8 @@ class KinematicsSystem(LeafSystem):
         state = VehicleState.from_vector(self._state.Eval(context))
         output.set_value(self._kinematics.end_effector(state))
 
-    def _calc_p_E(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._evaluate(context).p_E)
-
     def _calc_distances(self, context: Context, output: BasicVector) -> None:
-        end_effector = self._evaluate(context)
+        end_effector: EndEffector = self._end_effector.Eval(context)
         p_Ed = self._reference.Eval(context)[:3]
         output.SetFromVector(
             [
@@ -60,6 +55,3 @@ class KinematicsSystem(LeafSystem):
                 np.linalg.norm(end_effector.p_EB - self._p_O),
             ]
         )
-
-    def _evaluate(self, context: Context) -> EndEffector:
-        return self._end_effector.Eval(context)

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+from pydrake.common.value import AbstractValue, Value
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiscreteValues,
+    LeafSystem,
+    ValueProducer,
+)
 
 from aerodrake.model.setpoint import SetpointLimits, integrate
 
@@ -34,20 +41,23 @@ class SetpointIntegrator(LeafSystem):
         super().__init__()
         self._limits = limits
         self._period = period
-        self._size = m = len(position)
+        m = len(position)
         self._u = self.DeclareVectorInputPort("u", m)
         self._enable = self.DeclareVectorInputPort("enable", 1)
         self._x_position = self.DeclareDiscreteState(position)
         self._x_velocity = self.DeclareDiscreteState(np.zeros(m))
         self._x_time = self.DeclareDiscreteState(np.zeros(1))
         self._x_enabled = self.DeclareDiscreteState(np.zeros(1))
-        # One evaluation serves both ports: [position, velocity, acceleration].
-        self._now = self.DeclareVectorOutputPort("setpoint", 3 * m, self._calc_setpoint)
+        # One evaluation serves both ports and the update.
+        self._now = self.DeclareCacheEntry(
+            "setpoint", ValueProducer(lambda: Value(object()), self._calc_setpoint)
+        )
         self.DeclareVectorOutputPort("base_setpoint", 9, self._calc_base)
         self.DeclareVectorOutputPort("joint_setpoint", 3 * (m - 3), self._calc_joints)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
-    def _calc_setpoint(self, context: Context, output: BasicVector) -> None:
+    def _calc_setpoint(self, context: Context, setpoint: AbstractValue) -> None:
+        """(3, 3 + n), position, velocity and acceleration."""
         p = context.get_discrete_state(self._x_position).value()
         v = context.get_discrete_state(self._x_velocity).value()
         since = context.get_time() - context.get_discrete_state(self._x_time).value()[0]
@@ -55,20 +65,17 @@ class SetpointIntegrator(LeafSystem):
             u = self._limits.admissible(p, v, self._u.Eval(context), self._period)
         else:
             u = self._limits.braking(v, self._period)
-        output.SetFromVector(np.concatenate([*integrate(p, v, u, since), u]))
+        setpoint.set_value(np.stack([*integrate(p, v, u, since), u]))
 
     def _calc_base(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._rows(context)[:, :3].ravel())
+        output.SetFromVector(self._now.Eval(context)[:, :3].ravel())
 
     def _calc_joints(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._rows(context)[:, 3:].ravel())
+        output.SetFromVector(self._now.Eval(context)[:, 3:].ravel())
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        p, v, _ = self._rows(context)
+        p, v, _ = self._now.Eval(context)
         discrete.set_value(self._x_position, p)
         discrete.set_value(self._x_velocity, v)
         discrete.set_value(self._x_time, [context.get_time()])
         discrete.set_value(self._x_enabled, self._enable.Eval(context))
-
-    def _rows(self, context: Context) -> np.ndarray:
-        return self._now.Eval(context).reshape(3, self._size)

@@ -1,0 +1,25 @@
+"""The coordinator without a plant: what it asks of a vehicle that is held still."""
+
+from pydrake.systems.analysis import Simulator
+
+from aerodrake.model.vehicle import Vehicle
+from aerodrake.scenario_file import load_scenario
+from aerodrake.station import make_context, make_coordinator
+from aerodrake.threads import single_thread
+
+
+def main() -> None:
+    scenario = load_scenario("moving_target")
+    coordinator = make_coordinator(scenario)
+    context = make_context(coordinator, scenario.seed)
+    coordinator.GetInputPort("state").FixValue(context, Vehicle.load(scenario).trim_state)
+    simulator = Simulator(coordinator, context)
+    for t in (0.0, 0.1, 0.2, 0.5, 1.0):
+        with single_thread():
+            simulator.AdvanceTo(scenario.settle_s + t)
+        p_d, v_d, _ = coordinator.GetOutputPort("base_setpoint").Eval(context).reshape(3, 3)
+        print(f"{t:.1f} s  p_d {p_d.round(3)} m  v_d {v_d.round(3)} m/s")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,29 @@
+"""Builds the closed loop, flies ten seconds of the clover and prints the error."""
+
+import numpy as np
+from pydrake.systems.analysis import Simulator
+
+from aerodrake.model.kinematics import Kinematics
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario_file import load_scenario
+from aerodrake.station import make_closed_loop, make_context
+from aerodrake.threads import single_thread
+
+
+def main() -> None:
+    scenario = load_scenario("clover")
+    closed_loop = make_closed_loop(scenario)
+    context = make_context(closed_loop, scenario.seed)
+    simulator = Simulator(closed_loop, context)
+    kinematics = Kinematics(scenario.vehicle.robot)
+    for t in range(11):
+        with single_thread():
+            simulator.AdvanceTo(scenario.settle_s + t)
+        state = VehicleState.from_vector(closed_loop.GetOutputPort("true_state").Eval(context))
+        p_Ed = closed_loop.GetOutputPort("reference").Eval(context)[:3]
+        error = np.linalg.norm(kinematics.end_effector(state).p_E - p_Ed)
+        print(f"{t:3d} s  p_E,d {p_Ed.round(3)} m  error {1e3 * error:.2f} mm")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,52 @@
+"""The station alone, flown by a controller of your own: here, a circle of the base."""
+
+import numpy as np
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, LeafSystem
+from pydrake.systems.primitives import ConstantVectorSource
+
+from aerodrake.model.vehicle import Vehicle
+from aerodrake.scenario import Scenario
+from aerodrake.station import make_context, make_station
+
+
+class Circle(LeafSystem):
+    """p_d, v_d and a_d on a circle of 0.3 m about `centre` (3,) m, once in 8 s."""
+
+    def __init__(self, centre: np.ndarray):
+        super().__init__()
+        self._centre = centre
+        self.DeclareVectorOutputPort("base_setpoint", 9, self._calc, {self.time_ticket()})
+
+    def _calc(self, context: Context, output: BasicVector) -> None:
+        radius, rate = 0.3, 2 * np.pi / 8
+        angle = rate * context.get_time()
+        out = radius * np.array([np.cos(angle), np.sin(angle), 0.0])
+        along = radius * np.array([-np.sin(angle), np.cos(angle), 0.0])
+        output.SetFromVector([*(self._centre + out), *(rate * along), *(-(rate**2) * out)])
+
+
+def main() -> None:
+    scenario = Scenario()
+    vehicle = Vehicle.load(scenario)
+    builder = DiagramBuilder()
+    station = builder.AddSystem(make_station(scenario))
+    circle = builder.AddNamedSystem("circle", Circle(vehicle.p_B))
+    arm = builder.AddNamedSystem(
+        "arm", ConstantVectorSource([*vehicle.working, *np.zeros(2 * vehicle.joints)])
+    )
+    builder.Connect(circle.get_output_port(), station.GetInputPort("base_setpoint"))
+    builder.Connect(arm.get_output_port(), station.GetInputPort("joint_setpoint"))
+    diagram = builder.Build()
+
+    context = make_context(diagram, seed=0)
+    simulator = Simulator(diagram, context)
+    for t in range(0, 13, 2):
+        simulator.AdvanceTo(t)
+        p_B = station.GetOutputPort("true_state").Eval(station.GetMyContextFromRoot(context))[4:7]
+        p_Bd = circle.get_output_port().Eval(circle.GetMyContextFromRoot(context))[:3]
+        print(f"{t:3d} s  base at {p_B.round(3)} m, asked for {p_Bd.round(3)} m")
+
+
+if __name__ == "__main__":
+    main()
