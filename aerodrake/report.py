@@ -69,6 +69,10 @@ def table(summary: dict[str, Any], kind: str) -> str:
         for mode, seconds in summary["modes"].items()
         if seconds
     ]
+    rows += [
+        ("arm's farthest reach", f"{summary['arm']['farthest_reach_m']:.2f} m", ""),
+        ("  d_edge of gamma", f"{summary['arm']['d_edge_m']:.2f} m", "0.38 m"),
+    ]
     lines = [
         f"{summary['scenario']}: {summary['exit_reason']}"
         + (f" ({summary['exit_cause']})" if summary["exit_cause"] else ""),

@@ -11,7 +11,9 @@ import numpy as np
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.model.qp import QpStatus
+from aerodrake.model.reach import farthest_reach
 from aerodrake.model.reference import make_reference
+from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.weight_allocation import Mode
 from aerodrake.scenario import Scenario
 
@@ -31,6 +33,8 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         mpc: ticks, wall time in ms, and ticks that took a fallback, did not
             happen, or took longer than the period.
         modes: s in each mode.
+        arm: m, the farthest the joint limits let the end-effector get from the
+            centre of the learning space, and the d_edge that gamma uses.
         residual: RMS of the error in m/s with which one period of base velocity
             is predicted, with and without the network.
     """
@@ -66,6 +70,10 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         },
         "modes": {
             mode.label: _figure(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode
+        },
+        "arm": {
+            "farthest_reach_m": _figure(farthest_reach(Vehicle.load(scenario))),
+            "d_edge_m": scenario.allocation.d_edge_m,
         },
         "residual": {
             "mode": scenario.residual.mode,

@@ -10,18 +10,19 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 import aerodrake
-from aerodrake.scenario import Clover, Residual, Scenario, Sensors
+from aerodrake.scenario import Clover, Mpc, Residual, Scenario, Sensors
 from aerodrake.simulate import Flight, single_thread
 from aerodrake.station import make_closed_loop, make_context
 
 
 def noisy(seed: int = 7) -> Scenario:
-    """Short, with all that could differ from flight to flight: noise, learning, motion."""
+    """Short, with all that could differ: noise, learning, motion, and a solver that iterates."""
     return Scenario(
         duration=0.8,
         settle_s=0.2,
         seed=seed,
         reference=Clover(start_s=0.3),
+        mpc=Mpc(base_acceleration_m_s2=(0.2, 0.2, 0.2)),
         residual=Residual(mode="online", learning_rate=0.01, batch=5),
         sensors=Sensors(
             position_noise_m=1e-3,
@@ -53,6 +54,7 @@ def signals(flight):
 def test_there_is_something_that_could_differ(signals):
     assert np.any(signals["measured_p_B_m"] != signals["p_B_m"])
     assert np.any(signals["delta_m_s"] != 0)
+    assert np.count_nonzero(signals["qp_iterations"]) > 10
     assert np.ptp(signals["p_E_m"]) > 0
     for key, signal in signals.items():
         assert np.all(np.isfinite(signal)), key

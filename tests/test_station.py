@@ -128,6 +128,30 @@ def test_base_step(scenario, vehicle, interface, axis):
     assert (states[:, 4 + axis] - base[axis]).max() < 0.05  # Little overshoot.
 
 
+def test_what_lifts_the_vehicle_is_the_thrust_of_lagging_rotors(station, vehicle):
+    """Newton's law of the centre of mass, within a climb's first milliseconds."""
+    context = make_context(station, 0)
+    base, joints = hovering(vehicle)
+    base[2] += 0.3
+    station.GetInputPort("base_setpoint").FixValue(context, base)
+    station.GetInputPort("joint_setpoint").FixValue(context, joints)
+    simulator = Simulator(station, context)
+    plant = station.GetSubsystemByName("plant")
+    plant_context = plant.GetMyContextFromRoot(context)
+
+    def total(port):
+        return station.GetOutputPort(port).Eval(context).sum()
+
+    def climb():
+        return plant.CalcCenterOfMassTranslationalVelocityInWorld(plant_context)[2]
+
+    simulator.AdvanceTo(0.005)
+    assert total("thrust_command") > total("thrust") + 1.0
+    before, lift = climb(), total("thrust")
+    simulator.AdvanceTo(0.006)
+    assert (climb() - before) / 0.001 == pytest.approx(lift / 3.8 - 9.81, abs=1e-3)
+
+
 @pytest.mark.parametrize("joint", range(JOINTS))
 def test_a_swing_of_one_joint_hardly_moves_the_base(station, vehicle, joint):
     """1 rad in 1 s, towards the middle of the joint's range."""

@@ -65,11 +65,12 @@ class MpcFormulation:
 
     summed over the stages 1 ... N (J_3: 0 ... N-1, since u_N moves nothing).
     e_E,k is predicted with the same linearisation, or frozen at e_E,0 as the
-    paper prints it; K_e is scaled down while e_E,0 is so large that the correction
-    would exceed `config.approach_speed_m_s`. Roll and pitch follow by `config.tilt`: `none`; `held`,
-    their measured rates over the whole horizon; or `flatness`: the thrust axis
-    tilts as the model's own base acceleration a wants it, which moves the
-    end-effector by T a, T = -[r]x [z]x / g.
+    paper prints it; K_e is scaled down while e_E,0 is so large that the
+    correction would exceed `config.approach_speed_m_s`. Roll and pitch follow
+    by `config.tilt`: `none`; `held`, their measured rates over the whole
+    horizon; or `flatness`: the thrust axis tilts as the model's own base
+    acceleration a wants it, which moves the end-effector by T a,
+    T = -[r]x [z]x / g.
 
     Args:
         config: Weights and bounds.

@@ -149,7 +149,7 @@ def test_each_deviation_is_about_one_part_alone(key):
 
 
 def test_noise_depends_on_the_seed_alone():
-    first, again, other = measure(NOISY, 20, 3), measure(NOISY, 20, 3), measure(NOISY, 20, 4)
+    first, again, other = (measure(NOISY, 20, seed) for seed in (0, 0, 1))
     np.testing.assert_array_equal(first, again)
     assert np.all(first[:, 4:-JOINTS] != other[:, 4:-JOINTS])
 
@@ -157,7 +157,7 @@ def test_noise_depends_on_the_seed_alone():
 def test_the_seed_reaches_the_noise_of_a_station(scenario, vehicle):
     station = make_station(replace(scenario, sensors=NOISY))
     seen = []
-    for seed in (1, 1, 2):
+    for seed in (0, 0, 1):
         context = make_context(station, seed)
         hover = np.concatenate([vehicle.p_B, np.zeros(6)])
         folded = np.concatenate([vehicle.working, np.zeros(2 * vehicle.joints)])

@@ -100,6 +100,13 @@ def test_only_ticks_are_remembered(driver):
     assert driver.look(1.05, 0.0, LARGE)[1] == FLIGHT
 
 
+def test_the_output_follows_the_memory(allocator, driver):
+    """Also when the inputs have not changed: what is cached is not stale."""
+    assert driver.look(1.05, 0.0, LARGE)[1] == COORDINATED
+    driver.context.SetDiscreteState([FLIGHT])
+    assert allocator.GetOutputPort("weights").Eval(driver.context)[1] == FLIGHT
+
+
 def test_starts_in_hover_and_ticks_at_its_period(allocator, driver):
     assert driver.look(0.08, 0.08, 0.0)[1] == HOVER  # Within both bands.
     timing = allocator.GetUniquePeriodicDiscreteUpdateAttribute()
