@@ -20,13 +20,20 @@ class BadInput(Exception):
     """
 
     def __init__(self, source: object, key: str, message: str):
-        where = f"{source}: {key}" if key else f"{source}"
-        super().__init__(" ".join(f"{where}: {message}".split()))
+        parts = [_printable(part) for part in (str(source), key, message) if part]
+        super().__init__(": ".join(parts))
 
 
 def nearest(name: object, valid: Iterable[str]) -> str:
     """Returns a clause that names the valid name closest to `name`, and the rest."""
     options = sorted(valid)
-    close = difflib.get_close_matches(str(name), options, n=1, cutoff=0.5)
+    close = difflib.get_close_matches(str(name)[:100], options, n=1, cutoff=0.5)
     hint = f"did you mean '{close[0]}'? " if close else ""
     return f"{hint}(valid: {', '.join(options)})"
+
+
+def _printable(text: str, most: int = 500) -> str:
+    """One line without control characters, cut in the middle if it is too long."""
+    if len(text) > most:
+        text = f"{text[: most // 2]} ... {text[-most // 2 :]}"
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

@@ -17,7 +17,7 @@ from aerodrake.errors import BadInput, nearest
 from aerodrake.scenario import Scenario
 from aerodrake.schema import as_mapping, build, map_files
 
-MAX_FILE_BYTES = 1_000_000
+MAX_FILE_BYTES = 100_000
 """A scenario file is never larger: a guard against hostile input."""
 
 
@@ -98,9 +98,11 @@ def _find(name_or_path: str) -> Path:
 
 def _read(path: Path) -> str:
     try:
-        if path.stat().st_size > MAX_FILE_BYTES:
+        with path.open("rb") as file:
+            content = file.read(MAX_FILE_BYTES + 1)
+        if len(content) > MAX_FILE_BYTES:
             raise BadInput(path, "", f"expected a scenario of at most {MAX_FILE_BYTES} bytes")
-        return path.read_text(encoding="utf-8")
+        return content.decode("utf-8")
     except OSError as error:
         raise BadInput(path, "", f"cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
@@ -109,12 +111,35 @@ def _read(path: Path) -> str:
 
 def _parse(text: str, source: object) -> Any:
     try:
-        return yaml_load_data(text)
+        _check_node(yaml.compose(text, Loader=yaml.SafeLoader), source, set())
+        return yaml_load_data(text, private=True)
     except yaml.MarkedYAMLError as error:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
         raise BadInput(source, "", f"expected YAML; {line}{error.problem}") from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise BadInput(source, "", f"expected YAML; {error}") from None
+
+
+def _check_node(node: yaml.Node | None, source: object, seen: set[int]) -> None:
+    """Refuses what YAML would take in silence: aliases, merges, keys twice or no names."""
+    if id(node) in seen:
+        line = node.start_mark.line + 1
+        raise BadInput(source, "", f"line {line}: expected no aliases; write the value out")
+    seen.add(id(node))
+    if isinstance(node, yaml.SequenceNode):
+        for item in node.value:
+            _check_node(item, source, seen)
+    elif isinstance(node, yaml.MappingNode):
+        names = set()
+        for key, value in node.value:
+            name = str(key.value)
+            line = f"line {key.start_mark.line + 1}"
+            if key.tag != "tag:yaml.org,2002:str":
+                raise BadInput(source, "", f"{line}: expected a name as key, got {name}")
+            if name in names:
+                raise BadInput(source, name, f"{line}: expected each key once")
+            names.add(name)
+            _check_node(value, source, seen)
 
 
 def _override(scenario: Scenario, option: str, assignment: str) -> Scenario:
@@ -134,7 +159,7 @@ def _override(scenario: Scenario, option: str, assignment: str) -> Scenario:
                 f"unknown section; {nearest(name, sections)}",
             )
         node = node[name]
-    if leaf == "kind" and isinstance(value, str) and node.get("kind") != value:
+    if key == "reference.kind" and node.get("kind") != value:
         node.clear()  # Another kind of reference has keys of its own.
     node[leaf] = value
     return build(Scenario, data, option)

@@ -23,6 +23,10 @@ from typing import Any
 
 from aerodrake.errors import BadInput, nearest
 
+_REPR = reprlib.Repr()  # Bounded in depth and length, whatever the file held.
+_REPR.maxlevel = 2
+_REPR.maxstring = 60
+
 MAX_LIST = 1000
 """No list in a scenario is longer: a guard against hostile files."""
 
@@ -151,19 +155,19 @@ def _build_union(options: tuple[type, ...], value: object, source: object, key: 
     if kind is None:
         raise BadInput(source, key, f"expected a mapping with a kind {nearest('', kinds)}")
     if not isinstance(kind, str) or kind not in kinds:
-        raise BadInput(source, f"{key}.kind", f"unknown kind {kind!r}; {nearest(kind, kinds)}")
+        raise BadInput(source, f"{key}.kind", f"unknown kind {_show(kind)}; {nearest(kind, kinds)}")
     return build(kinds[kind], {k: v for k, v in value.items() if k != "kind"}, source, key)
 
 
 def _string(meta: Mapping[str, Any], value: object, source: object, key: str) -> str:
-    # YAML reads a bare `off` as false.
-    text = {False: "off", True: "on"}.get(value, value) if isinstance(value, bool) else value
-    if not isinstance(text, str):
-        raise BadInput(source, key, f"expected a string, got {_show(value)}")
     options = meta.get("options")
-    if options and text not in options:
-        raise BadInput(source, key, f"unknown value '{text}'; {nearest(text, options)}")
-    return text
+    if options and isinstance(value, bool):
+        value = "on" if value else "off"  # YAML reads a bare `off` as false.
+    if not isinstance(value, str):
+        raise BadInput(source, key, f"expected a string, got {_show(value)}")
+    if options and value not in options:
+        raise BadInput(source, key, f"unknown value {_show(value)}; {nearest(value, options)}")
+    return value
 
 
 def _number(
@@ -190,4 +194,4 @@ def _number(
 
 
 def _show(value: object) -> str:
-    return reprlib.repr(value)  # Bounded in depth and length, whatever the file held.
+    return _REPR.repr(value)

@@ -12,8 +12,12 @@ integrator. They meet in three signals: `state`, `base_setpoint` and
     mpc, residual_estimator,
     weight_allocator,
     setpoint_integrator             20 ms                         discrete
-    flight_controller               10 ms, after 1 ms             discrete
-    arm_controller                   5 ms, after 1 ms             discrete
+    flight_controller               10 ms, after 0.5 ms           discrete
+    arm_controller                   5 ms, after 0.5 ms           discrete
+
+The low-level controllers run half a plant step after a sample: late enough to
+see what the MPC commanded at it, in time for the plant's next step, and never
+at an instant whose order with the plant's would be a matter of rounding.
 """
 
 from __future__ import annotations
@@ -69,6 +73,7 @@ def make_station(scenario: Scenario) -> Diagram:
     plant.RegisterAsSourceForSceneGraph(scene_graph)
     add_robot(plant, scenario.vehicle.robot)
     add_ground(plant)
+    plant.SetUseSampledOutputPorts(False)  # With them a step would be an unrestricted update.
     plant.Finalize()
     base = plant.GetBodyByName(BASE_FRAME)
     plant.SetDefaultPositions(vehicle.trim_state[: plant.num_positions()])
@@ -103,7 +108,7 @@ def make_station(scenario: Scenario) -> Diagram:
     flight_controller = builder.AddNamedSystem(
         "flight_controller",
         FlightController(
-            scenario.flight, rotor, vehicle, rates.flight_period_s, offset=rates.plant_step_s
+            scenario.flight, rotor, vehicle, rates.flight_period_s, offset=rates.plant_step_s / 2
         ),
     )
     arm_controller = builder.AddNamedSystem(
@@ -111,7 +116,7 @@ def make_station(scenario: Scenario) -> Diagram:
         ArmController(
             JointPid.make(scenario.arm, vehicle, rates.arm_period_s),
             vehicle,
-            offset=rates.plant_step_s,
+            offset=rates.plant_step_s / 2,
         ),
     )
 
@@ -252,11 +257,10 @@ def make_closed_loop(scenario: Scenario) -> Diagram:
 def make_context(diagram: Diagram, seed: int) -> Context:
     """A Context of any of these diagrams, in trim, with its noise drawn from `seed`."""
     context = diagram.CreateDefaultContext()
+    generator = RandomGenerator(seed)
     for system in _leaves(diagram):
         if isinstance(system, RandomSource):
-            system.SetRandomContext(
-                system.GetMyMutableContextFromRoot(context), RandomGenerator(seed)
-            )
+            system.SetRandomContext(system.GetMyMutableContextFromRoot(context), generator)
     return context
 
 

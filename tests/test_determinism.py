@@ -11,8 +11,9 @@ from pydrake.systems.analysis import Simulator
 
 import aerodrake
 from aerodrake.scenario import Clover, Mpc, Residual, Scenario, Sensors
-from aerodrake.simulate import Flight, single_thread
+from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context
+from aerodrake.threads import single_thread
 
 
 def noisy(seed: int = 7) -> Scenario:

@@ -88,7 +88,6 @@ class CondensedQp:
         g: np.ndarray,
         lower: np.ndarray,
         upper: np.ndarray,
-        guess: np.ndarray,
     ) -> QpResult:
         """Solves one program.
 
@@ -96,10 +95,11 @@ class CondensedQp:
             H: (nz, nz), symmetric and positive definite.
             g: (nz,).
             lower, upper: (rows,).
-            guess: (nz,), where OSQP starts.
         """
         failed = QpResult(np.zeros_like(g), QpStatus.FAILED, 0)
         if not (np.isfinite(g).all() and np.isfinite(H).all()):
+            return failed
+        if np.isnan(lower).any() or np.isnan(upper).any():
             return failed
         try:
             free = -cho_solve(cho_factor(H, check_finite=False), g, check_finite=False)
@@ -113,7 +113,7 @@ class CondensedQp:
         scale = 1 / np.diag(H).mean()
         self._cost.evaluator().UpdateCoefficients(H * scale, g * scale, 0, True)
         self._rows.evaluator().set_bounds(live_lower, live_upper)
-        result = self._solver.Solve(self._program, np.clip(guess, -1, 1), self._options)
+        result = self._solver.Solve(self._program, None, self._options)
         details = result.get_solver_details()
         z = result.get_x_val()
         # An infeasible program comes back with a huge but finite z: trust the

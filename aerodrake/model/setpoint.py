@@ -47,10 +47,6 @@ class SetpointLimits:
         high = np.minimum(self.velocity, _fastest_approach(p, v, self.upper, a, dt))
         return np.clip(np.clip(u, (low - v) / dt, (high - v) / dt), -a, a)
 
-    def braking(self, v: np.ndarray, dt: float) -> np.ndarray:
-        """(m,) the acceleration that brings velocity v to zero soonest."""
-        return np.clip(-v / dt, -self.acceleration, self.acceleration)
-
 
 def integrate(
     p: np.ndarray, v: np.ndarray, u: np.ndarray, t: float
@@ -62,8 +58,13 @@ def integrate(
 def _fastest_approach(
     p: np.ndarray, v: np.ndarray, upper: np.ndarray, a: np.ndarray, dt: float
 ) -> np.ndarray:
-    """The largest velocity w after dt with p + (v + w) dt / 2 + w^2 / (2 a) <= upper."""
+    """The largest velocity w after dt from which whole ticks of braking stop before `upper`.
+
+    Braking takes k a dt off w in k ticks and what is left in one more, so that
+    w (n + 1) dt - a dt^2 n (n + 1) / 2 <= room for every n >= 0; the n below
+    has the least to spare.
+    """
     room = upper - p - v * dt / 2
-    root = np.sqrt(np.maximum(dt**2 / 4 + 2 * room / a, 0.0))
-    # Out of room: the least velocity that braking can reach.
-    return np.where(room >= 0, a * (root - dt / 2), v - a * dt)
+    n = np.floor((np.sqrt(1 + 8 * np.maximum(room, 0.0) / (a * dt**2)) - 1) / 2)
+    n = np.minimum(n, 1e6)  # Finite where there is no limit.
+    return room / ((n + 1) * dt) + a * dt * n / 2

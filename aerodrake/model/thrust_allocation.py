@@ -43,6 +43,6 @@ class ThrustAllocation:
         most = ((self._maximum - tilt) / lift).min()
         thrust = lift * min(max(wrench[0], least), most) + tilt
         room = np.where(yaw > 0, self._maximum - thrust, thrust - self._minimum)
-        if np.any(np.abs(yaw) > room):
-            yaw *= max(0.0, (room[yaw != 0] / np.abs(yaw[yaw != 0])).min())
+        share = np.divide(room, np.abs(yaw), out=np.ones_like(yaw), where=yaw != 0)
+        yaw *= np.clip(share.min(), 0.0, 1.0)
         return np.clip(thrust + yaw, self._minimum, self._maximum)

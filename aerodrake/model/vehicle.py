@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from importlib import resources
-from pathlib import Path
 
 import numpy as np
 from pydrake.geometry import Box
@@ -38,7 +38,7 @@ def add_robot(plant: MultibodyPlant, robot: str) -> None:
     parser = Parser(plant)
     parser.package_map().AddPackageXml(str(resources.files("aerodrake") / "package.xml"))
     is_uri = robot.startswith("package://")
-    if not is_uri and not Path(robot).is_file():
+    if not is_uri and not os.path.isfile(robot):
         raise BadInput(robot, "", "expected the path of a URDF; there is no such file")
     try:
         parser.AddModelsFromUrl(robot) if is_uri else parser.AddModels(robot)
@@ -213,6 +213,7 @@ def _arm_joints(plant: MultibodyPlant, robot: str) -> list[RevoluteJoint]:
         raise BadInput(robot, "", "expected one transmission per joint, in the joints' order")
     limits = np.concatenate(
         [
+            plant.GetPositionLowerLimits()[BASE_POSITIONS:],
             plant.GetPositionUpperLimits()[BASE_POSITIONS:],
             plant.GetEffortUpperLimits(),
             plant.GetVelocityUpperLimits()[BASE_VELOCITIES:],

@@ -99,7 +99,7 @@ class MpcSystem(LeafSystem):
 
         start = time.perf_counter()
         program = self._formulation.form(tick)
-        result = self._qp.solve(program.H, program.g, program.lower, program.upper, guess=shifted)
+        result = self._qp.solve(program.H, program.g, program.lower, program.upper)
         self.tick_ms.append(1e3 * (time.perf_counter() - start))
 
         plan = shifted if result.status is QpStatus.FAILED else result.z

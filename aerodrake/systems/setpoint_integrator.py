@@ -61,10 +61,9 @@ class SetpointIntegrator(LeafSystem):
         p = context.get_discrete_state(self._x_position).value()
         v = context.get_discrete_state(self._x_velocity).value()
         since = context.get_time() - context.get_discrete_state(self._x_time).value()[0]
-        if context.get_discrete_state(self._x_enabled).value()[0] > 0.5:
-            u = self._limits.admissible(p, v, self._u.Eval(context), self._period)
-        else:
-            u = self._limits.braking(v, self._period)
+        enabled = context.get_discrete_state(self._x_enabled).value()[0] > 0.5
+        wanted = self._u.Eval(context) if enabled else -v / self._period
+        u = self._limits.admissible(p, v, wanted, self._period)
         setpoint.set_value(np.stack([*integrate(p, v, u, since), u]))
 
     def _calc_base(self, context: Context, output: BasicVector) -> None:

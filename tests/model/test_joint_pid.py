@@ -72,15 +72,24 @@ def test_constant_torque_is_taken_out(pid):
 
 def test_no_windup_while_the_joint_is_stuck(pid):
     """However long it was stuck, it then moves as if it had not been."""
-    free = simulate(pid, 600)
-    stuck = simulate(pid, 600 + 1000, blocked=1000)
+    free = simulate(pid, 600, goal=0.1)
+    stuck = simulate(pid, 600 + 1000, blocked=1000, goal=0.1)
     np.testing.assert_allclose(stuck[1000:], free, atol=1e-12)
-    assert free.max() < 0.5 * 1.25
-    assert abs(free[-1] - 0.5) < 1e-3
+    assert free.max() < 0.1 * 1.25
+    assert abs(free[-1] - 0.1) < 1e-3
 
 
 def test_a_full_integral_unwinds_at_once(pid):
-    """Saturated by its integral, it still integrates an error that leads back."""
+    """Saturated, it still integrates an error that leads back."""
     full = pid.effort.copy()
-    back = pid.integrate(np.array([-0.001]), np.zeros(1), full)
+    back = pid.integrate(np.array([-0.001]), np.array([0.1]), full)
     assert back[0] == pytest.approx(full[0] - pid.k_i[0] * 0.001 * DT)
+
+
+def test_the_integral_never_exceeds_the_effort(pid):
+    """Even where the rate term keeps the torque within its limit."""
+    full = pid.effort.copy()
+    for sign in (1, -1):
+        error, rate_error = np.array([0.02 * sign]), np.array([-1.0 * sign])
+        assert abs(pid.torque(error, rate_error, full * sign)[0]) < pid.effort[0]
+        np.testing.assert_array_equal(pid.integrate(error, rate_error, full * sign), full * sign)

@@ -173,8 +173,7 @@ def test_optimum_is_that_of_the_problem_written_out(
     for k, tick in list(enumerate(ticks))[::8]:
         tick = prepared(tick, kind, k)
         program = ours.form(tick)
-        start = np.zeros(len(program.g))
-        result = qp.solve(program.H, program.g, program.lower, program.upper, start)
+        result = qp.solve(program.H, program.g, program.lower, program.upper)
         u_0, share = theirs.solve(tick)
         statuses.append(result.status)
         active.append(share)

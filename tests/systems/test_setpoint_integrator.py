@@ -98,7 +98,6 @@ def test_hard_commands_stay_within_the_limits(side):
     np.testing.assert_allclose(v[:3], side * np.array([1.5, 1.5, 1.0]), atol=1e-9)
 
 
-@pytest.mark.xfail(strict=True, reason="chatters at position limits: full braking within a tick")
 @pytest.mark.parametrize("side", [1, -1])
 def test_hard_commands_come_to_rest_at_the_position_limits(side):
     driver = Driver()
@@ -156,7 +155,6 @@ def test_braking_takes_the_acceleration_limit_and_no_longer():
     np.testing.assert_allclose(v, 0, atol=1e-6)
 
 
-@pytest.mark.xfail(strict=True, reason="braking ignores position limits within its last tick")
 @given(st.floats(0.0, 0.02), st.integers(1, 40))
 def test_braking_keeps_the_position_limits(slack, ticks):
     """Wherever full speed towards a limit is interrupted, the stop is within it."""
