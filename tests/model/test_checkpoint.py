@@ -42,7 +42,7 @@ def test_a_scenario_has_the_network_it_names(tmp_path):
     other = dataclasses.replace(
         scenario, flight=Flight(interface="position"), model=Model(kind="exact")
     )
-    with pytest.raises(BadInput, match="residual.checkpoint: .*position.*trajectory"):
+    with pytest.raises(BadInput, match=r"residual\.checkpoint: .*position.*trajectory"):
         network_for(other, JOINTS)
 
 

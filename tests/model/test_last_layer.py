@@ -26,9 +26,7 @@ def test_steps_equal_sgd_on_the_network(seed, batch):
 
     for _ in range(10):
         features, base, measured = (rng.normal(size=(batch, m)) for m in (30, 3, 3))
-        theta = last_layer_step(
-            theta, network.phi(features), measured - base, gain, learning_rate
-        )
+        theta = last_layer_step(theta, network.phi(features), measured - base, gain, learning_rate)
         sgd.zero_grad()
         predicted = torch.tensor(base) + torch.tensor(gain) * network(torch.tensor(features))
         ((predicted - torch.tensor(measured)) ** 2).sum(dim=1).mean().backward()

@@ -162,12 +162,9 @@ class WrittenOut:
 def test_optimum_is_that_of_the_problem_written_out(
     kind, error, tilt, ticks, tight_scenario, vehicle
 ):
-    """At every eighth tick of a flight along its bounds: over 100 programs in all.
-
-    OSQP is asked for 1e-5 of the bounds. Where polishing succeeds it is far better.
-    """
+    """At every eighth tick of a flight along its bounds: over 100 programs in all."""
     ours = formulation(tight_scenario.mpc, vehicle, kind, error, tilt)
-    qp = CondensedQp(ours.A, max_iterations=4000)
+    qp = CondensedQp(ours.A, ours.config.max_iterations)
     theirs = WrittenOut(ours.config, ours.model, vehicle)
     statuses, active, gaps = [], [], []
     for k, tick in list(enumerate(ticks))[::8]:
@@ -179,8 +176,7 @@ def test_optimum_is_that_of_the_problem_written_out(
         active.append(share)
         gaps.append(np.abs((ours.scale * result.z)[: len(u_0)] - u_0).max())
     assert len(OPTIONS) * len(gaps) > 100
-    assert np.quantile(gaps, 0.8) < 1e-3 and np.median(gaps) < 1e-5
-    assert np.max(gaps) < 5e-3
+    assert np.max(gaps) < 1e-3 and np.median(gaps) < 1e-5
     assert set(statuses) <= {QpStatus.UNCONSTRAINED, QpStatus.SOLVED}
     assert np.mean(np.array(active) > 0) > 0.5
 

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from aerodrake.model import qp
 from aerodrake.model.qp import CondensedQp, QpResult, QpStatus
 
 NZ, ROWS = 12, 20
@@ -130,8 +131,17 @@ def test_costs_without_a_minimum_fail():
     assert solve(A, H - 1e3 * np.eye(NZ), g, lower, upper).status is QpStatus.FAILED
 
 
-def test_the_iteration_limit_is_told_and_keeps_only_what_is_nearly_solved():
-    """With few iterations an answer is near the optimum and called inaccurate, or none."""
+def test_few_iterations_are_enough_to_tell_the_active_bounds():
+    for seed in range(40):
+        program = random_program(seed, pull=2.0, slack=10.0)
+        result = solve(*program, max_iterations=50)
+        assert result.status in (QpStatus.UNCONSTRAINED, QpStatus.SOLVED)
+        np.testing.assert_allclose(result.z, by_clarabel(*program), atol=1e-4)
+
+
+def test_the_iteration_limit_is_told_and_keeps_only_what_is_nearly_solved(monkeypatch):
+    """Without exact active bounds, an answer is near the optimum and called inaccurate, or none."""
+    monkeypatch.setattr(qp, "exchange_active_set", lambda *_: None)
     statuses = set()
     for seed in range(40):
         program = random_program(seed, pull=2.0, slack=10.0)
@@ -142,13 +152,13 @@ def test_the_iteration_limit_is_told_and_keeps_only_what_is_nearly_solved():
             np.testing.assert_allclose(result.z, by_clarabel(*program), atol=0.05)
         if result.status is QpStatus.FAILED:
             np.testing.assert_array_equal(result.z, 0)
-    assert statuses == {QpStatus.SOLVED, QpStatus.INACCURATE, QpStatus.FAILED}
+    assert statuses == {QpStatus.INACCURATE, QpStatus.FAILED}
 
 
 def test_answers_stay_in_the_box():
     for seed in range(20):
         result = solve(*random_program(seed, pull=5.0, slack=10.0))
-        assert np.abs(result.z).max() == 1.0
+        assert 1 - 1e-9 < np.abs(result.z).max() <= 1.0
 
 
 def test_the_same_object_solves_one_program_after_another():

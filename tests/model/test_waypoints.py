@@ -94,7 +94,7 @@ def test_a_file_too_large_is_not_read(write):
 def test_variants_of_a_good_file(write, content):
     times, points = read_waypoints(write(content))
     np.testing.assert_array_equal(times, [0, 2])
-    np.testing.assert_array_equal(points, [START, START + [0.1, 0, 0]])
+    np.testing.assert_array_equal(points, START + [[0, 0, 0], [0.1, 0, 0]])
 
 
 paths = st.lists(
