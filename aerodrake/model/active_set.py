@@ -8,6 +8,10 @@ from scipy.linalg.lapack import dposv
 
 MAX_EXCHANGES = 25
 TOLERANCE = 1e-9
+"""By how much a bound may be exceeded that is not active."""
+
+MET = 1e-7
+"""How far off an active bound may be."""
 
 
 def exchange_active_set(
@@ -53,6 +57,7 @@ def exchange_active_set(
         now_above[active] |= above[active] & (multiplier > 0)
         now_below[active] |= below[active] & (multiplier < 0)
         if (now_above == above).all() and (now_below == below).all():
-            return z
+            # More active rows than z can meet make the multipliers meaningless.
+            return z if np.abs(value[active] - bound).max(initial=0.0) < MET else None
         above, below = now_above, now_below
     return None
