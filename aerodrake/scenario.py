@@ -182,7 +182,7 @@ class Mpc:
 
     horizon: int = quantity(15, "ticks", 2, 200)
     # K_e of the desired end-effector velocity.
-    k_e: tuple[float, ...] = quantity((4.0, 4.0, 4.0), "1/s", 0.0, 50.0, length=3)
+    k_e: tuple[float, ...] = quantity((3.0, 3.0, 3.0), "1/s", 0.0, 50.0, length=3)
     # The correction K_e e_E never asks for more than this: a far target is flown to, not lunged at.
     approach_speed_m_s: float = quantity(0.8, "m/s", 0.01, 100.0)
     # Diagonals of W_1, W_2,0, W_3 and W_4,0. Joint values: one, or one per joint.
@@ -295,7 +295,7 @@ class Scenario:
 
     def _check_period(self, source: object, key: str, period: float) -> None:
         step = self.rates.plant_step_s
-        if abs(period / step - round(period / step)) > 1e-6 or period < step:
+        if abs(period / step - round(period / step)) > 1e-6:
             raise BadInput(
                 source,
                 key,

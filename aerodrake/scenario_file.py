@@ -67,8 +67,11 @@ def save_scenario(scenario: Scenario, folder: Path) -> Path:
     """
 
     def copy(file: Path) -> Path:
-        shutil.copyfile(file, folder / file.name)
-        return Path(file.name)
+        name = file.name
+        while (folder / name).exists():
+            name = f"_{name}"
+        shutil.copyfile(file, folder / name)
+        return Path(name)
 
     vehicle = scenario.vehicle  # The robot stays where its meshes are.
     portable = dataclasses.replace(

@@ -56,7 +56,8 @@ class Flight:
         scenario = self.scenario
         context = make_context(self._diagram, scenario.seed)
         simulator = Simulator(self._diagram, context)
-        end = scenario.settle_s + scenario.duration
+        # Times are rounded, lest they land beyond a tick that is not to be flown.
+        end = round(scenario.settle_s + scenario.duration, 9)
         self._mpc.tick_ms.clear()
         monitor = _Monitor(self, context)
         reason, cause = "completed", ""
@@ -64,14 +65,14 @@ class Flight:
         with single_thread():
             try:
                 for step in range(1, math.ceil(end / MONITOR_PERIOD_S - 1e-9) + 1):
-                    simulator.AdvanceTo(min(step * MONITOR_PERIOD_S, end))
+                    simulator.AdvanceTo(min(round(step * MONITOR_PERIOD_S, 9), end))
                     progress(context.get_time())
                     cause = monitor.lost()
                     if cause:
                         reason = "lost"
                         break
             except KeyboardInterrupt:
-                reason, cause = "interrupted", f"at {context.get_time():.2f} s"
+                reason, cause = "interrupted", f"at {monitor.time():.2f} s"
             except RuntimeError as error:
                 # The plant cannot step from a state that is not finite.
                 cause = monitor.lost()
@@ -94,35 +95,41 @@ class Flight:
             signals.update(split_port(port, rows))
             if port == "true_state":
                 states = rows
-                signals["time_s"] = log.sample_times() - self.scenario.settle_s
+                signals["time_s"] = np.round(log.sample_times() - self.scenario.settle_s, 9)
         signals["p_E_m"] = np.array([self.p_E(state) for state in states])
         signals["tick_ms"] = np.array(self._mpc.tick_ms)
         return signals
 
 
 class _Monitor:
-    """Tells when the vehicle is lost."""
+    """Tells when the vehicle is lost. Its times are reference times."""
 
     def __init__(self, flight: Flight, context: Context):
         self._flight = flight
         self._context = flight.closed_loop.GetMyContextFromRoot(context)
-        self._time = context.get_time
+        self._start = flight.p_E(self._output("true_state"))
         self._approached = False
+
+    def time(self) -> float:
+        """Reference time, s."""
+        return self._context.get_time() - self._flight.scenario.settle_s
 
     def lost(self) -> str:
         """Why the vehicle is lost; empty if it is not."""
-        flight = self._flight
-        x = flight.closed_loop.GetOutputPort("true_state").Eval(self._context)
+        x, when = self._output("true_state"), f"at {self.time():.2f} s"
         if not np.isfinite(x).all():
-            return "the state is not finite"
+            return f"the state is not finite {when}"
         tilt = math.acos(min(1.0, max(-1.0, VehicleState.from_vector(x).R_B[2, 2])))
         if tilt > LOST_TILT_RAD:
-            return f"tilt of {math.degrees(tilt):.0f} deg at {self._time():.2f} s"
-        if self._time() < flight.scenario.settle_s:
-            return ""
-        reference = flight.closed_loop.GetOutputPort("reference").Eval(self._context)
-        error = float(np.linalg.norm(flight.p_E(x) - reference[:3]))
-        self._approached |= error <= flight.scenario.allocation.d_h_m
-        if self._approached and error > LOST_ERROR_M:
-            return f"error of {error:.2f} m at {self._time():.2f} s"
+            return f"tilt of {math.degrees(tilt):.0f} deg {when}"
+        # Before reference time 0 it is to stay where it starts.
+        is_hovering = self.time() < 0
+        target = self._start if is_hovering else self._output("reference")[:3]
+        error = float(np.linalg.norm(self._flight.p_E(x) - target))
+        self._approached |= error <= self._flight.scenario.allocation.d_h_m and not is_hovering
+        if (self._approached or is_hovering) and error > LOST_ERROR_M:
+            return f"error of {error:.2f} m {when}"
         return ""
+
+    def _output(self, port: str) -> np.ndarray:
+        return self._flight.closed_loop.GetOutputPort(port).Eval(self._context)

@@ -54,11 +54,11 @@ def desired_thrust(u_v: np.ndarray, max_tilt: float) -> np.ndarray:
 
 
 def desired_attitude(thrust: np.ndarray, yaw: float = 0.0) -> np.ndarray:
-    """(3, 3), the attitude whose z axis is along `thrust` and whose heading is `yaw` rad."""
+    """(3, 3), the attitude whose z axis is along `thrust` and whose yaw angle is `yaw` rad."""
     z = thrust / np.linalg.norm(thrust)
-    y = np.cross(z, [np.cos(yaw), np.sin(yaw), 0.0])
-    y /= np.linalg.norm(y)
-    return np.column_stack([np.cross(y, z), y, z])
+    x = np.cross([-np.sin(yaw), np.cos(yaw), 0.0], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
 
 
 def attitude_error(R: np.ndarray, R_d: np.ndarray) -> np.ndarray:

@@ -116,9 +116,9 @@ class MpcFormulation:
         """Bounds on states as unit-norm rows over z.
 
         Base setpoint velocity, joint positions and velocities at each stage;
-        and at the last one, room to brake: q + t_s q' within the limits, with
-        t_s = v_max / (2 a_max) no joint needs more, so the next tick's program
-        is feasible if this one was.
+        and at the last one, room to brake: q + t_s q' within the limits. With
+        t_s = v_max / (2 a_max) no joint needs more, so that the next tick's
+        program is feasible if this one was and the horizon lasts 2 t_s or longer.
         """
         model, limits, N = self.model, self.limits, self.config.horizon
         self._bounded = np.concatenate(

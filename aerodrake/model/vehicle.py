@@ -33,7 +33,7 @@ def add_robot(plant: MultibodyPlant, robot: str) -> None:
 
     Raises:
         BadInput: if the file is missing, is no robot description, or lacks
-            the frames `base`, `tool` and `rotor_*`.
+            the frames `base` and `tool`.
     """
     parser = Parser(plant)
     parser.package_map().AddPackageXml(str(resources.files("aerodrake") / "package.xml"))
