@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import sys
 import time
 from collections.abc import Sequence
@@ -18,7 +19,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command.
 
     Returns:
-        0 on success, 1 on a flight that did not complete, 2 on bad input.
+        0 on success, 1 on a flight that did not complete, 2 on bad input,
+        130 if interrupted outside of the flight.
     """
     arguments = _parser().parse_args(argv)
     try:
@@ -26,6 +28,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BadInput as error:
         print(f"aerodrake: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("aerodrake: interrupted", file=sys.stderr)
+        return 130
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -35,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     from aerodrake.scenario_file import load_scenario, save_scenario
 
     scenario = load_scenario(arguments.scenario, _overrides(arguments))
-    target = arguments.out or Path("runs", f"{scenario.name}-{time.strftime('%Y%m%d-%H%M%S')}")
+    target = arguments.out or _new_folder(scenario.name)
 
     from aerodrake.replay import write_replay
     from aerodrake.report import plot_tracking, table
@@ -46,8 +51,8 @@ def run(arguments: argparse.Namespace) -> int:
     say = (lambda line: None) if arguments.quiet else print
     for warning in scenario.warnings():
         say(f"note: {warning}")
+    flight = Flight(scenario)
     with run_folder(target) as folder:
-        flight = Flight(scenario)
         with tqdm(
             total=scenario.settle_s + scenario.duration,
             desc=scenario.name,
@@ -112,9 +117,22 @@ def _parser() -> argparse.ArgumentParser:
         "name", nargs="?", help="closed_loop, station, coordinator or a system; default: all"
     )
     command.add_argument("--out", type=Path, default=Path("graphs"), metavar="DIR")
-    command.add_argument("--depth", type=int, default=2, metavar="N", help="levels of nesting")
+    command.add_argument("--depth", type=_depth, default=2, metavar="N", help="levels of nesting")
     command.set_defaults(command=graph)
     return parser
+
+
+def _new_folder(name: str) -> Path:
+    """runs/NAME-TIME, or the first of runs/NAME-TIME-2, -3, ... that is not there yet."""
+    first = Path("runs", f"{name}-{time.strftime('%Y%m%d-%H%M%S')}")
+    others = (first.with_name(f"{first.name}-{i}") for i in itertools.count(2))
+    return next(path for path in itertools.chain([first], others) if not path.exists())
+
+
+def _depth(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"expected a whole number from 0, got {text!r}")
+    return int(text)
 
 
 def _overrides(arguments: argparse.Namespace) -> list[tuple[str, str]]:

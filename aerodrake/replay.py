@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -22,11 +23,12 @@ def write_replay(log: FlightLog, robot: str, path: Path) -> None:
     """Writes a self-contained HTML page: the vehicle, its reference and its trace.
 
     Args:
-        log: The flight; its animation begins at reference time 0.
+        log: The flight; its animation begins at reference time 0, or where
+            the flight ended if that was before.
         robot: The URI or path of the URDF it flew.
         path: Of the page.
     """
-    meshcat = Meshcat(MeshcatParams(host="localhost", show_stats_plot=False))
+    meshcat = _silent_meshcat()
     builder = DiagramBuilder()
     plant = builder.AddSystem(MultibodyPlant(0.0))
     scene_graph = builder.AddSystem(SceneGraph())
@@ -43,22 +45,35 @@ def write_replay(log: FlightLog, robot: str, path: Path) -> None:
     context = diagram.CreateDefaultContext()
     plant_context = plant.GetMyMutableContextFromRoot(context)
 
-    flown = np.flatnonzero(log.time_s >= 0)
+    positions = np.hstack([log["quaternion"], log["p_B_m"], log["q_rad"]])
+    finite = np.isfinite(positions).all(axis=1)
+    end = log.time_s[finite][-1]
+    flown = np.flatnonzero(finite & (log.time_s >= min(0.0, end)))
     _draw_path(meshcat, "reference", log["p_Ed_m"][flown], REFERENCE_COLOR, 2.0)
     _draw_path(meshcat, "end_effector", log["p_E_m"][flown], TRACE_COLOR, 3.0)
     middle = log["p_B_m"][flown].mean(axis=0)
     meshcat.SetCameraPose(middle + VIEW_FROM_M, middle)
 
     meshcat.StartRecording(frames_per_second=FRAMES_PER_S)
-    positions = np.hstack([log["quaternion"], log["p_B_m"], log["q_rad"]])
-    for time in np.arange(0.0, log.time_s[-1] + 1e-9, 1 / FRAMES_PER_S):
-        i = flown[0] + np.searchsorted(log.time_s[flown], time - 1e-9)
+    for time in np.arange(0.0, max(end, 0.0) + 1e-9, 1 / FRAMES_PER_S):
+        i = np.searchsorted(log.time_s[flown], time - 1e-9)
         context.SetTime(time)
-        plant.SetPositions(plant_context, positions[min(i, len(positions) - 1)])
+        plant.SetPositions(plant_context, positions[flown[min(i, len(flown) - 1)]])
         diagram.ForcedPublish(context)
     meshcat.StopRecording()
     meshcat.PublishRecording()
     path.write_text(meshcat.StaticHtml(), encoding="utf-8")
+
+
+def _silent_meshcat() -> Meshcat:
+    """A server that nobody asked for, and so does not say where it listens."""
+    logger = logging.getLogger("drake")
+    level = logger.level
+    logger.setLevel(logging.WARNING)
+    try:
+        return Meshcat(MeshcatParams(host="localhost", show_stats_plot=False))
+    finally:
+        logger.setLevel(level)
 
 
 def _draw_path(meshcat: Meshcat, name: str, points: np.ndarray, color: Rgba, width: float) -> None:

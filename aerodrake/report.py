@@ -14,7 +14,6 @@ from aerodrake.model.weight_allocation import Mode
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 PAPER = {
     "clover": {"lap_mean_m": 0.0122},
@@ -100,7 +99,7 @@ def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
         }
     ):
         figure = plt.figure(figsize=(13, 14), layout="constrained")
-        figure.suptitle(title, fontsize=13, color=INK)
+        figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         grid = figure.add_gridspec(6, 2, width_ratios=[1.15, 1])
         _paths(figure.add_subplot(grid[:3, 0], projection="3d"), log)
         times: list[Axes] = []
@@ -121,7 +120,9 @@ def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
         _series(timeline(grid[5, 1]), log, "qdot_rad_s", np.degrees, "joint velocities / deg/s")
         for axes in (times[5], times[-1]):
             axes.set_xlabel("reference time / s")
-        _save(figure, path)
+        # No version or date inside: the same flight gives the same bytes.
+        figure.savefig(path, dpi=120, metadata={"Software": None})
+        plt.close(figure)
 
 
 def _paths(axes: Any, log: FlightLog) -> None:
@@ -195,12 +196,6 @@ def _series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) -> N
         axes.plot(log.time_s, rows[:, joint], color=color, label=f"q_{joint + 1}")
     axes.set_ylabel(label)
     axes.legend(loc="best", ncols=3)
-
-
-def _save(figure: Figure, path: Path) -> None:
-    # No version or date inside: the same flight gives the same bytes.
-    figure.savefig(path, dpi=120, metadata={"Software": None})
-    plt.close(figure)
 
 
 def _mm(value: float | None) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from aerodrake.errors import BadInput
 
-MARKER = "summary.json"
+MARKERS = ("summary.json", "log.npz", "scenario.yaml")
 """What tells an earlier run, which may be replaced, from a person's own folder."""
 
 
@@ -19,35 +19,61 @@ MARKER = "summary.json"
 def run_folder(target: Path) -> Iterator[Path]:
     """Yields a temporary folder that becomes `target` if all goes well.
 
-    An earlier run in `target` is replaced as a whole.
+    An earlier run in `target` is replaced as a whole; a link to it stays.
 
     Raises:
         BadInput: if `target` cannot be written, or holds files of another kind.
     """
     target = Path(target)
-    try:
-        if target.exists() and not target.is_dir():
+    with _writing(target):
+        if "\0" in str(target):
+            raise OSError("expected a path without a NUL")
+        place = target.resolve()
+        if place.exists() and not place.is_dir():
             raise BadInput("--out", "", f"expected a folder, but {target} is a file")
-        if target.is_dir() and any(target.iterdir()) and not (target / MARKER).is_file():
+        if place.is_dir() and any(place.iterdir()) and not _is_run(place):
             raise BadInput("--out", "", f"{target} holds files that are not of an earlier run")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
-    except OSError as error:
-        raise BadInput("--out", "", f"cannot write {target}: {error.strerror}") from None
+        if place.is_dir() and (
+            os.path.ismount(place) or place in (Path.cwd(), *Path.cwd().parents)
+        ):
+            raise BadInput(
+                "--out", "", f"{target} is in use and cannot be replaced; expected a folder in it"
+            )
+        place.parent.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=f".{place.name}-"[:100], dir=place.parent))
     try:
-        yield scratch
-        scratch.chmod(0o777 & ~_umask())
-        if target.exists():
-            old = scratch.with_name(f"{scratch.name}.old")
-            os.replace(target, old)
-            os.replace(scratch, target)
-            shutil.rmtree(old)
-        else:
-            os.replace(scratch, target)
-    except OSError as error:
-        raise BadInput("--out", "", f"cannot write {target}: {error.strerror}") from None
+        with _writing(target):
+            yield scratch
+            scratch.chmod(0o777 & ~_umask())
+            _replace(place, scratch)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _is_run(folder: Path) -> bool:
+    return all((folder / name).is_file() for name in MARKERS)
+
+
+def _replace(place: Path, scratch: Path) -> None:
+    """Moves `scratch` to `place`; what was there goes, or stays if that fails."""
+    old = scratch.with_name(f"{scratch.name}.old")
+    if place.exists():
+        os.replace(place, old)
+    try:
+        os.replace(scratch, place)
+    except OSError:
+        if old.exists():
+            os.replace(old, place)
+        raise
+    shutil.rmtree(old, ignore_errors=True)
+
+
+@contextmanager
+def _writing(target: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise BadInput("--out", "", f"cannot write {target}: {error.strerror or error}") from None
 
 
 def _umask() -> int:

@@ -263,6 +263,12 @@ class Scenario:
                     f"expected a multiple of rates.{key} ({getattr(self.rates, key):g} s), "
                     f"got {self.rates.mpc_period_s:g} s",
                 )
+        if any(sign in self.name for sign in "/\\") or self.name.startswith("."):
+            raise BadInput(
+                source, "name", f"expected a name that can be a folder's, got '{self.name}'"
+            )
+        if isinstance(self.reference, Waypoints) and not self.reference.file:
+            raise BadInput(source, "reference.file", "expected the path of a CSV file t,x,y,z")
         if self.vehicle.rotor.min_thrust_n >= self.vehicle.rotor.max_thrust_n:
             raise BadInput(
                 source,

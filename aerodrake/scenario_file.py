@@ -51,12 +51,13 @@ def load_scenario(name_or_path: str, overrides: Iterable[tuple[str, str]] = ()) 
             else "expected a mapping of scenario keys to values",
         )
     scenario = map_files(build(Scenario, data, path), lambda file: path.parent.resolve() / file)
-    last: object = path
+    source = str(path)
     for option, assignment in overrides:
         scenario = _override(scenario, option, assignment)
-        last = option
-    scenario.check(last)
-    return dataclasses.replace(scenario, name=scenario.name or path.stem, source=str(path))
+        source += f" {option} {assignment}"
+    scenario = map_files(scenario, Path.absolute)
+    scenario.check(source)
+    return dataclasses.replace(scenario, name=scenario.name or path.stem, source=source)
 
 
 def save_scenario(scenario: Scenario, folder: Path) -> Path:
@@ -67,11 +68,12 @@ def save_scenario(scenario: Scenario, folder: Path) -> Path:
     """
 
     def copy(file: Path) -> Path:
-        name = file.name
-        while (folder / name).exists():
-            name = f"_{name}"
-        shutil.copyfile(file, folder / name)
-        return Path(name)
+        place = Path("inputs", file.name)
+        while (folder / place).exists():
+            place = place.with_name(f"other_{place.name}")
+        (folder / place).parent.mkdir(exist_ok=True)
+        shutil.copyfile(file, folder / place)
+        return place
 
     vehicle = scenario.vehicle  # The robot stays where its meshes are.
     portable = dataclasses.replace(
@@ -110,6 +112,8 @@ def _read(path: Path) -> str:
         raise BadInput(path, "", f"cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise BadInput(path, "", "expected UTF-8 text") from None
+    except ValueError as error:  # A path with a NUL in it.
+        raise BadInput(path, "", f"cannot be read: {error}") from None
 
 
 def _parse(text: str, source: object) -> Any:

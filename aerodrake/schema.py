@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from aerodrake.errors import BadInput, nearest
+from aerodrake.files import PACKAGE, is_packaged, leaves_package
 
 _REPR = reprlib.Repr()  # Bounded in depth and length, whatever the file held.
 _REPR.maxlevel = 2
@@ -118,7 +119,7 @@ def map_files(config: Any, change: typing.Callable[[Path], Path]) -> Any:
         value = getattr(config, f.name)
         if dataclasses.is_dataclass(value):
             changes[f.name] = map_files(value, change)
-        elif f.metadata.get("file") and value and not value.startswith("package://"):
+        elif f.metadata.get("file") and value and not is_packaged(value):
             changes[f.name] = str(change(Path(value)))
     return dataclasses.replace(config, **changes)
 
@@ -167,6 +168,10 @@ def _string(meta: Mapping[str, Any], value: object, source: object, key: str) ->
         raise BadInput(source, key, f"expected a string, got {_show(value)}")
     if options and value not in options:
         raise BadInput(source, key, f"unknown value {_show(value)}; {nearest(value, options)}")
+    if not value.isprintable():
+        raise BadInput(source, key, f"expected printable text, got {_show(value)}")
+    if meta.get("file") and is_packaged(value) and leaves_package(value):
+        raise BadInput(source, key, f"expected {PACKAGE}... inside the package, got {_show(value)}")
     return value
 
 
@@ -176,7 +181,7 @@ def _number(
     low, high = meta["low"], meta["high"]
     kind = "a whole number" if hint is int else "a number"
     unit = "" if meta["unit"] == "1" else f" {meta['unit']}"
-    expected = f"expected {kind} in [{low:g}, {high:g}]{unit}"
+    expected = f"expected {kind} in [{low:.10g}, {high:.10g}]{unit}"
     problem = BadInput(source, key, f"{expected}, got {_show(value)}")
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise problem

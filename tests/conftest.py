@@ -26,3 +26,19 @@ def scenario() -> Scenario:
 @pytest.fixture(scope="session")
 def vehicle(scenario) -> Vehicle:
     return Vehicle.load(scenario)
+
+
+@pytest.fixture(scope="session")
+def short_flight():
+    """A scenario that has something of everything, and the log of its flight of 0.6 s."""
+    from aerodrake.scenario import Clover, Residual
+    from aerodrake.simulate import Flight
+
+    scenario = Scenario(
+        name="short",
+        duration=0.5,
+        settle_s=0.1,
+        reference=Clover(start_s=0.2),
+        residual=Residual(mode="online"),
+    )
+    return scenario, Flight(scenario).fly()

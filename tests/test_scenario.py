@@ -94,7 +94,7 @@ def test_numbers_out_of_type_or_range_are_named_with_unit_and_range(wrong):
         message = refuses(reference, key.partition("[")[0], value)
         whole = "a whole number" if isinstance(default, int) else "a number"
         ending = "" if unit == "1" else f" {unit}"
-        assert f": {key}: expected {whole} in [{low:g}, {high:g}]{ending}, got " in message
+        assert f": {key}: expected {whole} in [{low:.10g}, {high:.10g}]{ending}, got " in message
 
 
 def test_lists_of_the_wrong_length_are_named():

@@ -240,8 +240,11 @@ def test_naming_the_same_kind_again_keeps_its_keys(write):
     ],
 )
 def test_bad_overrides_name_the_option(write, assignment, expected):
-    message = refuses(write("seed: 1\n"), ("--set", assignment))
-    assert message.startswith(f"--set: {expected}")
+    """A contradiction between keys names the file as well, since either may be to blame."""
+    path = write("seed: 1\n")
+    message = refuses(path, ("--set", assignment))
+    both = f"{path} --set {assignment}: {expected}"
+    assert message.startswith((f"--set: {expected}", both))
 
 
 def test_each_override_is_named_by_its_own_option(write):

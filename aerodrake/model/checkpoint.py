@@ -13,6 +13,7 @@ from typing import Any
 import torch
 
 from aerodrake.errors import BadInput
+from aerodrake.files import locate
 from aerodrake.model.residual_network import HIDDEN, ResidualNetwork, feature_names
 from aerodrake.scenario import Scenario
 
@@ -49,7 +50,7 @@ def network_for(scenario: Scenario, joints: int) -> ResidualNetwork:
     file = scenario.residual.checkpoint
     if not file:
         return ResidualNetwork.untrained(joints, scenario.seed)
-    network, provenance = load(Path(file), joints)
+    network, provenance = load(locate(file), joints)
     if provenance.flight_interface != scenario.flight.interface:
         raise BadInput(
             scenario.source,

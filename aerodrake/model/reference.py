@@ -14,6 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
+from aerodrake.files import locate
 from aerodrake.model.diameter import path_diameter
 from aerodrake.model.waypoints import interpolate_waypoints, read_waypoints
 from aerodrake.scenario import (
@@ -102,7 +103,7 @@ class WaypointCurve(ReferenceCurve):
     """
 
     def __init__(self, config: Waypoints, start: np.ndarray):
-        self._times, points = read_waypoints(config.file)
+        self._times, points = read_waypoints(locate(config.file))
         self._position = interpolate_waypoints(self._times, points)
         self._velocity = self._position.derivative()
 

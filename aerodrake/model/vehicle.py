@@ -14,6 +14,7 @@ from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import RevoluteJoint
 
 from aerodrake.errors import BadInput
+from aerodrake.files import locate
 from aerodrake.model.vehicle_state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
 from aerodrake.scenario import Scenario
 
@@ -37,11 +38,11 @@ def add_robot(plant: MultibodyPlant, robot: str) -> None:
     """
     parser = Parser(plant)
     parser.package_map().AddPackageXml(str(resources.files("aerodrake") / "package.xml"))
-    is_uri = robot.startswith("package://")
-    if not is_uri and not os.path.isfile(robot):
+    path = str(locate(robot))
+    if not os.path.isfile(path):
         raise BadInput(robot, "", "expected the path of a URDF; there is no such file")
     try:
-        parser.AddModelsFromUrl(robot) if is_uri else parser.AddModels(robot)
+        parser.AddModels(path)
     except RuntimeError as error:
         raise BadInput(robot, "", f"cannot be parsed: {error}") from None
     for frame in (BASE_FRAME, TOOL_FRAME):

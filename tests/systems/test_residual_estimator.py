@@ -108,9 +108,7 @@ def straightforward(network, model, mode, learning_rate, batch, flight):
         pending = None
         if valid:
             setpoints = tick["base_setpoint"], tick["joint_setpoint"]
-            pending = Pending(
-                model.initial_state(state.p_B, state.v_B, *setpoints), now, delta
-            )
+            pending = Pending(model.initial_state(state.p_B, state.v_B, *setpoints), now, delta)
     return {name: np.array(values) for name, values in log.items()}
 
 

@@ -1,0 +1,548 @@
+"""The command line: what it writes, how it ends, and what it says of bad input."""
+
+import json
+import os
+import pickle
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import aerodrake
+from aerodrake.cli import main
+
+FILES = ["log.npz", "replay.html", "scenario.yaml", "summary.json", "tracking.png"]
+
+TINY = ["--duration", "0.1", "--set", "settle_s=0", "--quiet"]
+
+NOISY = """
+duration: 0.2
+settle_s: 0.1
+reference: {kind: waypoints, file: path.csv}
+sensors: {position_noise_m: 1.0e-3, velocity_noise_m_s: 1.0e-2, joint_noise_rad: 1.0e-4}
+residual: {mode: online, learning_rate: 0.01, batch: 5}
+"""
+
+
+def log(folder: Path) -> dict[str, np.ndarray]:
+    with np.load(folder / "log.npz", allow_pickle=False) as arrays:
+        return dict(arrays)
+
+
+def summary(folder: Path) -> dict:
+    return json.loads((folder / "summary.json").read_text())
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """What a folder holds, hidden files and all."""
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+@pytest.fixture(scope="module")
+def noisy(tmp_path_factory) -> Path:
+    """The folder of one run with all that could differ: noise, learning, a file of its own."""
+    folder = tmp_path_factory.mktemp("noisy")
+    (folder / "flight.yaml").write_text(NOISY)
+    (folder / "path.csv").write_text("t,x,y,z\n0,0,0.2,1.2\n1,0.1,0.2,1.2\n")
+    out = folder / "deep" / "run"
+    assert main(["run", str(folder / "flight.yaml"), "--quiet", "--out", str(out)]) == 0
+    for name in ("flight.yaml", "path.csv"):
+        (folder / name).unlink()
+    return out
+
+
+# What a run writes.
+
+
+def test_run_writes_all_its_files_and_nothing_else(noisy):
+    assert set(FILES) < set(files(noisy)) and len(files(noisy)) == len(FILES) + 1  # And the CSV.
+    assert [p.name for p in noisy.parent.iterdir()] == ["run"]
+    assert (noisy / "tracking.png").read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
+
+
+def test_summary_has_every_key_of_the_design(noisy):
+    figures = summary(noisy)
+    assert figures["scenario"] == "flight" and figures["seed"] == 0
+    assert figures["version"] == version("aerodrake")
+    assert figures["exit_reason"] == "completed" and figures["exit_cause"] == ""
+    assert figures["simulated_s"] == pytest.approx(0.3)
+    assert figures["real_time_factor"] == pytest.approx(0.3 / figures["wall_s"])
+    for error in (figures["error"], figures["base_error"]):
+        assert set(error) == {
+            "mean_m", "rms_m", "max_m", "lap_mean_m", "settled_mean_m", "approach_s"
+        }  # fmt: skip
+        assert 0 < error["mean_m"] <= error["rms_m"] <= error["max_m"] < 0.05
+        assert error["lap_mean_m"] is error["settled_mean_m"] is None
+        assert error["approach_s"] == 0
+    assert figures["mpc"]["ticks"] == 15  # 0.3 s, each 20 ms.
+    assert 0 < figures["mpc"]["median_ms"] <= figures["mpc"]["p99_ms"]
+    assert figures["mpc"]["solver_fallbacks"] == figures["mpc"]["missed"] == 0
+    assert isinstance(figures["mpc"]["overruns"], int)
+    assert set(figures["modes"]) == {"flight", "coordinated", "hover", "adjustment"}
+    assert sum(figures["modes"].values()) == pytest.approx(0.2)
+    with_network, without = figures["residual"]["prediction_rmse_m_s"].values()
+    assert with_network > 0 and without > 0 and with_network != without
+
+
+def test_log_loads_without_pickle_and_names_its_units(noisy):
+    arrays = log(noisy)
+    for key, array in arrays.items():
+        assert array.dtype.kind in "fiuU", key
+    assert len(arrays["time_s"]) == 31 and len(arrays["tick_ms"]) == 15
+    for key in set(arrays) - {"tick_ms"}:
+        assert len(arrays[key]) == 31, key
+
+
+def test_replay_plays_the_vehicle_its_reference_and_its_trace(noisy):
+    page = (noisy / "replay.html").read_text()
+    assert page.lstrip().lower().startswith("<!doctype html>")
+    for name in ("/paths/reference", "/paths/end_effector"):
+        assert page.count(name) or encoded_in(page, name), name
+
+
+def encoded_in(page: str, name: str) -> bool:
+    """Whether one of the page's base64 messages holds the name."""
+    import base64
+    import re
+
+    return any(
+        name.encode() in base64.b64decode(message)
+        for message in re.findall(r'base64,([A-Za-z0-9+/=]+)"', page)
+    )
+
+
+def test_scenario_is_complete_and_flies_again_to_the_same_numbers(noisy, tmp_path, monkeypatch):
+    """From another folder, with what it was read from gone."""
+    text = yaml.safe_load((noisy / "scenario.yaml").read_text())
+    assert text["mpc"]["horizon"] == 15 and text["vehicle"]["rotor"]["lag_up_s"] == 0.0125
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", str(noisy / "scenario.yaml"), "--quiet", "--out", "again"]) == 0
+    ours, again = log(noisy), log(tmp_path / "again")
+    assert list(ours) == list(again)
+    for key in set(ours) - {"tick_ms"}:
+        np.testing.assert_array_equal(ours[key], again[key], err_msg=key)
+
+    def repeatable(figures):
+        for key in ("wall_s", "real_time_factor"):
+            del figures[key]
+        for key in ("median_ms", "p99_ms", "overruns"):
+            del figures["mpc"][key]
+        return figures
+
+    assert repeatable(summary(noisy)) == repeatable(summary(tmp_path / "again"))
+    ours, again = files(noisy), files(tmp_path / "again")
+    assert set(ours) == set(again)
+    for name in set(ours) - {"summary.json", "log.npz"}:
+        assert ours[name] == again[name], name
+
+
+def test_files_beside_the_working_directory_are_found_again(tmp_path, monkeypatch):
+    """Whatever they are called; their paths were relative to where --set was typed."""
+    monkeypatch.chdir(tmp_path)
+    robot = Path(aerodrake.__file__).parent / "robots" / "quadrotor_arm6.urdf"
+    Path("mine.urdf").write_text(robot.read_text())
+    Path("summary.json").write_text("t,x,y,z\n0,0,0.2,1.2\n1,0.1,0.2,1.2\n")
+    typed = ["--set", "vehicle.robot=mine.urdf", "--set", "reference.file=summary.json"]
+    assert main(["run", "waypoints", *TINY, *typed, "--out", "deep/run"]) == 0
+    assert summary(Path("deep/run"))["exit_reason"] == "completed"
+    assert main(["run", "deep/run/scenario.yaml", "--quiet", "--out", "again"]) == 0
+
+
+def test_options_change_the_scenario_and_are_recorded(tmp_path):
+    out = tmp_path / "run"
+    options = ["--seed", "7", "--duration", "0.04", "--set", "settle_s=0.02"]
+    assert main(["run", "hover", *options, "--set", "seed=3", "--quiet", "--out", str(out)]) == 0
+    figures, scenario = summary(out), yaml.safe_load((out / "scenario.yaml").read_text())
+    assert figures["seed"] == scenario["seed"] == 7
+    assert figures["simulated_s"] == pytest.approx(0.06)
+    assert (scenario["duration"], scenario["settle_s"]) == (0.04, 0.02)
+
+
+def test_default_folder_and_what_is_said(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "hover", "--duration", "0.1", "--set", "settle_s=0"]) == 0
+    (run,) = Path("runs").iterdir()
+    assert run.name.startswith("hover-") and sorted(p.name for p in run.iterdir()) == FILES
+    said, progress = capfd.readouterr()
+    assert "note: allocation.d_h_m (0.075 m)" in said
+    assert "hover: completed" in said and "end-effector error" in said
+    assert said.rstrip().splitlines()[-1].startswith(f"{run}: ")
+    assert "0.1/0.1 s" in progress
+
+
+def test_two_runs_in_one_second_are_two_folders(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("time.strftime", lambda format: "now")
+    for _ in range(2):
+        assert main(["run", "hover", *TINY]) == 0
+    assert len(list(Path("runs").iterdir())) == 2
+
+
+# Folders.
+
+
+def test_an_earlier_run_is_replaced_as_a_whole(tmp_path):
+    out = tmp_path / "run"
+    for seed in ("1", "2"):
+        assert main(["run", "hover", *TINY, "--seed", seed, "--out", str(out)]) == 0
+        assert summary(out)["seed"] == int(seed)
+        assert not (out / "left_behind.txt").exists()
+        (out / "left_behind.txt").touch()
+    (out / "left_behind.txt").unlink()
+    assert sorted(p.name for p in out.iterdir()) == FILES
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_bad_input_leaves_an_earlier_run_as_it_is(noisy, capsys):
+    before = files(noisy.parent)
+    options = ["--set", "vehicle.working_rad=[0]", "--out", str(noisy)]
+    assert main(["run", "hover", *options]) == 2
+    assert files(noisy.parent) == before
+
+
+@pytest.mark.parametrize("name", ["thesis.tex", "summary.json"])
+def test_a_folder_of_your_own_is_left_alone(name, tmp_path, capsys):
+    """Even one with a file that is called like one of ours."""
+    out = tmp_path / "mine"
+    out.mkdir()
+    (out / name).write_text("precious")
+    assert main(["run", "hover", *TINY, "--out", str(out)]) == 2
+    assert f"{out} holds files" in capsys.readouterr().err
+    assert files(tmp_path) == {f"mine/{name}": b"precious"}
+
+
+@pytest.mark.parametrize("name", ["cost $x^$ and a_b, ü & <b>"])
+def test_a_name_is_a_name_whatever_it_holds(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("flight.yaml").write_text(yaml.safe_dump({"name": name, "settle_s": 0, "duration": 0.02}))
+    assert main(["run", "flight.yaml", "--quiet"]) == 0
+    (run,) = Path("runs").iterdir()
+    assert summary(run)["scenario"] == name
+
+
+# How it ends.
+
+
+def test_a_lost_flight_exits_1_and_is_written(tmp_path, capsys):
+    """Rotors that do not carry it: it falls."""
+    out = tmp_path / "run"
+    options = ["--set", "vehicle.rotor.max_thrust_n=2", "--set", "settle_s=0", "--duration", "2"]
+    assert main(["run", "hover", *options, "--out", str(out)]) == 1
+    figures = summary(out)
+    assert figures["exit_reason"] == "lost" and figures["simulated_s"] < 2
+    assert f"hover: lost ({figures['exit_cause']})" in capsys.readouterr().out
+    assert sorted(p.name for p in out.iterdir()) == FILES
+
+
+def test_an_interrupted_flight_exits_1_and_is_written(tmp_path, monkeypatch):
+    """Even one that never came to reference time 0."""
+    import tqdm
+
+    def interrupt(bar, step):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(tqdm.tqdm, "update", interrupt)
+    out = tmp_path / "run"
+    options = ["--duration", "9", "--set", "settle_s=9", "--quiet"]
+    assert main(["run", "hover", *options, "--out", str(out)]) == 1
+    figures = summary(out)
+    assert figures["exit_reason"] == "interrupted"
+    assert figures["simulated_s"] == pytest.approx(0.1)
+    assert figures["error"]["mean_m"] is None and sum(figures["modes"].values()) == 0
+    assert sorted(p.name for p in out.iterdir()) == FILES
+
+
+def test_a_second_interrupt_leaves_nothing(tmp_path, monkeypatch, capsys):
+    """While the figures are drawn, say."""
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("aerodrake.report.plot_tracking", interrupt)
+    try:
+        code = main(["run", "hover", *TINY, "--out", str(tmp_path / "run")])
+    except KeyboardInterrupt:  # pytest itself would stop.
+        pytest.fail("expected an exit code")
+    assert code == 130
+    assert list(tmp_path.iterdir()) == []
+    assert capsys.readouterr().err == "aerodrake: interrupted\n"
+
+
+# What it says of bad input.
+
+HEADER = "t,x,y,z\n"
+
+CONTENT = {
+    "good.yaml": "duration: 0.1\n",
+    "empty.yaml": "",
+    "comment.yaml": "# nothing\n",
+    "list.yaml": "- 3\n",
+    "text.yaml": "hello\n",
+    "binary.yaml": b"\x89PNG\r\n\x1a\n\x00\xff",
+    "broken.yaml": "mpc: [1,\n",
+    "tabs.yaml": "mpc:\n\thorizon: 3\n",
+    "unit.yaml": "duration: 10 s\n",
+    "nested.yaml": "vehicle: {rotor: {lag_s: 0.02}}\n",
+    "section.yaml": "mpc: 15\n",
+    "bare.yaml": "reference: clover\n",
+    "two_kinds.yaml": "reference: {kind: hover, lap_s: 24}\n",
+    "waypoints_without_file.yaml": "reference: {kind: waypoints}\n",
+    "empty.csv": "",
+    "header_only.csv": HEADER,
+    "one_row.csv": HEADER + "0,0,0.2,1.2\n",
+    "header.csv": "time,x,y,z\n0,0,0.2,1.2\n1,0,0.2,1.2\n",
+    "no_header.csv": "0,0,0.2,1.2\n1,0,0.2,1.2\n",
+    "repeated.csv": HEADER + "0,0,0.2,1.2\n1,0,0.2,1.2\n1,0,0.3,1.2\n",
+    "descending.csv": HEADER + "0,0,0.2,1.2\n2,0,0.2,1.2\n1,0,0.3,1.2\n",
+    "nan.csv": HEADER + "0,0,0.2,1.2\n1,nan,0.2,1.2\n",
+    "inf.csv": HEADER + "0,0,0.2,1.2\n1,0,inf,1.2\n",
+    "ragged.csv": HEADER + "0,0,0.2,1.2\n1,0,0.2\n",
+    "words.csv": HEADER + "0,0,0.2,1.2\n1,east,0.2,1.2\n",
+    "binary.csv": b"t,x,y,z\n\x00\xff\xfe\n",
+    "text.urdf": "hello\n",
+    "other.urdf": "<sdf/>\n",
+    "no_tool.urdf": '<robot name="x"><link name="base"/></robot>\n',
+    "robot.txt": "hello\n",
+    "pickle.pt": pickle.dumps({"run": print}),
+    "empty.pt": "",
+    "file": "",
+}  # fmt: skip
+
+
+def waypoints(file: str) -> list[str]:
+    return ["waypoints", "--set", f"reference.file={file}"]
+
+
+def robot(path: str) -> list[str]:
+    return ["hover", "--set", f"vehicle.robot={path}"]
+
+
+def checkpoint(path: str) -> list[str]:
+    return ["hover", "--set", "residual.mode=online", "--set", f"residual.checkpoint={path}"]
+
+
+def set_(*assignments: str) -> list[str]:
+    return ["hover", *(word for assignment in assignments for word in ("--set", assignment))]
+
+
+RUNS = {
+    "unknown_scenario": (["clovr"], "clovr: ", "did you mean 'clover'? (valid: clover, "),
+    "no_name": ([""], "no such scenario", "valid: clover"),
+    "missing_file": (["missing.yaml"], "missing.yaml: ", "No such file"),
+    "folder_as_file": (["./folder"], "folder: ", "Is a directory"),
+    "path_with_nul": (["a\0b.yaml"], "b.yaml: "),
+    "empty_file": (["empty.yaml"], "empty.yaml: expected a mapping", "empty"),
+    "comments_only": (["comment.yaml"], "comment.yaml: expected a mapping", "empty"),
+    "list_in_file": (["list.yaml"], "list.yaml: expected a mapping"),
+    "text_in_file": (["text.yaml"], "text.yaml: expected a mapping"),
+    "binary_file": (["binary.yaml"], "binary.yaml: expected "),
+    "broken_yaml": (["broken.yaml"], "broken.yaml: expected YAML; line 2"),
+    "tab_in_yaml": (["tabs.yaml"], "tabs.yaml: expected YAML; line 2"),
+    "unit_as_text": (["unit.yaml"], "unit.yaml: duration: expected a number in [0.02, 3600] s"),
+    "nested_unknown_key": (["nested.yaml"], "vehicle.rotor.lag_s: unknown key", "'lag_up_s'"),
+    "number_for_section": (["section.yaml"], "section.yaml: mpc: expected a mapping"),
+    "reference_without_kind": (["bare.yaml"], "bare.yaml: reference: ", "kind", "clover"),
+    "key_of_another_kind": (["two_kinds.yaml"], "reference.lap_s: unknown key"),
+    "unknown_key": (set_("sed=3"), "--set: sed: unknown key; did you mean 'seed'?"),
+    "unknown_section": (set_("mcp.horizon=3"), "--set: mcp: unknown section", "'mpc'"),
+    "into_a_number": (set_("duration.x=3"), "--set: duration: unknown section"),
+    "set_without_equals": (set_("duration"), "--set: expected dotted.key=value, got 'duration'"),
+    "set_without_key": (set_("=3"), "--set: expected dotted.key=value, got '=3'"),
+    "set_broken_yaml": (set_("mpc.k_e=[1"), "--set: expected YAML"),
+    "unknown_kind": (set_("reference.kind=clovr"), "--set: reference.kind: ", "'clover'"),
+    "unknown_choice": (set_("flight.interface=velocity"), "flight.interface: ", "trajectory"),
+    "nan": (set_("flight.max_tilt_rad=.nan"), "flight.max_tilt_rad: expected a number", "rad"),
+    "inf": (set_("flight.max_tilt_rad=.inf"), "flight.max_tilt_rad: expected a number", "rad"),
+    "negative": (set_("vehicle.rotor.lag_up_s=-1"), "vehicle.rotor.lag_up_s: ", "[0.001, 1] s"),
+    "out_of_range": (set_("mpc.horizon=1"), "mpc.horizon: ", "[2, 200] ticks, got 1"),
+    "half_a_tick": (set_("mpc.horizon=15.5"), "mpc.horizon: expected a whole number"),
+    "truth_for_number": (set_("mpc.horizon=true"), "mpc.horizon: expected a whole number"),
+    "list_length": (set_("mpc.k_e=[1, 2]"), "mpc.k_e: expected a list of 3 numbers in 1/s"),
+    "list_element": (set_("mpc.k_e=[1, x, 3]"), "mpc.k_e[1]: expected a number"),
+    "list_for_number": (set_("seed=[1]"), "seed: expected a whole number"),
+    "number_for_list": (set_("vehicle.working_rad=3"), "working_rad: expected a list"),
+    "joint_count": (set_("vehicle.working_rad=[0, 0]"), "vehicle.working_rad: expected 6 angles"),
+    "joint_limit": (
+        set_("vehicle.working_rad=[0, 3, 0, 0, 0, 0]"),
+        "vehicle.working_rad[1]: expected shoulder_pitch in [-1.571, 2.618] rad, got 3",
+    ),
+    "joint_weights": (set_("mpc.w_3_joints=[1, 2]"), "mpc.w_3_joints: expected 1 value, or 6"),
+    "no_joint_weights": (set_("mpc.w_2_joints=[]"), "mpc.w_2_joints: expected 1 value, or 6"),
+    "half_a_step": (set_("rates.arm_period_s=0.0055"), "rates.arm_period_s: ", "0.001 s"),
+    "mpc_between_samples": (set_("rates.mpc_period_s=0.025"), "rates.mpc_period_s: ", "0.01 s"),
+    "mpc_faster_than_flight": (
+        set_("rates.flight_period_s=0.04"), "rates.mpc_period_s: ", "rates.flight_period_s"
+    ),
+    "velocity_not_flown": (set_("flight.interface=position"), "model.kind: velocity_aware"),
+    "tilt_of_another_model": (set_("mpc.tilt=flatness"), "mpc.tilt: flatness expects model.kind"),
+    "rotor_limits": (set_("vehicle.rotor.min_thrust_n=30"), "vehicle.rotor.min_thrust_n: ", " N"),
+    "allocation_order": (set_("allocation.d_h_m=0.5"), "allocation.d_edge_m: ", "d_h_m (0.5 m)"),
+    "name_that_leaves": (set_("name=../../elsewhere"), " name: expected ", "elsewhere"),
+    "name_with_nul": (set_('name="a\\0b"'), " name: expected "),
+    "seed_negative": (["hover", "--seed", "-1"], "--seed: ", "[0, 2147483647], got -1"),
+    "seed_text": (["hover", "--seed", "one"], "--seed: ", "expected a whole number", "'one'"),
+    "seed_fraction": (["hover", "--seed", "1.5"], "--seed: ", "expected a whole number"),
+    "seed_nothing": (["hover", "--seed", ""], "--seed: ", "expected a whole number"),
+    "duration_zero": (["hover", "--duration", "0"], "--duration: ", "[0.02, 3600] s, got 0"),
+    "duration_nan": (["hover", "--duration", "nan"], "--duration: ", "[0.02, 3600] s"),
+    "duration_unit": (["hover", "--duration", "10 s"], "--duration: ", "[0.02, 3600] s"),
+    "robot_missing": (robot("missing.urdf"), "missing.urdf: ", "no such file"),
+    "robot_folder": (robot("folder"), "folder: ", "URDF"),
+    "robot_text": (robot("text.urdf"), "text.urdf: cannot be parsed"),
+    "robot_other_xml": (robot("other.urdf"), "other.urdf: cannot be parsed"),
+    "robot_other_ending": (robot("robot.txt"), "robot.txt: cannot be parsed"),
+    "robot_no_tool": (robot("no_tool.urdf"), "no_tool.urdf: expected a frame named 'tool'"),
+    "robot_other_package": (robot("package://other/x.urdf"), "package://other/x.urdf", "expected "),
+    "robot_no_package": (robot("package://"), "package://", "expected "),
+    "robot_leaves_package": (robot("package://aerodrake/../../../../../../../../etc/passwd"),
+                             "/etc/passwd", "inside the package"),
+    "robot_leaves_and_returns": (
+        robot("package://aerodrake/../aerodrake/robots/quadrotor_arm6.urdf"), "inside the package"
+    ),
+    "waypoints_no_file": (["waypoints_without_file.yaml"],
+                          "waypoints_without_file.yaml: reference.file: "),
+    "waypoints_missing": (waypoints("missing.csv"), "missing.csv: ", "no such file"),
+    "waypoints_folder": (waypoints("folder"), "folder: ", "no such file"),
+    "waypoints_nul": (waypoints('"a\\0b"'), "expected "),
+    "waypoints_empty": (waypoints("empty.csv"), "empty.csv: row 1: expected the header t,x,y,z"),
+    "waypoints_none": (waypoints("header_only.csv"), "header_only.csv: expected at least 2 rows"),
+    "waypoints_one": (waypoints("one_row.csv"), "one_row.csv: expected at least 2 rows"),
+    "waypoints_header": (waypoints("header.csv"), "header.csv: row 1: expected the header t,x,y,z"),
+    "waypoints_no_header": (waypoints("no_header.csv"), "no_header.csv: row 1: "),
+    "waypoints_repeated": (waypoints("repeated.csv"), "repeated.csv: row 4: ", "ascend"),
+    "waypoints_descending": (waypoints("descending.csv"), "descending.csv: row 4: ", "ascend"),
+    "waypoints_nan": (waypoints("nan.csv"), "nan.csv: row 3: expected x in [-1000, 1000] m"),
+    "waypoints_inf": (waypoints("inf.csv"), "inf.csv: row 3: expected y in [-1000, 1000] m"),
+    "waypoints_ragged": (waypoints("ragged.csv"), "ragged.csv: row 3: expected 4 cells, got 3"),
+    "waypoints_words": (waypoints("words.csv"), "words.csv: row 3: expected x", "'east'"),
+    "waypoints_binary": (waypoints("binary.csv"), "binary.csv: "),
+    "checkpoint_missing": (checkpoint("missing.pt"), "missing.pt: ", "No such file"),
+    "checkpoint_folder": (checkpoint("folder"), "folder: ", "Is a directory"),
+    "checkpoint_empty": (checkpoint("empty.pt"), "empty.pt: expected a checkpoint"),
+    "checkpoint_pickle": (checkpoint("pickle.pt"), "pickle.pt: expected a checkpoint"),
+    "checkpoint_nul": (checkpoint('"a\\0b"'), "expected "),
+    "out_file": (["hover", "--out", "file"], "--out: expected a folder, but file is a file"),
+    "out_below_file": (["hover", "--out", "file/run"], "--out: ", "file/run"),
+    "out_foreign": (["hover", "--out", "."], "--out: ", "holds files that are not of"),
+    "out_nowhere": (["hover", "--out", "/proc/run"], "--out: cannot write /proc/run"),
+    "out_nul": (["hover", "--out", "a\0b"], "--out: cannot write a"),
+}  # fmt: skip
+
+COMMANDS = {
+    "no_command": ([], "COMMAND"),
+    "unknown_command": (["fly"], "'fly'", "'run'"),
+    "no_scenario": (["run"], "scenario"),
+    "set_without_argument": (["run", "hover", "--set"], "--set"),
+    "unknown_option": (["run", "hover", "--sed", "3"], "--sed"),
+    "two_scenarios": (["run", "hover", "clover"], "clover"),
+    "unknown_graph": (["graph", "closed_lop"], "closed_lop", "did you mean 'closed_loop'?"),
+    "graph_into_file": (["graph", "mpc", "--out", "file"], "file: "),
+    "negative_depth": (["graph", "mpc", "--depth", "-1"], "--depth"),
+    "depth_in_words": (["graph", "mpc", "--depth", "two"], "--depth", "'two'"),
+}
+
+
+@pytest.fixture
+def content(tmp_path) -> Path:
+    for name, text in CONTENT.items():
+        (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
+    (tmp_path / "folder").mkdir()
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        *(pytest.param(["run", *argv], said, id=name) for name, (argv, *said) in RUNS.items()),
+        *(pytest.param(argv, said, id=name) for name, (argv, *said) in COMMANDS.items()),
+    ],
+)
+def test_bad_input_is_answered_in_one_line(content, monkeypatch, capfd, argv, said):
+    monkeypatch.chdir(content)
+    try:
+        code = main(argv)
+    except SystemExit as exit:
+        code = exit.code
+    out, err = capfd.readouterr()
+    assert code == 2
+    assert err.startswith("aerodrake") and err.endswith("\n")
+    assert len(err.splitlines()) == 1 and "Traceback" not in err and "[Errno" not in err
+    for part in said:
+        assert part in err
+    assert set(os.listdir()) == {*CONTENT, "folder"}
+
+
+@pytest.mark.parametrize("last", [[], ["--duration", "5"], ["--seed", "1"]])
+def test_contradictions_are_not_blamed_on_what_was_typed_last(last, capsys):
+    assert main(["run", "hover", "--set", "flight.interface=position", *last]) == 2
+    err = capsys.readouterr().err
+    assert "model.kind: velocity_aware" in err
+    assert not any(err.startswith(f"aerodrake: {option}:") for option in ("--duration", "--seed"))
+
+
+# As a process.
+
+
+def run(*argv: str, **options) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "aerodrake", *argv]
+    return subprocess.run(command, capture_output=True, text=True, timeout=100, **options)
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        (["run", "clovr"], "did you mean 'clover'?"),
+        (["run", "hover", "--set", "mpc.horizon=x"], "mpc.horizon: expected a whole number"),
+    ],
+)
+def test_bad_input_to_the_process(argv, said, tmp_path):
+    done = run(*argv, cwd=tmp_path)
+    assert done.returncode == 2 and done.stdout == ""
+    assert said in done.stderr and len(done.stderr.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_quiet_process_says_nothing_at_all(tmp_path):
+    """Not even what Drake has to say."""
+    done = run("run", "hover", *TINY, "--out", "run", cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert sorted(os.listdir(tmp_path / "run")) == FILES
+
+
+@pytest.mark.parametrize(
+    "argv", [["--help"], ["run", "--help"], ["graph", "--help"], ["--version"], ["fly"]]
+)
+def test_help_needs_neither_drake_nor_torch(argv):
+    code = (
+        "import sys\n"
+        "from aerodrake.cli import main\n"
+        "try: main(sys.argv[1:])\n"
+        "except SystemExit: pass\n"
+        "heavy = {'torch', 'pydrake', 'matplotlib', 'numpy', 'scipy'} & set(sys.modules)\n"
+        "sys.exit(f'imported {heavy}' if heavy else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, *argv], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_version_and_help(capsys):
+    for argv, said in (
+        (["--version"], f"aerodrake {version('aerodrake')}\n"),
+        (["--help"], "fly a scenario"),
+        (["run", "--help"], "--set KEY=VALUE"),
+        (["graph", "--help"], "closed_loop, station, coordinator or a system"),
+    ):
+        with pytest.raises(SystemExit, match="0"):
+            main(argv)
+        assert said in capsys.readouterr().out
+
+
+def test_graph_writes_what_it_says(tmp_path, capsys):
+    assert main(["graph", "coordinator", "--out", str(tmp_path / "graphs")]) == 0
+    said = sorted(Path(line) for line in capsys.readouterr().out.splitlines())
+    assert said == sorted((tmp_path / "graphs").iterdir())
+    assert {"coordinator.dot", "coordinator.mmd"} <= {path.name for path in said}

@@ -1,0 +1,102 @@
+"""What is logged: names, widths, units, and the file."""
+
+import re
+
+import numpy as np
+import pytest
+
+from aerodrake.flight_log import DERIVED, PORTS, FlightLog, split_port
+from aerodrake.scenario import Mpc, Scenario
+from aerodrake.station import make_closed_loop
+
+KEYS = [key for parts in PORTS.values() for key, _ in parts]
+
+DIMENSIONLESS = {
+    "quaternion", "measured_quaternion", "gamma", "mode", "w_q", "w_m", "w_d",
+    "qp_status", "qp_iterations",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("horizon", [3, 15])
+def test_parts_cover_their_ports_exactly(vehicle, horizon):
+    closed_loop = make_closed_loop(Scenario(mpc=Mpc(horizon=horizon)))
+    sizes = {"1": 1, "3": 3, "4": 4, "n": vehicle.joints, "k": len(vehicle.rotors.names),
+             "3(N+1)": 3 * (horizon + 1)}  # fmt: skip
+    for port, parts in PORTS.items():
+        size = closed_loop.GetOutputPort(port).size()
+        assert sum(sizes[width] for _, width in parts) == size, port
+        split = split_port(port, np.arange(2 * size, dtype=float).reshape(2, size))
+        assert list(split) == [key for key, _ in parts]
+        for key, width in parts:
+            expected = (2,) if width == "1" else (2, sizes[width])
+            assert split[key].shape == expected, key
+        columns = [part[:, None] if part.ndim == 1 else part for part in split.values()]
+        np.testing.assert_array_equal(np.hstack(columns)[0], np.arange(size))
+
+
+def test_every_vector_of_the_closed_loop_is_logged(vehicle):
+    closed_loop = make_closed_loop(Scenario())
+    ports = {
+        port.get_name()
+        for port in map(closed_loop.get_output_port, range(closed_loop.num_output_ports()))
+        if port.size()
+    }
+    assert ports == {*PORTS, "u"}  # u stands in the setpoints, as a_d and qddot_d.
+
+
+def test_names_are_unique():
+    assert len(KEYS) == len(set(KEYS))
+    assert not set(KEYS) & set(DERIVED)
+
+
+@pytest.mark.parametrize("key", [*KEYS, *DERIVED])
+def test_names_carry_units(key):
+    assert key in DIMENSIONLESS or re.search(r"_(s|ms|m|n|rad|m_s2?|rad_s2?|n_m)$", key)
+
+
+def test_a_flight_has_all_of_them_and_no_other(short_flight):
+    _, log = short_flight
+    assert set(log.signals) == {*KEYS, *DERIVED}
+    assert [key for key in log.signals if key.endswith("_ms")] == ["tick_ms"]
+
+
+def test_parts_are_where_they_belong(short_flight, vehicle):
+    """In a flight that begins in trim."""
+    _, log = short_flight
+    np.testing.assert_allclose(log["quaternion"][0], [1, 0, 0, 0])
+    np.testing.assert_allclose(log["p_B_m"][0], vehicle.p_B)
+    np.testing.assert_allclose(log["q_rad"][0], vehicle.working)
+    np.testing.assert_allclose(log["p_E_m"][0], [0, 0.2, 1.2], atol=1e-6)
+    np.testing.assert_allclose(log["p_Bd_m"][0], vehicle.p_B)
+    np.testing.assert_allclose(log["q_d_rad"][0], vehicle.working)
+    np.testing.assert_allclose(log["joint_torque_n_m"][0], vehicle.trim_torque)
+    assert log["thrust_n"][0].sum() == pytest.approx(vehicle.mass * 9.81)
+    assert log["v_Ed_m_s"].any() and not log["v_Ed_m_s"][:11].any()
+    # Velocities are the derivatives of what they are called after.
+    for position, velocity in (("p_B_m", "v_B_m_s"), ("q_rad", "qdot_rad_s"),
+                               ("p_Bd_m", "v_Bd_m_s"), ("p_Ed_m", "v_Ed_m_s")):  # fmt: skip
+        slope = np.gradient(log[position], log.time_s, axis=0)
+        np.testing.assert_allclose(slope[2:-2], log[velocity][2:-2], atol=2e-2, err_msg=velocity)
+
+
+def test_errors_are_distances():
+    signals = {
+        "time_s": np.array([0.0, 1.0]),
+        "p_E_m": np.array([[3.0, 4.0, 1.0], [1.0, 2.0, 2.0]]),
+        "p_Ed_m": np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]),
+        "p_B_m": np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0]]),
+        "p_Bd_m": np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
+    }
+    log = FlightLog(signals, "completed", "", 1.0)
+    assert list(log.error_m) == [5, 3] and list(log.base_error_m) == [0, 2]
+    assert log.time_s is signals["time_s"]
+
+
+def test_saved_and_read_without_pickle(short_flight, tmp_path):
+    _, log = short_flight
+    log.save(tmp_path / "log.npz")
+    with np.load(tmp_path / "log.npz", allow_pickle=False) as read:
+        assert list(read) == list(log.signals)
+        for key in read:
+            assert read[key].dtype == log[key].dtype
+            np.testing.assert_array_equal(read[key], log[key])

@@ -1,0 +1,84 @@
+"""The recording of a flight that plays in a browser, offline."""
+
+import base64
+import re
+
+import numpy as np
+import pytest
+
+from aerodrake.flight_log import FlightLog
+from aerodrake.replay import write_replay
+
+
+@pytest.fixture(scope="module")
+def page(short_flight, tmp_path_factory) -> str:
+    scenario, log = short_flight
+    path = tmp_path_factory.mktemp("replay") / "replay.html"
+    write_replay(log, scenario.vehicle.robot, path)
+    return path.read_text(encoding="utf-8")
+
+
+def messages(page: str) -> bytes:
+    """What the page tells its viewer, as it was recorded."""
+    found = re.findall(r"base64,([A-Za-z0-9+/=]+)", page)
+    return b"".join(base64.b64decode(message) for message in found)
+
+
+def test_it_is_a_page(page):
+    assert page.lstrip().lower().startswith("<!doctype html>")
+    assert page.rstrip().endswith("</html>")
+
+
+def test_it_needs_nothing_from_anywhere(page):
+    tags = re.findall(r"<(?:script|link|img|iframe)\b[^>]*>", page)
+    assert tags
+    for tag in tags:
+        assert not re.search(r"(?:src|href)\s*=\s*[\"']?(?:https?:)?//", tag), tag
+        assert "src=" not in tag or 'src="data:' in tag, tag
+
+
+def test_it_has_the_vehicle_its_reference_and_its_trace(page):
+    said = messages(page)
+    for name in (b"/paths/reference", b"/paths/end_effector", b"visualizer"):
+        assert name in said
+    for body in (b"base", b"tool"):
+        assert body in said
+
+
+def test_it_has_the_motion(page):
+    """Keyframes of the recording: 30 a second, of reference time alone."""
+    said = messages(page)
+    assert b"set_animation" in said or b"animations" in said
+
+
+def test_the_same_flight_gives_the_same_bytes(page, short_flight, tmp_path):
+    scenario, log = short_flight
+    write_replay(log, scenario.vehicle.robot, tmp_path / "again.html")
+    assert (tmp_path / "again.html").read_text(encoding="utf-8") == page
+
+
+@pytest.mark.parametrize("samples", [1, 12])
+@pytest.mark.filterwarnings("error")
+def test_flights_that_ended_early_are_shown(samples, short_flight, tmp_path):
+    """Before and just after reference time 0 (sample 11)."""
+    scenario, log = short_flight
+    signals = {key: rows[:samples] for key, rows in log.signals.items()}
+    early = FlightLog(signals, "interrupted", "", 1.0)
+    write_replay(early, scenario.vehicle.robot, tmp_path / "early.html")
+    assert b"/paths/end_effector" in messages((tmp_path / "early.html").read_text())
+
+
+def test_a_flight_that_was_lost_to_numbers_is_shown_up_to_there(short_flight, tmp_path):
+    scenario, log = short_flight
+    signals = {key: rows.copy() for key, rows in log.signals.items()}
+    for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
+        signals[key][-1] = np.nan
+    lost = FlightLog(signals, "lost", "the state is not finite", 1.0)
+    write_replay(lost, scenario.vehicle.robot, tmp_path / "lost.html")
+    assert (tmp_path / "lost.html").stat().st_size > 100_000
+
+
+def test_it_says_nothing(short_flight, tmp_path, capfd):
+    scenario, log = short_flight
+    write_replay(log, scenario.vehicle.robot, tmp_path / "quiet.html")
+    assert capfd.readouterr() == ("", "")

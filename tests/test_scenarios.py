@@ -1,0 +1,115 @@
+"""The packaged scenarios: all of them fly, and the best ones fly as well as we say."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+
+import aerodrake
+from aerodrake.scenario_file import load_scenario, packaged_scenarios
+from aerodrake.simulate import Flight
+from aerodrake.summary import summarize
+
+PACKAGE = Path(aerodrake.__file__).parent
+
+
+def fly(name: str, **changes):
+    """The scenario, its log and its figures."""
+    scenario = replace(load_scenario(name), **changes)
+    log = Flight(scenario).fly()
+    return scenario, log, summarize(scenario, log)
+
+
+def end_effector(log) -> np.ndarray:
+    """(T, 3) m, by Drake's forward kinematics of the floating robot, beside our own."""
+    plant = MultibodyPlant(0.0)
+    parser = Parser(plant)
+    parser.package_map().AddPackageXml(str(PACKAGE / "package.xml"))
+    parser.AddModels(str(PACKAGE / "robots" / "quadrotor_arm6.urdf"))
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    tool = plant.GetFrameByName("tool")
+    places = []
+    for q in np.hstack([log["quaternion"], log["p_B_m"], log["q_rad"]]):
+        plant.SetPositions(context, q)
+        places.append(tool.CalcPoseInWorld(context).translation())
+    return np.array(places)
+
+
+def assert_figures(log, figures, p_Ed, lap=None):
+    """The figures agree with errors from forward kinematics and the reference by its formula."""
+    error = np.linalg.norm(end_effector(log) - p_Ed, axis=1)
+    t = log.time_s
+    flown = error[t > -1e-9]
+    expected = {
+        "mean_m": flown.mean(),
+        "rms_m": np.sqrt((flown**2).mean()),
+        "max_m": flown.max(),
+        "settled_mean_m": error[t > 15 - 1e-9].mean(),
+        "lap_mean_m": error[(t > lap[0] - 1e-9) & (t < lap[1] + 1e-9)].mean() if lap else None,
+    }
+    for key, value in expected.items():
+        assert figures["error"][key] == pytest.approx(value, abs=1e-7), key
+
+
+def clover(t: np.ndarray) -> np.ndarray:
+    """(T, 3) m: 0.5 m, 24 s a lap; after 3 s of smooth start the angle is 1.5 s behind."""
+    x = np.clip(t / 3, 0, 1)
+    theta = 2 * np.pi / 24 * (np.where(t < 3, 3 * (x**3 - x**4 / 2), t - 1.5))
+    r = 0.5 * np.cos(2 * theta)
+    offset = np.stack([r * np.cos(theta) - 0.5, r * np.sin(theta), 0 * t], axis=1)
+    return np.array([0.0, 0.2, 1.2]) + offset
+
+
+@pytest.mark.parametrize("name", packaged_scenarios())
+def test_every_scenario_flies(name):
+    scenario, log, figures = fly(name, duration=0.2, settle_s=0.0)
+    assert figures["scenario"] == scenario.name == name
+    assert figures["exit_reason"] == "completed"
+    assert figures["mpc"]["solver_fallbacks"] == 0
+    assert all(np.isfinite(log[key]).all() for key in log.signals)
+    far = name.startswith("moving_target")
+    assert (figures["error"]["max_m"] > 1.0) == far
+    if not far:
+        assert figures["error"]["max_m"] < 0.01
+
+
+def test_every_scenario_says_what_it_is_for():
+    for path in packaged_scenarios().values():
+        assert path.read_text().startswith("# ")
+
+
+def test_clover():
+    scenario, log, figures = fly("clover")
+    assert figures["exit_reason"] == "completed"
+    assert figures["simulated_s"] == pytest.approx(scenario.settle_s + 30)
+    assert figures["error"]["lap_mean_m"] <= 0.004
+    assert figures["error"]["max_m"] <= 0.012
+    assert figures["mpc"]["solver_fallbacks"] == 0
+    assert_figures(log, figures, clover(log.time_s), lap=(3, 27))
+
+
+def test_moving_target():
+    _, log, figures = fly("moving_target")
+    assert figures["exit_reason"] == "completed"
+    assert figures["error"]["approach_s"] <= 5
+    assert figures["error"]["settled_mean_m"] <= 0.004
+    mode = log["mode"][log.time_s >= 0].astype(int)
+    assert mode[0] == 0 and mode[-1] == 1  # flight, coordinated
+    assert figures["modes"]["flight"] > 0.5 and figures["modes"]["coordinated"] > 20
+    moved = np.outer(np.maximum(log.time_s, 0), [0, 0.05, 0])
+    assert_figures(log, figures, np.array([0, 1.4, 0.6]) + moved)
+
+
+def test_clover_with_the_papers_method():
+    scenario, log, figures = fly("clover_paper")
+    assert figures["exit_reason"] == "completed"
+    assert scenario.flight.interface == "position" and scenario.model.kind == "paper"
+    assert figures["error"]["max_m"] < 0.1
+    assert figures["error"]["lap_mean_m"] < 0.03  # The paper's integral model has 30.2 mm.
+    network = figures["residual"]["prediction_rmse_m_s"]
+    assert network["with_network"] < network["without_network"]
+    assert_figures(log, figures, clover(log.time_s), lap=(3, 27))
