@@ -116,18 +116,19 @@ def to_mermaid(system: System, depth: int) -> str:
 
 
 def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
-    """Writes `NAME.dot` and `NAME.mmd`, and `NAME.svg` where Graphviz is there.
+    """Writes `NAME.dot` and `NAME.mmd`; and `NAME.svg` and `.png` where Graphviz is there.
 
     Returns:
         The paths written.
     """
     dot = to_dot(system, depth)
-    texts = {"dot": dot, "mmd": to_mermaid(system, depth), "svg": _to_svg(dot)}
+    contents = {"dot": dot.encode(), "mmd": to_mermaid(system, depth).encode()}
+    contents |= {suffix: _drawn(dot, suffix) for suffix in ("svg", "png")}
     written = []
-    for suffix, text in texts.items():
-        if text:
+    for suffix, content in contents.items():
+        if content:
             written.append(folder / f"{name}.{suffix}")
-            written[-1].write_text(text, encoding="utf-8")
+            written[-1].write_bytes(content)
     return written
 
 
@@ -158,22 +159,21 @@ def export_all(closed_loop: Diagram, names: Iterable[str], folder: Path, depth: 
         raise BadInput(folder, "", f"cannot be written: {error.strerror}") from None
 
 
-def _to_svg(dot: str) -> str:
+def _drawn(dot: str, suffix: str) -> bytes:
     """Graphviz's drawing; empty where Graphviz is missing or fails."""
     command = shutil.which("dot")
     if command is None:
-        return ""
+        return b""
     try:
         return subprocess.run(
-            [command, "-Tsvg"],
-            input=dot,
+            [command, f"-T{suffix}"],
+            input=dot.encode(),
             capture_output=True,
             check=True,
-            encoding="utf-8",
             timeout=DOT_TIMEOUT_S,
         ).stdout
     except (OSError, subprocess.SubprocessError):
-        return ""
+        return b""
 
 
 def _boxes(system: System, depth: int) -> Iterator[str]:
