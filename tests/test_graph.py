@@ -194,28 +194,29 @@ def test_export_without_graphviz(closed_loop, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("script", "svg"),
+    ("script", "drawings"),
     [
-        ("echo '<svg/>'", ["small.svg"]),
+        ("echo '<svg/>'", ["small.svg", "small.png"]),
         ("echo '<svg'; exit 1", []),
         ("while :; do :; done", []),
     ],
 )
-def test_export_with_a_graphviz_that_works_fails_or_hangs(script, svg, tmp_path, monkeypatch):
+def test_export_with_a_graphviz_that_works_fails_or_hangs(script, drawings, tmp_path, monkeypatch):
     (tmp_path / "dot").write_text(f"#!/bin/sh\n{script}\n")
     (tmp_path / "dot").chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path))
-    if not svg:
+    if not drawings:
         monkeypatch.setattr(graph, "DOT_TIMEOUT_S", 0.5)
     written = export("small", make_small(), tmp_path, 1)
-    assert [path.name for path in written] == ["small.dot", "small.mmd", *svg]
+    assert [path.name for path in written] == ["small.dot", "small.mmd", *drawings]
 
 
 @pytest.mark.skipif(shutil.which("dot") is None, reason="needs Graphviz")
 def test_graphviz_reads_what_is_written(closed_loop, tmp_path):
-    *_, svg = export("closed_loop", closed_loop, tmp_path, DEPTH)
-    assert svg.name == "closed_loop.svg"
+    *_, svg, png = export("closed_loop", closed_loop, tmp_path, DEPTH)
+    assert (svg.name, png.name) == ("closed_loop.svg", "closed_loop.png")
     assert "setpoint_integrator" in svg.read_text()
+    assert png.read_bytes().startswith(b"\x89PNG")
 
 
 def test_committed_graphs_are_up_to_date(systems):
