@@ -14,6 +14,7 @@ from aerodrake.model.weight_allocation import Mode
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 
 PAPER = {
     "clover": {"lap_mean_m": 0.0122},
@@ -131,7 +132,10 @@ def _paths(axes: Any, log: FlightLog) -> None:
     axes.plot(*log["p_E_m"][flown].T, color=ACCENT, label="end-effector")
     axes.plot(*log["p_B_m"][flown].T, color=AXIS_COLORS[2], alpha=0.7, label="base")
     axes.set(xlabel="x / m", ylabel="y / m", zlabel="z / m")
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        _widen(axis, 0.5)
     axes.set_aspect("equal")
+    axes.locator_params(nbins=5)
     axes.legend(loc="upper left")
 
 
@@ -140,6 +144,7 @@ def _axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
         log.time_s, log["p_Ed_m"][:, axis], color=REFERENCE, linestyle="--", label="reference"
     )
     axes.plot(log.time_s, log["p_E_m"][:, axis], color=ACCENT, label="end-effector")
+    _widen(axes.yaxis, 0.005)
     axes.set_ylabel(f"{name} / m")
     if axis == 0:
         axes.legend(loc="best", ncols=2)
@@ -168,7 +173,8 @@ def _allocation(axes: Axes, log: FlightLog) -> None:
         kind = Mode(mode[start])
         axes.axvspan(log.time_s[start], log.time_s[end], color=MODE_COLORS[kind], linewidth=0)
     for kind in sorted(set(mode)):
-        axes.fill_between([], [], color=MODE_COLORS[Mode(kind)], label=Mode(kind).label)
+        color = MODE_COLORS[Mode(kind)]
+        axes.fill_between([], [], facecolor=color, edgecolor=INK, label=Mode(kind).label)
     axes.plot(log.time_s, log["gamma"], color=INK)
     axes.set_ylim(-1.05, 1.05)
     axes.set_ylabel("gamma, mode")
@@ -186,6 +192,7 @@ def _base(axes: Axes, log: FlightLog) -> None:
     for axis, (name, color) in enumerate(zip("xyz", AXIS_COLORS, strict=True)):
         moved = log["p_B_m"][:, axis] - log["p_B_m"][0, axis]
         axes.plot(log.time_s, moved, color=color, label=name)
+    _widen(axes.yaxis, 0.01)
     axes.set_ylabel("base moved / m")
     axes.legend(loc="best", ncols=3)
 
@@ -194,8 +201,17 @@ def _series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) -> N
     rows = convert(log[key])
     for joint, color in enumerate(plt.get_cmap("viridis")(np.linspace(0, 0.9, rows.shape[1]))):
         axes.plot(log.time_s, rows[:, joint], color=color, label=f"q_{joint + 1}")
+    _widen(axes.yaxis, 1.0)
     axes.set_ylabel(label)
     axes.legend(loc="best", ncols=3)
+
+
+def _widen(axis: Axis, span: float) -> None:
+    """Makes an axis show at least `span`, lest rounding errors look like motion."""
+    low, high = axis.get_view_interval()
+    if high - low < span:
+        middle = (low + high) / 2
+        axis.set_view_interval(middle - span / 2, middle + span / 2, ignore=True)
 
 
 def _mm(value: float | None) -> str:
