@@ -8,14 +8,17 @@ from pathlib import Path
 import numpy as np
 from pydrake.geometry import Meshcat, MeshcatParams, MeshcatVisualizer, Rgba, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.perception import PointCloud
 from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.model.vehicle import add_ground, add_robot
 
 FRAMES_PER_S = 30.0
-VIEW_FROM_M = np.array([1.1, 1.7, 0.3])
-REFERENCE_COLOR = Rgba(0.53, 0.56, 0.59, 1.0)
+VIEW_FROM_M = np.array([0.85, 1.3, 0.3])
+DOT_SPACING_M = 0.02
+DOT_SIZE_M = 0.008
+REFERENCE_COLOR = Rgba(0.12, 0.16, 0.2, 1.0)
 TRACE_COLOR = Rgba(0.91, 0.35, 0.05, 1.0)
 
 
@@ -49,8 +52,9 @@ def write_replay(log: FlightLog, robot: str, path: Path) -> None:
     finite = np.isfinite(positions).all(axis=1)
     end = log.time_s[finite][-1]
     flown = np.flatnonzero(finite & (log.time_s >= min(0.0, end)))
-    _draw_path(meshcat, "reference", log["p_Ed_m"][flown], REFERENCE_COLOR, 2.0)
-    _draw_path(meshcat, "end_effector", log["p_E_m"][flown], TRACE_COLOR, 3.0)
+    meshcat.SetProperty("/Axes", "visible", False)
+    _draw_reference(meshcat, log["p_Ed_m"][flown])
+    meshcat.SetLine("/paths/end_effector", log["p_E_m"][flown].T, line_width=3.0, rgba=TRACE_COLOR)
     middle = log["p_B_m"][flown].mean(axis=0)
     meshcat.SetCameraPose(middle + VIEW_FROM_M, middle)
 
@@ -76,5 +80,10 @@ def _silent_meshcat() -> Meshcat:
         logger.setLevel(level)
 
 
-def _draw_path(meshcat: Meshcat, name: str, points: np.ndarray, color: Rgba, width: float) -> None:
-    meshcat.SetLine(f"/paths/{name}", points.T, line_width=width, rgba=color)
+def _draw_reference(meshcat: Meshcat, points: np.ndarray) -> None:
+    """Dots along the path, which a trace on top of them leaves visible."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    dots = np.searchsorted(along, np.arange(0.0, along[-1] + 1e-9, DOT_SPACING_M))
+    cloud = PointCloud(len(dots))
+    cloud.mutable_xyzs()[:] = points[dots].T
+    meshcat.SetObject("/paths/reference", cloud, point_size=DOT_SIZE_M, rgba=REFERENCE_COLOR)
