@@ -38,6 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from aerodrake.scenario_file import load_scenario, save_scenario
+    from aerodrake.scenario_rules import warnings
 
     scenario = load_scenario(arguments.scenario, _overrides(arguments))
     target = arguments.out or _new_folder(scenario.name)
@@ -49,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     from aerodrake.summary import summarize, to_json
 
     say = (lambda line: None) if arguments.quiet else print
-    for warning in scenario.warnings():
+    for warning in warnings(scenario):
         say(f"note: {warning}")
     flight = Flight(scenario)
     with run_folder(target) as folder:
@@ -103,7 +104,12 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("run", help="fly a scenario", description=run.__doc__)
     command.add_argument("scenario", help="a packaged name, or the path of a YAML file")
-    command.add_argument("--out", type=Path, metavar="DIR", help="default: runs/SCENARIO-TIME")
+    command.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="default: runs/SCENARIO-TIME; an earlier run there is replaced as a whole",
+    )
     command.add_argument("--seed", metavar="N", help="overrides the scenario's seed")
     command.add_argument("--duration", metavar="S", help="reference time to fly, in s")
     command.add_argument(

@@ -5,16 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
+from matplotlib import colormaps, rc_context
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.model.weight_allocation import Mode
-
-matplotlib.use("Agg")
-from matplotlib import pyplot as plt
-from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 
 PAPER = {
     "clover": {"lap_mean_m": 0.0122},
@@ -28,7 +26,8 @@ MODE_COLORS = {
     Mode.HOVER: "#f2f0f7",
     Mode.ADJUSTMENT: "#fdd0a2",
 }
-INK, ACCENT, REFERENCE = "#1f2933", "#e8590c", "#868e96"
+INK, ACCENT = "#1f2933", "#e8590c"
+REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 4))}
 AXIS_COLORS = ("#c92a2a", "#2b8a3e", "#1864ab")
 
 
@@ -87,7 +86,7 @@ def table(summary: dict[str, Any], kind: str) -> str:
 
 def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
     """Writes the figure of one flight: paths, errors, allocation, base and joints."""
-    with plt.rc_context(
+    with rc_context(
         {
             "axes.edgecolor": "#adb5bd",
             "axes.grid": True,
@@ -99,7 +98,7 @@ def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
             "lines.linewidth": 1.2,
         }
     ):
-        figure = plt.figure(figsize=(13, 14), layout="constrained")
+        figure = Figure(figsize=(13, 14), layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         grid = figure.add_gridspec(6, 2, width_ratios=[1.15, 1])
         _paths(figure.add_subplot(grid[:3, 0], projection="3d"), log)
@@ -123,13 +122,12 @@ def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
             axes.set_xlabel("reference time / s")
         # No version or date inside: the same flight gives the same bytes.
         figure.savefig(path, dpi=120, metadata={"Software": None})
-        plt.close(figure)
 
 
 def _paths(axes: Any, log: FlightLog) -> None:
     flown = log.time_s >= 0
-    axes.plot(*log["p_Ed_m"][flown].T, color=REFERENCE, linestyle="--", label="reference")
-    axes.plot(*log["p_E_m"][flown].T, color=ACCENT, label="end-effector")
+    axes.plot(*log["p_E_m"][flown].T, color=ACCENT, linewidth=2.2, label="end-effector")
+    axes.plot(*log["p_Ed_m"][flown].T, **REFERENCE, label="reference")
     axes.plot(*log["p_B_m"][flown].T, color=AXIS_COLORS[2], alpha=0.7, label="base")
     axes.set(xlabel="x / m", ylabel="y / m", zlabel="z / m")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
@@ -140,11 +138,9 @@ def _paths(axes: Any, log: FlightLog) -> None:
 
 
 def _axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
-    axes.plot(
-        log.time_s, log["p_Ed_m"][:, axis], color=REFERENCE, linestyle="--", label="reference"
-    )
-    axes.plot(log.time_s, log["p_E_m"][:, axis], color=ACCENT, label="end-effector")
-    _widen(axes.yaxis, 0.005)
+    axes.plot(log.time_s, log["p_E_m"][:, axis], color=ACCENT, linewidth=2.2, label="end-effector")
+    axes.plot(log.time_s, log["p_Ed_m"][:, axis], **REFERENCE, label="reference")
+    _widen(axes.yaxis, 0.02)
     axes.set_ylabel(f"{name} / m")
     if axis == 0:
         axes.legend(loc="best", ncols=2)
@@ -199,7 +195,7 @@ def _base(axes: Axes, log: FlightLog) -> None:
 
 def _series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) -> None:
     rows = convert(log[key])
-    for joint, color in enumerate(plt.get_cmap("viridis")(np.linspace(0, 0.9, rows.shape[1]))):
+    for joint, color in enumerate(colormaps["viridis"](np.linspace(0, 0.9, rows.shape[1]))):
         axes.plot(log.time_s, rows[:, joint], color=color, label=f"q_{joint + 1}")
     _widen(axes.yaxis, 1.0)
     axes.set_ylabel(label)

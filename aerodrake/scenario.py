@@ -11,7 +11,6 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from aerodrake.errors import BadInput
 from aerodrake.schema import choice, file, provenance, quantity
 
 
@@ -242,78 +241,3 @@ class Scenario:
     allocation: Allocation = Allocation()
     # The file this was read from, for messages.
     source: str = provenance()
-
-    def check(self, source: object) -> None:
-        """Checks what no single key can tell.
-
-        Args:
-            source: Named in errors: the file or option that was read last.
-
-        Raises:
-            BadInput: where keys contradict each other.
-        """
-        for field in dataclasses.fields(self.rates):
-            self._check_period(source, f"rates.{field.name}", getattr(self.rates, field.name))
-        for key in ("sensor_period_s", "flight_period_s"):
-            ticks = self.rates.mpc_period_s / getattr(self.rates, key)
-            if abs(ticks - round(ticks)) > 1e-6:
-                raise BadInput(
-                    source,
-                    "rates.mpc_period_s",
-                    f"expected a multiple of rates.{key} ({getattr(self.rates, key):g} s), "
-                    f"got {self.rates.mpc_period_s:g} s",
-                )
-        if any(sign in self.name for sign in "/\\") or self.name.startswith("."):
-            raise BadInput(
-                source, "name", f"expected a name that can be a folder's, got '{self.name}'"
-            )
-        if isinstance(self.reference, Waypoints) and not self.reference.file:
-            raise BadInput(source, "reference.file", "expected the path of a CSV file t,x,y,z")
-        if self.vehicle.rotor.min_thrust_n >= self.vehicle.rotor.max_thrust_n:
-            raise BadInput(
-                source,
-                "vehicle.rotor.min_thrust_n",
-                f"expected less than max_thrust_n ({self.vehicle.rotor.max_thrust_n:g} N), "
-                f"got {self.vehicle.rotor.min_thrust_n:g} N",
-            )
-        if self.model.kind == "velocity_aware" and self.flight.interface != "trajectory":
-            raise BadInput(
-                source,
-                "model.kind",
-                "velocity_aware expects flight.interface trajectory, since a base that is "
-                f"not told v_d cannot follow it; got '{self.flight.interface}'",
-            )
-        if self.model.kind not in ("paper", "exact") and self.mpc.tilt == "flatness":
-            raise BadInput(
-                source,
-                "mpc.tilt",
-                "flatness expects model.kind paper or exact, whose base velocity is smooth; "
-                f"got '{self.model.kind}'",
-            )
-        allocation = self.allocation
-        for key, low, high in (
-            ("d_edge_m", allocation.d_h_m, allocation.d_edge_m),
-            ("d_f_m", allocation.d_h_m, allocation.d_f_m),
-        ):
-            if high <= low:
-                message = f"expected more than d_h_m ({low:g} m), got {high:g} m"
-                raise BadInput(source, f"allocation.{key}", message)
-
-    def _check_period(self, source: object, key: str, period: float) -> None:
-        step = self.rates.plant_step_s
-        if abs(period / step - round(period / step)) > 1e-6:
-            raise BadInput(
-                source,
-                key,
-                f"expected a multiple of rates.plant_step_s ({step:g} s), got {period:g} s",
-            )
-
-    def warnings(self) -> list[str]:
-        """What is valid and flown as asked, but should be known."""
-        half_height = self.allocation.learning_space_m[2] / 2
-        if self.allocation.d_h_m > half_height:
-            return [
-                f"allocation.d_h_m ({self.allocation.d_h_m:g} m) reaches out of the learning "
-                f"space, whose half height is {half_height:g} m"
-            ]
-        return []

@@ -15,6 +15,7 @@ from pydrake.common.yaml import yaml_dump, yaml_load_data
 
 from aerodrake.errors import BadInput, nearest
 from aerodrake.scenario import Scenario
+from aerodrake.scenario_rules import check
 from aerodrake.schema import as_mapping, build, map_files
 
 MAX_FILE_BYTES = 100_000
@@ -54,9 +55,9 @@ def load_scenario(name_or_path: str, overrides: Iterable[tuple[str, str]] = ()) 
     source = str(path)
     for option, assignment in overrides:
         scenario = _override(scenario, option, assignment)
-        source += f" {option} {assignment}"
+        source += f" {option} {assignment.removeprefix(option.removeprefix('--') + '=')}"
     scenario = map_files(scenario, Path.absolute)
-    scenario.check(source)
+    check(scenario, source)
     return dataclasses.replace(scenario, name=scenario.name or path.stem, source=source)
 
 
@@ -64,7 +65,8 @@ def save_scenario(scenario: Scenario, folder: Path) -> Path:
     """Writes `scenario.yaml`, and a copy of each file it refers to, into `folder`.
 
     What is written is complete and does not depend on the original's place:
-    running it again gives the same flight.
+    running it again gives the same flight. Only a robot of your own stays
+    where it is, with its meshes.
     """
 
     def copy(file: Path) -> Path:

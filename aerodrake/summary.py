@@ -40,10 +40,10 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
     """
     flown = log.time_s >= 0
     lap = make_reference(scenario.reference, log["p_E_m"][0]).lap
-    period_ms = 1e3 * scenario.rates.mpc_period_s
+    period_s = scenario.rates.mpc_period_s
     ticks = log["tick_ms"]
     # The status port shows the last tick; logs run several times a tick.
-    stride = round(scenario.rates.mpc_period_s / scenario.rates.flight_period_s)
+    stride = round(period_s / scenario.rates.flight_period_s)
     statuses = log["qp_status"][stride::stride]
     simulated_s = log.time_s[-1] + scenario.settle_s
     # Each sample stands for the time until the next, so the last one for none.
@@ -65,8 +65,8 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             "p99_ms": _figure(np.percentile(ticks, 99)) if len(ticks) else None,
             "unconstrained": int((statuses == QpStatus.UNCONSTRAINED).sum()),
             "solver_fallbacks": int((statuses == QpStatus.FAILED).sum()),
-            "missed": 0,
-            "overruns": int((ticks > period_ms).sum()),
+            "missed": max(0, math.ceil(round(simulated_s / period_s, 6)) - len(ticks)),
+            "overruns": int((ticks > 1e3 * period_s).sum()),
         },
         "modes": {
             mode.label: _figure(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode

@@ -22,7 +22,8 @@ def main() -> None:
         state = VehicleState.from_vector(closed_loop.GetOutputPort("true_state").Eval(context))
         p_Ed = closed_loop.GetOutputPort("reference").Eval(context)[:3]
         error = np.linalg.norm(kinematics.end_effector(state).p_E - p_Ed)
-        print(f"{t:3d} s  p_E,d {p_Ed.round(3)} m  error {1e3 * error:.2f} mm")
+        x, y, z = p_Ed
+        print(f"{t:3d} s  p_E,d {x:6.3f} {y:6.3f} {z:6.3f} m  error {1e3 * error:.2f} mm")
 
 
 if __name__ == "__main__":

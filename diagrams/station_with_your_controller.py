@@ -8,6 +8,7 @@ from pydrake.systems.primitives import ConstantVectorSource
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context, make_station
+from aerodrake.threads import single_thread
 
 
 class Circle(LeafSystem):
@@ -42,7 +43,8 @@ def main() -> None:
     context = make_context(diagram, seed=0)
     simulator = Simulator(diagram, context)
     for t in range(0, 13, 2):
-        simulator.AdvanceTo(t)
+        with single_thread():
+            simulator.AdvanceTo(t)
         p_B = station.GetOutputPort("true_state").Eval(station.GetMyContextFromRoot(context))[4:7]
         p_Bd = circle.get_output_port().Eval(circle.GetMyContextFromRoot(context))[:3]
         print(f"{t:3d} s  base at {p_B.round(3)} m, asked for {p_Bd.round(3)} m")

@@ -1,4 +1,4 @@
-"""Every key of a scenario, by its declaration; and the checks that no single key can make."""
+"""Every key of a scenario, by its declaration."""
 
 import dataclasses
 import math
@@ -7,7 +7,7 @@ import typing
 import pytest
 
 from aerodrake.errors import BadInput
-from aerodrake.scenario import Flight, Hover, Model, Reference, Scenario
+from aerodrake.scenario import Hover, Reference, Scenario
 from aerodrake.schema import as_mapping, build
 
 KINDS = [reference() for reference in typing.get_args(Reference)]
@@ -65,8 +65,7 @@ def test_mapping_round_trip(reference):
     assert build(Scenario, {"reference": {"kind": reference.kind}}, "f.yaml") == scenario
 
 
-def test_defaults_are_consistent(scenario):
-    scenario.check("defaults")
+def test_nothing_but_defaults(scenario):
     assert scenario == build(Scenario, {}, "f.yaml")
 
 
@@ -121,72 +120,3 @@ def test_unknown_keys_are_named_on_every_level(reference):
             wrong = f"{prefix}{name}x"
             message = refuses(reference, wrong, 1.0)
             assert f": {wrong}: unknown key; did you mean '{name}'? (valid: " in message
-
-
-@pytest.mark.parametrize(
-    ("changes", "expected"),
-    [
-        ({"rates.plant_step_s": 0.003}, "rates.sensor_period_s: expected a multiple of"),
-        ({"rates.sensor_period_s": 0.0105}, "rates.sensor_period_s: expected a multiple of"),
-        ({"rates.flight_period_s": 0.0105}, "rates.flight_period_s: expected a multiple of"),
-        ({"rates.arm_period_s": 0.0055}, "rates.arm_period_s: expected a multiple of"),
-        ({"rates.mpc_period_s": 0.0205}, "rates.mpc_period_s: expected a multiple of"),
-        (
-            {"rates.plant_step_s": 0.005, "rates.arm_period_s": 0.002},
-            "rates.arm_period_s: expected a multiple of rates.plant_step_s (0.005 s), got 0.002 s",
-        ),
-        (
-            {"rates.sensor_period_s": 0.012},
-            "rates.mpc_period_s: expected a multiple of rates.sensor_period_s (0.012 s), "
-            "got 0.02 s",
-        ),
-        (
-            {"rates.flight_period_s": 0.04},
-            "rates.mpc_period_s: expected a multiple of rates.flight_period_s",
-        ),
-        (
-            {"vehicle.rotor.min_thrust_n": 20.0},
-            "vehicle.rotor.min_thrust_n: expected less than max_thrust_n (20 N), got 20 N",
-        ),
-        ({"flight.interface": "position"}, "model.kind: velocity_aware expects"),
-        ({"mpc.tilt": "flatness"}, "mpc.tilt: flatness expects model.kind paper or exact"),
-        (
-            {"mpc.tilt": "flatness", "model.kind": "integral"},
-            "mpc.tilt: flatness expects model.kind paper or exact",
-        ),
-        (
-            {"allocation.d_edge_m": 0.07},
-            "allocation.d_edge_m: expected more than d_h_m (0.075 m), got 0.07 m",
-        ),
-        (
-            {"allocation.d_f_m": 0.075},
-            "allocation.d_f_m: expected more than d_h_m (0.075 m), got 0.075 m",
-        ),
-    ],
-)
-def test_contradictions_are_named(changes, expected):
-    scenario = build(Scenario, nested(changes), "f.yaml")
-    with pytest.raises(BadInput) as caught:
-        scenario.check("--set")
-    assert str(caught.value).startswith(f"--set: {expected}")
-
-
-@pytest.mark.parametrize("kind", ["paper", "exact"])
-def test_combinations_that_go_together(kind):
-    data = {
-        "flight": {"interface": "position"},
-        "model": {"kind": kind},
-        "mpc": {"tilt": "flatness"},
-        "rates": {"plant_step_s": 0.0005, "sensor_period_s": 0.005, "mpc_period_s": 0.03},
-    }
-    scenario = build(Scenario, data, "f.yaml")
-    scenario.check("f.yaml")
-    assert scenario.flight == Flight(interface="position")
-    assert scenario.model == Model(kind=kind)
-
-
-def test_warns_where_hovering_reaches_out_of_the_learning_space(scenario):
-    (warning,) = scenario.warnings()
-    assert "allocation.d_h_m" in warning and "0.075 m" in warning and "0.05 m" in warning
-    quiet = dataclasses.replace(scenario.allocation, d_h_m=0.05)
-    assert dataclasses.replace(scenario, allocation=quiet).warnings() == []

@@ -7,7 +7,8 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.kinematics import Kinematics
-from aerodrake.scenario import MovingTarget
+from aerodrake.scenario import MovingTarget, Scenario, Sensors
+from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context, make_coordinator, make_station
 
 N, JOINTS, ROTORS = 15, 6, 4
@@ -257,3 +258,11 @@ def test_the_closed_loop_hovers_where_it_started(closed_loop, scenario, vehicle)
     p_EB, _ = Kinematics(vehicle.robot).arm(state[7:13])
     p_Ed = closed_loop.GetOutputPort("reference").Eval(context)[:3]
     np.testing.assert_allclose(state[4:7] + p_EB, p_Ed, atol=1e-6)
+
+
+def test_noise_does_not_lift_the_base():
+    """Rotors that rise faster than they fall give more thrust than a noisy command asks for."""
+    noisy = Sensors(attitude_noise_rad=0.005)
+    log = Flight(Scenario(settle_s=0.0, duration=8.0, sensors=noisy)).fly()
+    offset = log["p_B_m"][300:, 2] - log["p_Bd_m"][300:, 2]
+    assert abs(offset.mean()) < 0.003

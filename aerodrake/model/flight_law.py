@@ -1,4 +1,9 @@
-"""Position and attitude laws of the base (Cao et al. 2023, as publicly known; z up)."""
+"""Position and attitude laws of the base, z up.
+
+H. Cao et al., "ESO-based robust and high-precision tracking control for aerial
+manipulation", 2023, as publicly known; the attitude error is that of T. Lee et
+al., "Geometric tracking control of a quadrotor UAV on SE(3)", 2010.
+"""
 
 from __future__ import annotations
 

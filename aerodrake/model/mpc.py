@@ -43,7 +43,8 @@ class MpcInputs:
 class MpcProgram:
     """min z' H z / 2 + g' z with |z| <= 1 and lower <= A z <= upper; u = scale z.
 
-    `x_free` (N, nx) are the states under zero input.
+    `x_free` (N, nx) are the states under zero input, and `places` (3, nx) is how
+    the linearised p_E moves with the state.
     """
 
     H: np.ndarray
@@ -51,6 +52,7 @@ class MpcProgram:
     lower: np.ndarray
     upper: np.ndarray
     x_free: np.ndarray
+    places: np.ndarray
 
 
 class MpcFormulation:
@@ -141,7 +143,11 @@ class MpcFormulation:
         """The program of one tick."""
         x_free = self.prediction.free(tick.x_0, tick.delta)
         H, g = self._H_input.copy(), np.zeros(len(self.scale))
-        for rows, offset, weight in (self._tracking(tick, x_free), self._centring(tick, x_free)):
+        places = self._places_matrix(tick)
+        for rows, offset, weight in (
+            self._tracking(tick, x_free, places),
+            self._centring(tick, x_free),
+        ):
             weighted = weight[:, None] * rows
             H += rows.T @ weighted
             g += weighted.T @ offset
@@ -165,31 +171,45 @@ class MpcFormulation:
             lower=(self._lower - values) / self._row_norms,
             upper=(self._upper - values) / self._row_norms,
             x_free=x_free,
+            places=places,
         )
 
+    def predict(self, tick: MpcInputs, program: MpcProgram, U: np.ndarray) -> np.ndarray:
+        """(N + 1, 3) m, p_E now and at each stage under U (N (3 + n),), as linearised."""
+        x = np.vstack([tick.x_0, program.x_free + self.prediction.Gamma @ U])
+        return tick.end_effector.p_E + (x - tick.x_0) @ program.places.T
+
+    def _places_matrix(self, tick: MpcInputs) -> np.ndarray:
+        """(3, nx), p_E per state: by J_s, and by the tilt that a base acceleration takes."""
+        places = np.zeros((3, len(self.model.A)))
+        places[:, self._places] = tick.end_effector.J_s
+        if self.config.tilt == "flatness":
+            places += tilt_matrix(tick.end_effector.r) @ self._acceleration()
+        return places
+
+    def _acceleration(self) -> np.ndarray:
+        """(3, nx), the equivalent model's own base acceleration, a = k (v_d - v)."""
+        model = self.model
+        a = np.zeros((3, len(model.A)))
+        a[range(3), model.setpoint_velocity] = model.k_b
+        a[range(3), model.base_velocity] = -model.k_b
+        return a
+
     def _tracking(
-        self, tick: MpcInputs, x_free: np.ndarray
+        self, tick: MpcInputs, x_free: np.ndarray, places: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """J_1 as (rows over z, offset, weight)."""
         config, model, end_effector = self.config, self.model, tick.end_effector
         K_e = self._correction_gain(tick)[:, None]
-        J_s = end_effector.J_s
-        nx = len(model.A)
-        places, speeds = np.zeros((3, nx)), np.zeros((3, nx))
-        places[:, self._places] = J_s
-        speeds[:, self._speeds] = J_s
+        speeds = np.zeros_like(places)
+        speeds[:, self._speeds] = end_effector.J_s
         inputs = np.zeros((3, 3 + model.joints))
         known = end_effector.J_yaw * tick.yaw_rate
         if config.tilt == "held":
             known = known + end_effector.J_u @ tick.xi_u_rates
         elif config.tilt == "flatness":
-            # a = k (v_d - v) and a' = k (u - a), the equivalent model's own.
-            T = tilt_matrix(end_effector.r)
-            a = np.zeros((3, nx))
-            a[range(3), model.setpoint_velocity] = model.k_b
-            a[range(3), model.base_velocity] = -model.k_b
-            places += T @ a
-            speeds -= T @ (model.k_b[:, None] * a)
+            T = tilt_matrix(end_effector.r)  # And a' = k (u - a).
+            speeds -= T @ (model.k_b[:, None] * self._acceleration())
             inputs[:, :3] = T * model.k_b
 
         rows = speeds

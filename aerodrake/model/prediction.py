@@ -37,7 +37,3 @@ class Prediction:
     def free(self, x_0: np.ndarray, delta: np.ndarray) -> np.ndarray:
         """(N, nx), the states if all inputs are zero."""
         return self.Phi @ x_0 + self.Psi @ delta
-
-    def states(self, x_free: np.ndarray, U: np.ndarray) -> np.ndarray:
-        """(N, nx), the states under U (N m,), given those under zero input."""
-        return x_free + self.Gamma @ U

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from aerodrake.errors import BadInput
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Rotor
 
@@ -27,9 +28,16 @@ class ThrustAllocation:
 
     @classmethod
     def make(cls, vehicle: Vehicle, rotor: Rotor) -> ThrustAllocation:
-        """For the rotors of `vehicle`."""
+        """For the rotors of `vehicle`.
+
+        Raises:
+            BadInput: if they cannot lift it without tilting it.
+        """
         mixer = vehicle.rotors.mixer(rotor.torque_ratio_m)
-        return cls(mixer, rotor.min_thrust_n, rotor.max_thrust_n)
+        allocation = cls(mixer, rotor.min_thrust_n, rotor.max_thrust_n)
+        if not (allocation._inverse[:, 0] > 1e-6).all():
+            raise BadInput(vehicle.robot, "", "expected rotors all around the base's origin")
+        return allocation
 
     def allocate(self, wrench: np.ndarray) -> np.ndarray:
         """(k,) N, rotor thrusts for wrench (4,) [N, N m, N m, N m]."""

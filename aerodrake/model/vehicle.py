@@ -48,6 +48,8 @@ def add_robot(plant: MultibodyPlant, robot: str) -> None:
     for frame in (BASE_FRAME, TOOL_FRAME):
         if not plant.HasFrameNamed(frame):
             raise BadInput(robot, "", f"expected a frame named '{frame}'")
+    if not plant.HasBodyNamed(BASE_FRAME):
+        raise BadInput(robot, "", f"expected '{BASE_FRAME}' to be a link")
 
 
 def add_ground(plant: MultibodyPlant) -> None:
@@ -239,6 +241,11 @@ def _rotors(plant: MultibodyPlant, robot: str) -> Rotors:
     frames = [f for f in frames if f.name().startswith(ROTOR_PREFIX)]
     if len(frames) < 4 or not all(f.name().endswith(("_ccw", "_cw")) for f in frames):
         raise BadInput(robot, "", "expected four or more frames rotor_*_ccw and rotor_*_cw")
+    base = plant.GetBodyByName(BASE_FRAME)
+    for f in frames:
+        pose = f.GetFixedPoseInBodyFrame()
+        if f.body() != base or not pose.rotation().IsNearlyIdentity(1e-6):
+            raise BadInput(robot, "", f"expected {f.name()} on the link base, with its z axis")
     return Rotors(
         names=tuple(f.name() for f in frames),
         p_B=np.array([f.GetFixedPoseInBodyFrame().translation() for f in frames]),

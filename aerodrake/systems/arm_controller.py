@@ -15,7 +15,8 @@ class ArmController(LeafSystem):
 
     Ports:
         in `state` (13 + 2 n): measured state.
-        in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
+        in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2; a PID
+            has no use for q_d''.
         out `joint_torque` (n): N m, held between ticks.
     State:
         `integral` (n) N m, `joint_torque` (n) N m.

@@ -41,8 +41,10 @@ class FlightController(LeafSystem):
         `period`, after `offset`, so that it sees what the MPC commanded at
         the same sample.
 
-    The observers are fed with the thrust that lagging, saturated rotors
-    really give; that is also what keeps them from winding up.
+    The observers see saturated thrust, which keeps them from winding up. The
+    attitude observer sees what lagging rotors really give. The slower one of
+    position sees the command: rotors that rise faster than they fall give more
+    than that on average, and this is a disturbance to reject.
 
     Args:
         config: Gains and interface.
@@ -107,11 +109,12 @@ class FlightController(LeafSystem):
         # What the rotors gave since the last sample.
         thrust, mean = self._lag.advance(old(self._x_thrust).value(), old(self._x_command).value())
         wrench = self._allocation.mixer @ mean
+        commanded = self._allocation.mixer[0] @ old(self._x_command).value()
         gyroscopic = np.cross(omega, vehicle.inertia @ omega)
 
         position_eso = self._position_eso.step(
             old(self._x_position).value().reshape(3, 3),
-            R[:, 2] * (wrench[0] / vehicle.mass) - GRAVITY * UP,
+            R[:, 2] * (commanded / vehicle.mass) - GRAVITY * UP,
             state.p_B,
         )
         attitude_eso = self._attitude_eso.step(

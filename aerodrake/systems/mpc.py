@@ -8,7 +8,6 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.kinematics import EndEffector
 from aerodrake.model.mpc import MpcFormulation, MpcInputs
 from aerodrake.model.qp import CondensedQp, QpStatus
 from aerodrake.model.vehicle_state import VehicleState
@@ -104,16 +103,8 @@ class MpcSystem(LeafSystem):
 
         plan = shifted if result.status is QpStatus.FAILED else result.z
         U = self._formulation.scale * plan
-        prediction = self._predict(tick.end_effector, tick.x_0, program.x_free, U)
+        prediction = self._formulation.predict(tick, program, U)
         discrete.set_value(self._x_u, U[: self._inputs])
         discrete.set_value(self._x_plan, plan)
         discrete.set_value(self._x_prediction, prediction.ravel())
         discrete.set_value(self._x_status, [result.status, result.iterations])
-
-    def _predict(
-        self, end_effector: EndEffector, x_0: np.ndarray, x_free: np.ndarray, U: np.ndarray
-    ) -> np.ndarray:
-        model = self._formulation.model
-        places = np.concatenate([model.base_position, model.joint_position])
-        x = np.vstack([x_0, self._formulation.prediction.states(x_free, U)])
-        return end_effector.p_E + (x[:, places] - x_0[places]) @ end_effector.J_s.T

@@ -15,12 +15,12 @@ class ReferenceSystem(LeafSystem):
     world frame.
 
     Ports:
-        reference (out, 6): [p_E,d, p_E,d'] in m and m/s, now.
-        horizon (out, 6 (horizon + 1)): the same at k `period_s` from now, k = 0..horizon;
-            row-major (horizon + 1, 6).
-        d_g (out, 1): m, diameter of the target trajectory; inf for a moving target.
-    State: none.
-    Rate: none; a function of time.
+        out `reference` (6): p_E,d, p_E,d' in m and m/s, now.
+        out `horizon` (6 (N + 1)): the same at k `period_s` from now, k = 0 ... N;
+            row-major (N + 1, 6).
+        out `d_g` (1): m, diameter of the target trajectory; inf for a moving target.
+    State, rate:
+        none; a function of time.
 
     Args:
         curve: The motion over reference time.

@@ -66,12 +66,12 @@ class SensorSystem(LeafSystem):
         self._is_exact = config == Sensors()
         self._true_state = self.DeclareVectorInputPort("true_state", VehicleState.size(joints))
         self._noise = self.DeclareVectorInputPort("noise", noise_size(joints))
-        index = self.DeclareDiscreteState(initial)
-        self.DeclareStateOutputPort("state", index)
+        self._sample_index = self.DeclareDiscreteState(initial)
+        self.DeclareStateOutputPort("state", self._sample_index)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._sample)
 
     def _sample(self, context: Context, state: State) -> None:
         x = self._true_state.Eval(context)
         if not self._is_exact:
             x = disturbed(self._config, x, self._noise.Eval(context))
-        state.get_mutable_discrete_state(0).SetFromVector(x)
+        state.get_mutable_discrete_state(self._sample_index).SetFromVector(x)

@@ -17,7 +17,7 @@ def test_equals_the_model_step_by_step(kind, horizon, joints):
     rng = np.random.default_rng(0)
     x, delta = rng.normal(size=len(model.A)), rng.normal(size=3)
     u = rng.normal(size=(horizon, 3 + joints))
-    states = prediction.states(prediction.free(x, delta), u.ravel())
+    states = prediction.free(x, delta) + prediction.Gamma @ u.ravel()
     assert states.shape == (horizon, len(model.A))
     for k in range(horizon):
         x = model.predict(x, u[k], delta)

@@ -205,6 +205,8 @@ def test_reads_a_urdf_by_its_path(scenario, vehicle):
         ('<frame name="tool"', '<frame name="tip"', "'tool'"),
         ('<frame name="rotor_4_cw"', '<frame name="motor_4_cw"', r"four or more frames rotor_"),
         ('<frame name="rotor_4_cw"', '<frame name="rotor_4"', r"four or more frames rotor_"),
+        ('name="rotor_4_cw" link="base"', 'name="rotor_4_cw" link="gripper"', "rotor_"),
+        ('xyz="0.329 -0.329 0.05" rpy="0 0 0"', 'xyz="0.3 -0.3 0" rpy="0.5 0 0"', "z axis"),
         (' effort="1.5"', "", "effort"),
         (' velocity="3"', "", "velocity"),
         (' drake:acceleration="15"', "", "drake:acceleration"),

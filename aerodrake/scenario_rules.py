@@ -1,0 +1,102 @@
+"""What no single key of a scenario can tell: whether they fit each other."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from aerodrake.errors import BadInput
+from aerodrake.scenario import Scenario, Waypoints
+
+
+def check(scenario: Scenario, source: object) -> None:
+    """Refuses what cannot be flown.
+
+    Args:
+        scenario: Whose keys are valid one by one.
+        source: Named in errors: the file or option that was read last.
+
+    Raises:
+        BadInput: where keys contradict each other.
+    """
+    for field in dataclasses.fields(scenario.rates):
+        _check_period(scenario, source, f"rates.{field.name}", getattr(scenario.rates, field.name))
+    for key in ("sensor_period_s", "flight_period_s"):
+        ticks = scenario.rates.mpc_period_s / getattr(scenario.rates, key)
+        if abs(ticks - round(ticks)) > 1e-6:
+            raise BadInput(
+                source,
+                "rates.mpc_period_s",
+                f"expected a multiple of rates.{key} ({getattr(scenario.rates, key):g} s), "
+                f"got {scenario.rates.mpc_period_s:g} s",
+            )
+    if scenario.rates.flight_period_s < scenario.rates.sensor_period_s - 1e-9:
+        raise BadInput(
+            source,
+            "rates.flight_period_s",
+            f"expected rates.sensor_period_s ({scenario.rates.sensor_period_s:g} s) or more, since "
+            f"each tick takes its sample as new; got {scenario.rates.flight_period_s:g} s",
+        )
+    if any(sign in scenario.name for sign in "/\\") or scenario.name.startswith("."):
+        raise BadInput(
+            source, "name", f"expected a name that can be a folder's, got '{scenario.name}'"
+        )
+    if isinstance(scenario.reference, Waypoints) and not scenario.reference.file:
+        raise BadInput(source, "reference.file", "expected the path of a CSV file t,x,y,z")
+    if scenario.vehicle.rotor.min_thrust_n >= scenario.vehicle.rotor.max_thrust_n:
+        raise BadInput(
+            source,
+            "vehicle.rotor.min_thrust_n",
+            f"expected less than max_thrust_n ({scenario.vehicle.rotor.max_thrust_n:g} N), "
+            f"got {scenario.vehicle.rotor.min_thrust_n:g} N",
+        )
+    if scenario.model.kind == "velocity_aware" and scenario.flight.interface != "trajectory":
+        raise BadInput(
+            source,
+            "model.kind",
+            "velocity_aware expects flight.interface trajectory, since a base that is "
+            f"not told v_d cannot follow it; got '{scenario.flight.interface}'",
+        )
+    if scenario.model.kind not in ("paper", "exact") and scenario.mpc.tilt == "flatness":
+        raise BadInput(
+            source,
+            "mpc.tilt",
+            "flatness expects model.kind paper or exact, whose base velocity is smooth; "
+            f"got '{scenario.model.kind}'",
+        )
+    allocation = scenario.allocation
+    for key, low, high in (
+        ("d_edge_m", allocation.d_h_m, allocation.d_edge_m),
+        ("d_f_m", allocation.d_h_m, allocation.d_f_m),
+    ):
+        if high <= low:
+            message = f"expected more than d_h_m ({low:g} m), got {high:g} m"
+            raise BadInput(source, f"allocation.{key}", message)
+
+
+def _check_period(scenario: Scenario, source: object, key: str, period: float) -> None:
+    step = scenario.rates.plant_step_s
+    if abs(period / step - round(period / step)) > 1e-6:
+        raise BadInput(
+            source,
+            key,
+            f"expected a multiple of rates.plant_step_s ({step:g} s), got {period:g} s",
+        )
+
+
+def warnings(scenario: Scenario) -> list[str]:
+    """What is valid and flown as asked, but should be known."""
+    found = []
+    half_height = scenario.allocation.learning_space_m[2] / 2
+    if scenario.allocation.d_h_m > half_height:
+        found.append(
+            f"allocation.d_h_m ({scenario.allocation.d_h_m:g} m) reaches out of the learning "
+            f"space, whose half height is {half_height:g} m, as in the paper"
+        )
+    if scenario.model.kind in ("paper", "exact") and scenario.flight.interface == "trajectory":
+        found.append(
+            f"model.kind {scenario.model.kind} is for a base that is told p_d alone; with "
+            "flight.interface trajectory it predicts a lag that is not there"
+        )
+    if scenario.mpc.tilt == "held":
+        found.append("mpc.tilt held, the paper's form, destabilises the loop at high gains")
+    return found
