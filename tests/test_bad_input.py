@@ -1,0 +1,218 @@
+"""Bad input to the commands: exit code 2, one line that names it, and nothing left behind."""
+
+import os
+import pickle
+from pathlib import Path
+
+import pytest
+
+from aerodrake.cli import main
+
+HEADER = "t,x,y,z\n"
+
+CONTENT = {
+    "good.yaml": "duration: 0.1\n",
+    "empty.yaml": "",
+    "comment.yaml": "# nothing\n",
+    "list.yaml": "- 3\n",
+    "text.yaml": "hello\n",
+    "binary.yaml": b"\x89PNG\r\n\x1a\n\x00\xff",
+    "broken.yaml": "mpc: [1,\n",
+    "tabs.yaml": "mpc:\n\thorizon: 3\n",
+    "unit.yaml": "duration: 10 s\n",
+    "nested.yaml": "vehicle: {rotor: {lag_s: 0.02}}\n",
+    "section.yaml": "mpc: 15\n",
+    "bare.yaml": "reference: clover\n",
+    "two_kinds.yaml": "reference: {kind: hover, lap_s: 24}\n",
+    "waypoints_without_file.yaml": "reference: {kind: waypoints}\n",
+    "empty.csv": "",
+    "header_only.csv": HEADER,
+    "one_row.csv": HEADER + "0,0,0.2,1.2\n",
+    "header.csv": "time,x,y,z\n0,0,0.2,1.2\n1,0,0.2,1.2\n",
+    "no_header.csv": "0,0,0.2,1.2\n1,0,0.2,1.2\n",
+    "repeated.csv": HEADER + "0,0,0.2,1.2\n1,0,0.2,1.2\n1,0,0.3,1.2\n",
+    "descending.csv": HEADER + "0,0,0.2,1.2\n2,0,0.2,1.2\n1,0,0.3,1.2\n",
+    "nan.csv": HEADER + "0,0,0.2,1.2\n1,nan,0.2,1.2\n",
+    "inf.csv": HEADER + "0,0,0.2,1.2\n1,0,inf,1.2\n",
+    "ragged.csv": HEADER + "0,0,0.2,1.2\n1,0,0.2\n",
+    "words.csv": HEADER + "0,0,0.2,1.2\n1,east,0.2,1.2\n",
+    "binary.csv": b"t,x,y,z\n\x00\xff\xfe\n",
+    "text.urdf": "hello\n",
+    "other.urdf": "<sdf/>\n",
+    "no_tool.urdf": '<robot name="x"><link name="base"/></robot>\n',
+    "robot.txt": "hello\n",
+    "pickle.pt": pickle.dumps({"run": print}),
+    "empty.pt": "",
+    "file": "",
+}  # fmt: skip
+
+
+def waypoints(file: str) -> list[str]:
+    return ["waypoints", "--set", f"reference.file={file}"]
+
+
+def robot(path: str) -> list[str]:
+    return ["hover", "--set", f"vehicle.robot={path}"]
+
+
+def checkpoint(path: str) -> list[str]:
+    return ["hover", "--set", "residual.mode=online", "--set", f"residual.checkpoint={path}"]
+
+
+def set_(*assignments: str) -> list[str]:
+    return ["hover", *(word for assignment in assignments for word in ("--set", assignment))]
+
+
+RUNS = {
+    "unknown_scenario": (["clovr"], "clovr: ", "did you mean 'clover'? (valid: clover, "),
+    "no_name": ([""], "no such scenario", "valid: clover"),
+    "missing_file": (["missing.yaml"], "missing.yaml: ", "No such file"),
+    "folder_as_file": (["./folder"], "folder: ", "Is a directory"),
+    "path_with_nul": (["a\0b.yaml"], "b.yaml: "),
+    "empty_file": (["empty.yaml"], "empty.yaml: expected a mapping", "empty"),
+    "comments_only": (["comment.yaml"], "comment.yaml: expected a mapping", "empty"),
+    "list_in_file": (["list.yaml"], "list.yaml: expected a mapping"),
+    "text_in_file": (["text.yaml"], "text.yaml: expected a mapping"),
+    "binary_file": (["binary.yaml"], "binary.yaml: expected "),
+    "broken_yaml": (["broken.yaml"], "broken.yaml: expected YAML; line 2"),
+    "tab_in_yaml": (["tabs.yaml"], "tabs.yaml: expected YAML; line 2"),
+    "unit_as_text": (["unit.yaml"], "unit.yaml: duration: expected a number in [0.02, 3600] s"),
+    "nested_unknown_key": (["nested.yaml"], "vehicle.rotor.lag_s: unknown key", "'lag_up_s'"),
+    "number_for_section": (["section.yaml"], "section.yaml: mpc: expected a mapping"),
+    "reference_without_kind": (["bare.yaml"], "bare.yaml: reference: ", "kind", "clover"),
+    "key_of_another_kind": (["two_kinds.yaml"], "reference.lap_s: unknown key"),
+    "unknown_key": (set_("sed=3"), "--set: sed: unknown key; did you mean 'seed'?"),
+    "unknown_section": (set_("mcp.horizon=3"), "--set: mcp: unknown section", "'mpc'"),
+    "into_a_number": (set_("duration.x=3"), "--set: duration: unknown section"),
+    "set_without_equals": (set_("duration"), "--set: expected dotted.key=value, got 'duration'"),
+    "set_without_key": (set_("=3"), "--set: expected dotted.key=value, got '=3'"),
+    "set_broken_yaml": (set_("mpc.k_e=[1"), "--set: expected YAML"),
+    "unknown_kind": (set_("reference.kind=clovr"), "--set: reference.kind: ", "'clover'"),
+    "unknown_choice": (set_("flight.interface=velocity"), "flight.interface: ", "trajectory"),
+    "nan": (set_("flight.max_tilt_rad=.nan"), "flight.max_tilt_rad: expected a number", "rad"),
+    "inf": (set_("flight.max_tilt_rad=.inf"), "flight.max_tilt_rad: expected a number", "rad"),
+    "negative": (set_("vehicle.rotor.lag_up_s=-1"), "vehicle.rotor.lag_up_s: ", "[0.001, 1] s"),
+    "out_of_range": (set_("mpc.horizon=1"), "mpc.horizon: ", "[2, 200] ticks, got 1"),
+    "half_a_tick": (set_("mpc.horizon=15.5"), "mpc.horizon: expected a whole number"),
+    "truth_for_number": (set_("mpc.horizon=true"), "mpc.horizon: expected a whole number"),
+    "list_length": (set_("mpc.k_e=[1, 2]"), "mpc.k_e: expected a list of 3 numbers in 1/s"),
+    "list_element": (set_("mpc.k_e=[1, x, 3]"), "mpc.k_e[1]: expected a number"),
+    "list_for_number": (set_("seed=[1]"), "seed: expected a whole number"),
+    "number_for_list": (set_("vehicle.working_rad=3"), "working_rad: expected a list"),
+    "joint_count": (set_("vehicle.working_rad=[0, 0]"), "vehicle.working_rad: expected 6 angles"),
+    "joint_limit": (
+        set_("vehicle.working_rad=[0, 3, 0, 0, 0, 0]"),
+        "vehicle.working_rad[1]: expected shoulder_pitch in [-1.571, 2.618] rad, got 3",
+    ),
+    "joint_weights": (set_("mpc.w_3_joints=[1, 2]"), "mpc.w_3_joints: expected 1 value, or 6"),
+    "no_joint_weights": (set_("mpc.w_2_joints=[]"), "mpc.w_2_joints: expected 1 value, or 6"),
+    "half_a_step": (set_("rates.arm_period_s=0.0055"), "rates.arm_period_s: ", "0.001 s"),
+    "mpc_between_samples": (set_("rates.mpc_period_s=0.025"), "rates.mpc_period_s: ", "0.01 s"),
+    "mpc_faster_than_flight": (
+        set_("rates.flight_period_s=0.04"), "rates.mpc_period_s: ", "rates.flight_period_s"
+    ),
+    "velocity_not_flown": (set_("flight.interface=position"), "model.kind: velocity_aware"),
+    "tilt_of_another_model": (set_("mpc.tilt=flatness"), "mpc.tilt: flatness expects model.kind"),
+    "rotor_limits": (set_("vehicle.rotor.min_thrust_n=30"), "vehicle.rotor.min_thrust_n: ", " N"),
+    "allocation_order": (set_("allocation.d_h_m=0.5"), "allocation.d_edge_m: ", "d_h_m (0.5 m)"),
+    "name_that_leaves": (set_("name=../../elsewhere"), " name: expected ", "elsewhere"),
+    "name_with_nul": (set_('name="a\\0b"'), " name: expected "),
+    "seed_negative": (["hover", "--seed", "-1"], "--seed: ", "[0, 2147483647], got -1"),
+    "seed_text": (["hover", "--seed", "one"], "--seed: ", "expected a whole number", "'one'"),
+    "seed_fraction": (["hover", "--seed", "1.5"], "--seed: ", "expected a whole number"),
+    "seed_nothing": (["hover", "--seed", ""], "--seed: ", "expected a whole number"),
+    "duration_zero": (["hover", "--duration", "0"], "--duration: ", "[0.02, 3600] s, got 0"),
+    "duration_nan": (["hover", "--duration", "nan"], "--duration: ", "[0.02, 3600] s"),
+    "duration_unit": (["hover", "--duration", "10 s"], "--duration: ", "[0.02, 3600] s"),
+    "robot_missing": (robot("missing.urdf"), "missing.urdf: ", "no such file"),
+    "robot_folder": (robot("folder"), "folder: ", "URDF"),
+    "robot_text": (robot("text.urdf"), "text.urdf: cannot be parsed"),
+    "robot_other_xml": (robot("other.urdf"), "other.urdf: cannot be parsed"),
+    "robot_other_ending": (robot("robot.txt"), "robot.txt: cannot be parsed"),
+    "robot_no_tool": (robot("no_tool.urdf"), "no_tool.urdf: expected a frame named 'tool'"),
+    "robot_other_package": (robot("package://other/x.urdf"), "package://other/x.urdf", "expected "),
+    "robot_no_package": (robot("package://"), "package://", "expected "),
+    "robot_leaves_package": (robot("package://aerodrake/../../../../../../../../etc/passwd"),
+                             "/etc/passwd", "inside the package"),
+    "robot_leaves_and_returns": (
+        robot("package://aerodrake/../aerodrake/robots/quadrotor_arm6.urdf"), "inside the package"
+    ),
+    "waypoints_no_file": (["waypoints_without_file.yaml"],
+                          "waypoints_without_file.yaml: reference.file: "),
+    "waypoints_missing": (waypoints("missing.csv"), "missing.csv: ", "no such file"),
+    "waypoints_folder": (waypoints("folder"), "folder: ", "no such file"),
+    "waypoints_nul": (waypoints('"a\\0b"'), "expected "),
+    "waypoints_empty": (waypoints("empty.csv"), "empty.csv: row 1: expected the header t,x,y,z"),
+    "waypoints_none": (waypoints("header_only.csv"), "header_only.csv: expected at least 2 rows"),
+    "waypoints_one": (waypoints("one_row.csv"), "one_row.csv: expected at least 2 rows"),
+    "waypoints_header": (waypoints("header.csv"), "header.csv: row 1: expected the header t,x,y,z"),
+    "waypoints_no_header": (waypoints("no_header.csv"), "no_header.csv: row 1: "),
+    "waypoints_repeated": (waypoints("repeated.csv"), "repeated.csv: row 4: ", "ascend"),
+    "waypoints_descending": (waypoints("descending.csv"), "descending.csv: row 4: ", "ascend"),
+    "waypoints_nan": (waypoints("nan.csv"), "nan.csv: row 3: expected x in [-1000, 1000] m"),
+    "waypoints_inf": (waypoints("inf.csv"), "inf.csv: row 3: expected y in [-1000, 1000] m"),
+    "waypoints_ragged": (waypoints("ragged.csv"), "ragged.csv: row 3: expected 4 cells, got 3"),
+    "waypoints_words": (waypoints("words.csv"), "words.csv: row 3: expected x", "'east'"),
+    "waypoints_binary": (waypoints("binary.csv"), "binary.csv: "),
+    "checkpoint_missing": (checkpoint("missing.pt"), "missing.pt: ", "No such file"),
+    "checkpoint_folder": (checkpoint("folder"), "folder: ", "Is a directory"),
+    "checkpoint_empty": (checkpoint("empty.pt"), "empty.pt: expected a checkpoint"),
+    "checkpoint_pickle": (checkpoint("pickle.pt"), "pickle.pt: expected a checkpoint"),
+    "checkpoint_nul": (checkpoint('"a\\0b"'), "expected "),
+    "out_file": (["hover", "--out", "file"], "--out: expected a folder, but file is a file"),
+    "out_below_file": (["hover", "--out", "file/run"], "--out: ", "file/run"),
+    "out_foreign": (["hover", "--out", "."], "--out: ", "holds files that are not of"),
+    "out_nowhere": (["hover", "--out", "/proc/run"], "--out: cannot write /proc/run"),
+    "out_nul": (["hover", "--out", "a\0b"], "--out: cannot write a"),
+}  # fmt: skip
+
+COMMANDS = {
+    "no_command": ([], "COMMAND"),
+    "unknown_command": (["fly"], "'fly'", "'run'"),
+    "no_scenario": (["run"], "scenario"),
+    "set_without_argument": (["run", "hover", "--set"], "--set"),
+    "unknown_option": (["run", "hover", "--sed", "3"], "--sed"),
+    "two_scenarios": (["run", "hover", "clover"], "clover"),
+    "unknown_graph": (["graph", "closed_lop"], "closed_lop", "did you mean 'closed_loop'?"),
+    "graph_into_file": (["graph", "mpc", "--out", "file"], "file: "),
+    "negative_depth": (["graph", "mpc", "--depth", "-1"], "--depth"),
+    "depth_in_words": (["graph", "mpc", "--depth", "two"], "--depth", "'two'"),
+}
+
+
+@pytest.fixture
+def content(tmp_path) -> Path:
+    for name, text in CONTENT.items():
+        (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
+    (tmp_path / "folder").mkdir()
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        *(pytest.param(["run", *argv], said, id=name) for name, (argv, *said) in RUNS.items()),
+        *(pytest.param(argv, said, id=name) for name, (argv, *said) in COMMANDS.items()),
+    ],
+)
+def test_bad_input_is_answered_in_one_line(content, monkeypatch, capfd, argv, said):
+    monkeypatch.chdir(content)
+    try:
+        code = main(argv)
+    except SystemExit as exit:
+        code = exit.code
+    out, err = capfd.readouterr()
+    assert code == 2
+    assert err.startswith("aerodrake") and err.endswith("\n")
+    assert len(err.splitlines()) == 1 and "Traceback" not in err and "[Errno" not in err
+    for part in said:
+        assert part in err
+    assert set(os.listdir()) == {*CONTENT, "folder"}
+
+
+@pytest.mark.parametrize("last", [[], ["--duration", "5"], ["--seed", "1"]])
+def test_contradictions_are_not_blamed_on_what_was_typed_last(last, capsys):
+    assert main(["run", "hover", "--set", "flight.interface=position", *last]) == 2
+    err = capsys.readouterr().err
+    assert "model.kind: velocity_aware" in err
+    assert not any(err.startswith(f"aerodrake: {option}:") for option in ("--duration", "--seed"))
