@@ -44,13 +44,8 @@ def load_scenario(name_or_path: str, overrides: Iterable[tuple[str, str]] = ()) 
     path = _find(name_or_path)
     data = _parse(_read(path), path)
     if not isinstance(data, Mapping) or not data:
-        raise BadInput(
-            path,
-            "",
-            "expected a mapping of scenario keys to values, got an empty file"
-            if not data
-            else "expected a mapping of scenario keys to values",
-        )
+        found = "" if data else ", got an empty file"
+        raise BadInput(path, "", f"expected a mapping of scenario keys to values{found}")
     scenario = map_files(build(Scenario, data, path), lambda file: path.parent.resolve() / file)
     source = str(path)
     for option, assignment in overrides:

@@ -13,7 +13,7 @@ def check(scenario: Scenario, source: object) -> None:
 
     Args:
         scenario: Whose keys are valid one by one.
-        source: Named in errors: the file or option that was read last.
+        source: Named in errors: the file, and the options on top of it.
 
     Raises:
         BadInput: where keys contradict each other.

@@ -27,8 +27,8 @@ def exchange_active_set(
     The primal-dual active set method (Hintermueller, Ito and Kunisch 2002):
     bounds of the guess are taken as equalities; those that others imply or whose
     multiplier pulls the wrong way are let go, those that are violated are taken
-    in, until nothing changes. Then the conditions of optimality hold, and z is the solution. It
-    may not come to that, for which there is None.
+    in, until nothing changes. Then the conditions of optimality hold, and z is
+    the solution. It may not come to that, for which there is None.
 
     Args:
         factor: Cholesky factor of H (nz, nz), as from `scipy.linalg.cho_factor`.

@@ -100,6 +100,10 @@ class MpcFormulation:
         self._Gamma = self.prediction.Gamma * self.scale
         self._speeds = np.concatenate([model.base_velocity, model.joint_velocity])
         self._places = np.concatenate([model.base_position, model.joint_position])
+        # (3, nx), the equivalent model's own base acceleration, a = k (v_d - v).
+        self._acceleration = np.zeros((3, len(model.A)))
+        self._acceleration[range(3), model.setpoint_velocity] = model.k_b
+        self._acceleration[range(3), model.base_velocity] = -model.k_b
         # J_2's shares of base and joints, which the allocator weighs anew each tick.
         self._base_rows = self._Gamma[:, model.base_velocity].reshape(3 * N, -1)
         self._joint_rows = self._Gamma[:, model.joint_velocity].reshape(model.joints * N, -1)
@@ -184,16 +188,8 @@ class MpcFormulation:
         places = np.zeros((3, len(self.model.A)))
         places[:, self._places] = tick.end_effector.J_s
         if self.config.tilt == "flatness":
-            places += tilt_matrix(tick.end_effector.r) @ self._acceleration()
+            places += tilt_matrix(tick.end_effector.r) @ self._acceleration
         return places
-
-    def _acceleration(self) -> np.ndarray:
-        """(3, nx), the equivalent model's own base acceleration, a = k (v_d - v)."""
-        model = self.model
-        a = np.zeros((3, len(model.A)))
-        a[range(3), model.setpoint_velocity] = model.k_b
-        a[range(3), model.base_velocity] = -model.k_b
-        return a
 
     def _tracking(
         self, tick: MpcInputs, x_free: np.ndarray, places: np.ndarray
@@ -209,7 +205,7 @@ class MpcFormulation:
             known = known + end_effector.J_u @ tick.xi_u_rates
         elif config.tilt == "flatness":
             T = tilt_matrix(end_effector.r)  # And a' = k (u - a).
-            speeds -= T @ (model.k_b[:, None] * self._acceleration())
+            speeds -= T @ (model.k_b[:, None] * self._acceleration)
             inputs[:, :3] = T * model.k_b
 
         rows = speeds

@@ -122,8 +122,7 @@ class CondensedQp:
         result = self._solver.Solve(self._program, None, self._options)
         details = result.get_solver_details()
         z = result.get_x_val()
-        # An infeasible program comes back with a huge but finite z: trust the
-        # residuals of the iterate, not its finiteness.
+        # An infeasible program comes back with a z that is huge, but finite.
         if not (np.isfinite(z).all() and np.abs(z).max() < 2):
             return QpResult(failed.z, QpStatus.FAILED, details.iter)
         live = np.isfinite(lower) | np.isfinite(upper)
