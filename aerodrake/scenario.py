@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import ClassVar
 
+from aerodrake.reference_kinds import Hover, Reference
 from aerodrake.schema import choice, file, provenance, quantity
 
 
@@ -24,68 +24,6 @@ class Rates:
     arm_period_s: float = quantity(0.005, "s", 1e-3, 0.1)
     # The MPC, and the allocator and residual estimator whose outputs it pulls.
     mpc_period_s: float = quantity(0.020, "s", 2e-3, 0.2)
-
-
-@dataclass(frozen=True)
-class Hover:
-    """The end-effector stays where it starts."""
-
-    kind: ClassVar[str] = "hover"
-
-
-@dataclass(frozen=True)
-class Clover:
-    """Four-leaf clover r = a cos(2 theta) in the horizontal plane, from a petal's tip."""
-
-    kind: ClassVar[str] = "clover"
-    amplitude_m: float = quantity(0.5, "m", 0.01, 10.0)
-    lap_s: float = quantity(24.0, "s", 1.0, 1000.0)
-    # Smooth start: the angular rate rises from 0 to 2 pi / lap_s in this time.
-    start_s: float = quantity(3.0, "s", 0.1, 100.0)
-
-
-@dataclass(frozen=True)
-class FigureEight:
-    """A Gerono lemniscate, `length_m` long and `width_m` wide, in a tilted plane."""
-
-    kind: ClassVar[str] = "figure_eight"
-    length_m: float = quantity(0.6, "m", 0.01, 10.0)
-    width_m: float = quantity(0.3, "m", 0.01, 10.0)
-    tilt_rad: float = quantity(0.0, "rad", -1.5708, 1.5708)
-    lap_s: float = quantity(12.0, "s", 1.0, 1000.0)
-    start_s: float = quantity(3.0, "s", 0.1, 100.0)
-
-
-@dataclass(frozen=True)
-class Lissajous:
-    """A_i [sin(2 pi t / T_i + phi_i) - sin(phi_i)] on each world axis i."""
-
-    kind: ClassVar[str] = "lissajous"
-    amplitude_m: tuple[float, ...] = quantity((0.4, 0.3, 0.15), "m", 0.0, 10.0, length=3)
-    period_s: tuple[float, ...] = quantity((16.0, 8.0, 16.0), "s", 1.0, 1000.0, length=3)
-    phase_rad: tuple[float, ...] = quantity((0.0, 0.0, 1.5708), "rad", -6.2832, 6.2832, length=3)
-    start_s: float = quantity(3.0, "s", 0.1, 100.0)
-
-
-@dataclass(frozen=True)
-class MovingTarget:
-    """A point at a constant height above a target that moves in a straight line."""
-
-    kind: ClassVar[str] = "moving_target"
-    target_m: tuple[float, ...] = quantity((0.0, 1.4, 0.0), "m", -100.0, 100.0, length=3)
-    velocity_m_s: tuple[float, ...] = quantity((0.0, 0.05, 0.0), "m/s", -2.0, 2.0, length=3)
-    height_m: float = quantity(0.6, "m", 0.0, 10.0)
-
-
-@dataclass(frozen=True)
-class Waypoints:
-    """A CSV with the header `t,x,y,z` (s and m, world frame), interpolated smoothly."""
-
-    kind: ClassVar[str] = "waypoints"
-    file: str = file()
-
-
-Reference = Hover | Clover | FigureEight | Lissajous | MovingTarget | Waypoints
 
 
 @dataclass(frozen=True)
@@ -122,6 +60,26 @@ class Sensors:
     attitude_noise_rad: float = quantity(0.0, "rad", 0.0, 0.2)
     rate_noise_rad_s: float = quantity(0.0, "rad/s", 0.0, 1.0)
     joint_noise_rad: float = quantity(0.0, "rad", 0.0, 0.2)
+
+
+@dataclass(frozen=True)
+class Wind:
+    """Moving air, and the force it exerts on the base; air at rest exerts none."""
+
+    velocity_m_s: tuple[float, ...] = quantity((0.0, 0.0, 0.0), "m/s", -20.0, 20.0, length=3)
+    # Gusts: an Ornstein-Uhlenbeck process on each axis, by standard deviation and correlation time.
+    gust_m_s: tuple[float, ...] = quantity((0.0, 0.0, 0.0), "m/s", 0.0, 10.0, length=3)
+    gust_correlation_s: float = quantity(1.0, "s", 0.05, 100.0)
+    # quadratic |v_r| v_r + linear v_r, for the air's velocity v_r as the base feels it.
+    quadratic_drag_n_s2_m2: float = quantity(0.25, "N s^2/m^2", 0.0, 10.0)
+    linear_drag_n_s_m: float = quantity(0.15, "N s/m", 0.0, 10.0)
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A point mass at the end-effector, which no controller knows of."""
+
+    mass_kg: float = quantity(0.0, "kg", 0.0, 2.0)
 
 
 @dataclass(frozen=True)
@@ -173,6 +131,12 @@ class Residual:
     checkpoint: str = file()
     learning_rate: float = quantity(0.0015, "1", 0.0, 1.0)
     batch: int = quantity(20, "samples", 1, 1000)
+    # Guards of online learning. Bounds of 0 do not bound: with all of them 0 and
+    # freeze_saturated false the last layer learns as the paper prints it.
+    max_step: float = quantity(0.02, "m/s", 0.0, 100.0)
+    max_drift: float = quantity(1.0, "m/s", 0.0, 100.0)
+    max_error_m_s: float = quantity(0.5, "m/s", 0.0, 100.0)
+    freeze_saturated: bool = True
 
 
 @dataclass(frozen=True)
@@ -233,6 +197,8 @@ class Scenario:
     reference: Reference = Hover()
     vehicle: Vehicle = Vehicle()
     sensors: Sensors = Sensors()
+    wind: Wind = Wind()
+    payload: Payload = Payload()
     flight: Flight = Flight()
     arm: Arm = Arm()
     model: Model = Model()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import dataclasses
 
 from aerodrake.errors import BadInput
-from aerodrake.scenario import Scenario, Waypoints
+from aerodrake.reference_kinds import Waypoints
+from aerodrake.scenario import Scenario
 
 
 def check(scenario: Scenario, source: object) -> None:

@@ -31,7 +31,8 @@ def vehicle(scenario) -> Vehicle:
 @pytest.fixture(scope="session")
 def short_flight():
     """A scenario that has something of everything, and the log of its flight of 0.6 s."""
-    from aerodrake.scenario import Clover, Residual
+    from aerodrake.reference_kinds import Clover
+    from aerodrake.scenario import Residual, Scenario
     from aerodrake.simulate import Flight
 
     scenario = Scenario(

@@ -10,7 +10,8 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 import aerodrake
-from aerodrake.scenario import Clover, Mpc, Residual, Scenario, Sensors
+from aerodrake.reference_kinds import Clover
+from aerodrake.scenario import Mpc, Residual, Scenario, Sensors
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.threads import single_thread

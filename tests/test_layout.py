@@ -18,6 +18,7 @@ STOREYS = {
         "__init__",
         "errors",
         "files",
+        "reference_kinds",
         "schema",
         "scenario",
         "scenario_file",
@@ -26,8 +27,18 @@ STOREYS = {
     ),
     1: ("model",),
     2: ("systems",),
-    3: ("station",),
-    4: ("simulate", "flight_log", "summary", "report", "replay", "run_folder", "graph"),
+    3: ("station", "open_loop"),
+    4: (
+        "simulate",
+        "flight_log",
+        "summary",
+        "report",
+        "replay",
+        "run_folder",
+        "graph",
+        "processes",
+        "excitation",
+    ),
     5: ("cli", "__main__"),
 }
 

@@ -7,7 +7,8 @@ import typing
 import pytest
 
 from aerodrake.errors import BadInput
-from aerodrake.scenario import Hover, Reference, Scenario
+from aerodrake.reference_kinds import Hover, Reference
+from aerodrake.scenario import Scenario
 from aerodrake.schema import as_mapping, build
 
 KINDS = [reference() for reference in typing.get_args(Reference)]
@@ -70,11 +71,11 @@ def test_nothing_but_defaults(scenario):
 
 
 def test_every_key_is_declared():
-    """Numbers with unit and finite range, strings with their choices or as files."""
+    """Numbers with unit and finite range, strings with their choices or as files, switches."""
     for _, key, field, value in LEAVES:
         if isinstance(value, str):
             assert key == "name" or field.metadata.keys() & {"options", "file"}, key
-        else:
+        elif not isinstance(value, bool):
             low, high, length = (field.metadata[k] for k in ("low", "high", "length"))
             assert field.metadata["unit"] and math.isfinite(low) and math.isfinite(high), key
             assert low < high, key

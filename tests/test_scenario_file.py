@@ -10,7 +10,8 @@ import pytest
 
 from aerodrake.errors import BadInput
 from aerodrake.model.waypoints import read_waypoints
-from aerodrake.scenario import Clover, Model, Scenario, Waypoints
+from aerodrake.reference_kinds import Clover, Waypoints
+from aerodrake.scenario import Model, Scenario
 from aerodrake.scenario_file import (
     MAX_FILE_BYTES,
     load_scenario,

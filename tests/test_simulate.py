@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import aerodrake.simulate
-from aerodrake.scenario import Hover, MovingTarget, Rates, Rotor, Scenario, Sensors, Vehicle
+from aerodrake.reference_kinds import Hover, MovingTarget
+from aerodrake.scenario import Rates, Rotor, Scenario, Sensors, Vehicle
 from aerodrake.simulate import Flight
 from aerodrake.summary import summarize, to_json
 

@@ -7,7 +7,8 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.kinematics import Kinematics
-from aerodrake.scenario import MovingTarget, Scenario, Sensors
+from aerodrake.reference_kinds import MovingTarget
+from aerodrake.scenario import Scenario, Sensors
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context, make_coordinator, make_station
 

@@ -9,7 +9,8 @@ import pytest
 from aerodrake.flight_log import FlightLog
 from aerodrake.model.qp import QpStatus
 from aerodrake.model.weight_allocation import Mode
-from aerodrake.scenario import Clover, Hover, MovingTarget, Rates, Scenario
+from aerodrake.reference_kinds import Clover, Hover, MovingTarget
+from aerodrake.scenario import Rates, Scenario
 from aerodrake.summary import summarize, to_json
 
 PERIOD_S = 0.01

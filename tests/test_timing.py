@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.scenario import MovingTarget
+from aerodrake.reference_kinds import MovingTarget
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.flight_controller import FlightController

@@ -17,7 +17,7 @@ import numpy as np
 from aerodrake.files import locate
 from aerodrake.model.diameter import path_diameter
 from aerodrake.model.waypoints import interpolate_waypoints, read_waypoints
-from aerodrake.scenario import (
+from aerodrake.reference_kinds import (
     Clover,
     FigureEight,
     Hover,

@@ -5,7 +5,8 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.mpc import MpcInputs
-from aerodrake.scenario import Clover, Mpc, Scenario
+from aerodrake.reference_kinds import Clover
+from aerodrake.scenario import Mpc, Scenario
 from aerodrake.station import make_closed_loop, make_context
 
 FLOWN_S = 2.6

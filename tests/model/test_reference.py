@@ -15,7 +15,7 @@ from aerodrake.model.reference import (
     common_period,
     make_reference,
 )
-from aerodrake.scenario import Clover, FigureEight, Hover, Lissajous, MovingTarget, Waypoints
+from aerodrake.reference_kinds import Clover, FigureEight, Hover, Lissajous, MovingTarget, Waypoints
 
 START = np.array([0.0, 0.2, 1.2])
 CSV = Path(__file__).parents[2] / "aerodrake" / "scenarios" / "waypoints.csv"

@@ -13,7 +13,7 @@ from scipy.spatial.distance import pdist
 from aerodrake.errors import BadInput
 from aerodrake.model.reference import make_reference
 from aerodrake.model.waypoints import MAX_FILE_BYTES, interpolate_waypoints, read_waypoints
-from aerodrake.scenario import Waypoints
+from aerodrake.reference_kinds import Waypoints
 
 START = np.array([0.0, 0.2, 1.2])
 PACKAGED = Path(__file__).parents[2] / "aerodrake" / "scenarios" / "waypoints.csv"

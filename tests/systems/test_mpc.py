@@ -12,8 +12,9 @@ from aerodrake.model.mpc import MpcFormulation, MpcInputs
 from aerodrake.model.qp import QpStatus
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.reference_kinds import Lissajous
 from aerodrake.scenario import Flight as FlightGains
-from aerodrake.scenario import Lissajous, Model, Mpc
+from aerodrake.scenario import Model, Mpc
 from aerodrake.simulate import Flight
 from aerodrake.systems.mpc import MpcSystem
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aerodrake.model.reference import make_reference
-from aerodrake.scenario import Clover, Hover, MovingTarget
+from aerodrake.reference_kinds import Clover, Hover, MovingTarget
 from aerodrake.systems.reference import ReferenceSystem
 
 START = np.array([0.0, 0.2, 1.2])

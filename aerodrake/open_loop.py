@@ -1,0 +1,34 @@
+"""The station flown along prescribed setpoints, without a coordinator."""
+
+from __future__ import annotations
+
+from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.primitives import TrajectorySource
+from pydrake.trajectories import Trajectory
+
+from aerodrake.scenario import Scenario
+from aerodrake.station import make_station
+
+
+def make_open_loop(scenario: Scenario, base: Trajectory, joints: Trajectory) -> Diagram:
+    """The station behind two sources in the coordinator's place.
+
+    Outputs: all of the station's, and `base_setpoint` (9) and `joint_setpoint` (3 n).
+
+    Args:
+        scenario: Whose station it is.
+        base: (3,) m, p_d over time.
+        joints: (n,) rad, q_d over time.
+    """
+    builder = DiagramBuilder()
+    station = builder.AddSystem(make_station(scenario))
+    for i in range(station.num_output_ports()):
+        port = station.get_output_port(i)
+        builder.ExportOutput(port, port.get_name())
+    for port, trajectory in (("base_setpoint", base), ("joint_setpoint", joints)):
+        source = builder.AddNamedSystem(port, TrajectorySource(trajectory, 2))
+        builder.Connect(source.get_output_port(), station.GetInputPort(port))
+        builder.ExportOutput(source.get_output_port(), port)
+    diagram = builder.Build()
+    diagram.set_name("open_loop")
+    return diagram
