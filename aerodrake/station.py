@@ -3,8 +3,8 @@
 The *station* is what hardware would replace: plant, rotors, sensors and the
 low-level controllers. The *coordinator* is what runs on a companion computer:
 reference, kinematics, weight allocator, residual estimator, MPC and setpoint
-integrator. They meet in three signals: `state`, `base_setpoint` and
-`joint_setpoint`.
+integrator. They meet in four signals: `state` and `saturated` one way,
+`base_setpoint` and `joint_setpoint` the other.
 
     event                           period, offset (defaults)     kind
     plant, rotors                   1 ms                          discrete
@@ -17,7 +17,8 @@ integrator. They meet in three signals: `state`, `base_setpoint` and
 
 The low-level controllers run half a plant step after a sample: late enough to
 see what the MPC commanded at it, in time for the plant's next step, and never
-at an instant whose order with the plant's would be a matter of rounding.
+at an instant whose order with the plant's would be a matter of rounding. What
+the coordinator learns of them at a sample is of their command before.
 """
 
 from __future__ import annotations
@@ -61,8 +62,8 @@ def make_station(scenario: Scenario) -> Diagram:
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
     Outputs: `state` (13 + 2 n), as measured; `true_state`; `thrust` and
-    `thrust_command` (k) N; `joint_torque` (n) N m; `disturbance` (6); `query_object`,
-    geometry for visualizers.
+    `thrust_command` (k) N; `joint_torque` (n) N m; `disturbance` (6); `saturated`
+    (1), of the flight controller; `query_object`, geometry for visualizers.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
@@ -146,6 +147,7 @@ def make_station(scenario: Scenario) -> Diagram:
     builder.ExportOutput(flight_controller.GetOutputPort("thrust_command"), "thrust_command")
     builder.ExportOutput(arm_controller.GetOutputPort("joint_torque"), "joint_torque")
     builder.ExportOutput(flight_controller.GetOutputPort("disturbance"), "disturbance")
+    builder.ExportOutput(flight_controller.GetOutputPort("saturated"), "saturated")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     return _named(builder.Build(), "station")
 
@@ -153,12 +155,12 @@ def make_station(scenario: Scenario) -> Diagram:
 def make_coordinator(scenario: Scenario) -> Diagram:
     """Reference, kinematics, allocator, residual estimator, MPC and setpoint integrator.
 
-    Input: `state` (13 + 2 n), as measured.
+    Inputs: `state` (13 + 2 n), as measured; `saturated` (1), of the flight controller.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n); `reference` (6), `weights`
     (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (2), `delta` (3),
     `prediction_error` (3), `nominal_prediction_error` (3).
     """
-    period, residual = scenario.rates.mpc_period_s, scenario.residual
+    period = scenario.rates.mpc_period_s
     vehicle = Vehicle.load(scenario)
     n = vehicle.joints
     model = EquivalentModel.make(scenario.model.kind, scenario.model.k_b, period, n)
@@ -182,9 +184,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     )
     residual_estimator = builder.AddNamedSystem(
         "residual_estimator",
-        ResidualEstimator(
-            network_for(scenario, n), model, residual.mode, residual.learning_rate, residual.batch
-        ),
+        ResidualEstimator(network_for(scenario, n), model, scenario.residual),
     )
     mpc = builder.AddNamedSystem(
         "mpc", MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
@@ -224,6 +224,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     builder.ExportInput(kinematics.GetInputPort("state"), "state")
     builder.ConnectInput("state", mpc.GetInputPort("state"))
     builder.ConnectInput("state", residual_estimator.GetInputPort("state"))
+    builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")
     for system, ports in (
         (setpoint_integrator, ("base_setpoint", "joint_setpoint")),
         (reference, ("reference",)),
@@ -244,7 +245,8 @@ def make_closed_loop(scenario: Scenario) -> Diagram:
     builder = DiagramBuilder()
     station = builder.AddSystem(make_station(scenario))
     coordinator = builder.AddSystem(make_coordinator(scenario))
-    builder.Connect(station.GetOutputPort("state"), coordinator.GetInputPort("state"))
+    for port in ("state", "saturated"):
+        builder.Connect(station.GetOutputPort(port), coordinator.GetInputPort(port))
     for port in ("base_setpoint", "joint_setpoint"):
         builder.Connect(coordinator.GetOutputPort(port), station.GetInputPort(port))
     for side in (station, coordinator):
