@@ -13,7 +13,7 @@ KEYS = [key for parts in PORTS.values() for key, _ in parts]
 
 DIMENSIONLESS = {
     "quaternion", "measured_quaternion", "gamma", "mode", "w_q", "w_m", "w_d",
-    "qp_status", "qp_iterations",
+    "qp_status", "qp_iterations", "saturated",
 }  # fmt: skip
 
 

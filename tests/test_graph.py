@@ -141,7 +141,7 @@ def test_mermaid_depth(closed_loop):
     shallow = to_mermaid(closed_loop, 1)
     assert nodes(shallow) == {"station", "coordinator"}
     assert arrows(shallow) == {
-        ("station", "coordinator"): "state",
+        ("station", "coordinator"): "saturated<br/>state",
         ("coordinator", "station"): "base_setpoint<br/>joint_setpoint",
     }
     assert to_mermaid(closed_loop, 9) == to_mermaid(closed_loop, DEPTH)

@@ -24,6 +24,7 @@ STATION_OUTPUTS = {
     "thrust_command": ROTORS,
     "joint_torque": JOINTS,
     "disturbance": 6,
+    "saturated": 1,
     "query_object": 0,
 }
 SETPOINTS = {"base_setpoint": 9, "joint_setpoint": 3 * JOINTS}
@@ -59,7 +60,7 @@ def ports(diagram) -> tuple[dict[str, int], dict[str, int]]:
 def test_ports(station, closed_loop, scenario):
     coordinator = make_coordinator(replace(scenario, mpc=replace(scenario.mpc, horizon=N)))
     assert ports(station) == (SETPOINTS, STATION_OUTPUTS)
-    assert ports(coordinator) == ({"state": STATE}, COORDINATOR_OUTPUTS)
+    assert ports(coordinator) == ({"state": STATE, "saturated": 1}, COORDINATOR_OUTPUTS)
     assert scenario.mpc.horizon == N
     assert ports(closed_loop) == ({}, STATION_OUTPUTS | COORDINATOR_OUTPUTS)
 
@@ -154,6 +155,28 @@ def test_what_lifts_the_vehicle_is_the_thrust_of_lagging_rotors(station, vehicle
     assert (climb() - before) / 0.001 == pytest.approx(lift / 3.8 - 9.81, abs=1e-3)
 
 
+def test_saturation_is_told_from_the_command_after_the_sample(station, vehicle):
+    """Half a plant step after it, until a command can be given in full again."""
+    context = make_context(station, 0)
+    base, joints = hovering(vehicle)
+    base[2] += 10.0
+    station.GetInputPort("base_setpoint").FixValue(context, base)
+    station.GetInputPort("joint_setpoint").FixValue(context, joints)
+    simulator = Simulator(station, context)
+    saturated = station.GetOutputPort("saturated")
+    assert saturated.Eval(context) == 0
+    simulator.AdvanceTo(0.0004)
+    assert saturated.Eval(context) == 0
+    simulator.AdvanceTo(0.0006)
+    assert saturated.Eval(context) == 1
+    base[2:] = vehicle.p_B[2], *np.zeros(6)
+    station.GetInputPort("base_setpoint").FixValue(context, base)
+    simulator.AdvanceTo(0.0104)
+    assert saturated.Eval(context) == 1
+    simulator.AdvanceTo(1.0)
+    assert saturated.Eval(context) == 0
+
+
 @pytest.mark.parametrize("joint", range(JOINTS))
 def test_a_swing_of_one_joint_hardly_moves_the_base(station, vehicle, joint):
     """1 rad in 1 s, towards the middle of the joint's range."""
@@ -199,6 +222,7 @@ def coordinate(scenario, vehicle, duration: float):
     coordinator = make_coordinator(scenario)
     context = make_context(coordinator, 0)
     coordinator.GetInputPort("state").FixValue(context, vehicle.trim_state)
+    coordinator.GetInputPort("saturated").FixValue(context, [0.0])
     simulator = Simulator(coordinator, context)
     rows = {port: [] for port in ("base_setpoint", "joint_setpoint", "u")}
     for k in range(round(duration / 0.01)):

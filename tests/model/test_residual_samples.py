@@ -9,9 +9,11 @@ from pydrake.systems.primitives import LogVectorOutput, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
 from aerodrake.model.equivalent_model import AXIS_MODELS, EquivalentModel
+from aerodrake.model.online_learner import OnlineLearner
 from aerodrake.model.residual_network import ResidualNetwork
 from aerodrake.model.residual_samples import residual_samples
 from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario import Residual
 from aerodrake.systems.residual_estimator import ResidualEstimator
 
 JOINTS, DT = 6, 0.02
@@ -38,18 +40,23 @@ def before_the_tick(setpoint: np.ndarray, order: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", list(AXIS_MODELS))
-def test_samples_are_those_of_the_estimator_in_a_diagram(kind):
-    """Its Delta is that of the features, its nominal error the target's opposite."""
-    ticks, model, network = 12, equivalent_model(kind), ResidualNetwork.untrained(JOINTS, 3)
+def test_a_recorded_flight_is_that_of_the_estimator_in_a_diagram(kind):
+    """Its targets are the nominal errors' opposites, and its Delta is learned alike."""
+    ticks, model, network = 60, equivalent_model(kind), ResidualNetwork.untrained(JOINTS, 3)
     with torch.no_grad():
         network.last.weight.fill_(0.1)
+    config = Residual(mode="online", learning_rate=0.05, batch=7, max_step=0.05, max_drift=0.3,
+                      max_error_m_s=1.0)  # fmt: skip
     state, base, joints = recorded(ticks)
+    saturated = np.random.default_rng(9).uniform(size=ticks) < 0.2
+    saturated[1] = True  # The recorded flight lacks the first sample.
     builder = DiagramBuilder()
-    estimator = builder.AddSystem(ResidualEstimator(network, model, "offline", 0.01, 20))
+    estimator = builder.AddSystem(ResidualEstimator(network, model, config))
     for port, rows in (
         ("state", state),
         ("base_setpoint", before_the_tick(base, 3)),
         ("joint_setpoint", before_the_tick(joints, JOINTS)),
+        ("saturated", saturated[:, None].astype(float)),
     ):
         # A tick falls in the middle of its row's interval.
         held = PiecewisePolynomial.ZeroOrderHold(
@@ -66,14 +73,19 @@ def test_samples_are_those_of_the_estimator_in_a_diagram(kind):
 
     features, targets = residual_samples(model, state, base, joints)
     assert features.shape == (ticks - 2, 12 + 3 * JOINTS) and targets.shape == (ticks - 2, 3)
-    delta = deltas.FindLog(simulator.get_context()).data().T
-    expected = network.phi(features) @ network.last_layer().T
-    np.testing.assert_allclose(delta[1:-1], expected, rtol=0, atol=1e-14)
     # The error of the sample that began at k is there after the tick k+1: logged at k+2.
     error = errors.FindLog(simulator.get_context()).data().T
     np.testing.assert_array_equal(-error[3:], targets[:-1])
     context = estimator.GetMyContextFromRoot(simulator.get_context())
     np.testing.assert_array_equal(-nominal_error.Eval(context), targets[-1])
+
+    gain = model.C[model.base_velocity].diagonal()
+    learner = OnlineLearner(config, network.last_layer(), gain)
+    phi = np.array([network.phi(row) for row in features])  # In one call it rounds otherwise.
+    expected = learner.run(phi, targets, saturated[2:])
+    delta = deltas.FindLog(simulator.get_context()).data().T
+    np.testing.assert_array_equal(delta[1:-1], expected)
+    assert (kind == "integral") == np.array_equal(expected[-1], learner.theta_offline @ phi[-1])
 
 
 def test_features_are_the_state_now_and_the_input_before():
