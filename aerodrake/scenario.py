@@ -132,10 +132,9 @@ class Residual:
     learning_rate: float = quantity(0.0015, "1", 0.0, 1.0)
     batch: int = quantity(20, "samples", 1, 1000)
     # Guards of online learning. Bounds of 0 do not bound: with all of them 0 and
-    # freeze_saturated false the last layer learns as the paper prints it. In the _paper
-    # scenarios it does so with steps of theta up to 0.0011, a drift of theta from the trained
-    # layer up to 0.03 and errors of that layer up to 0.32 m/s, at their start; at ten times
-    # their learning rate with 0.006, 0.12 and 0.32.
+    # freeze_saturated false the last layer learns as the paper prints it. The _paper scenarios
+    # then see steps of theta up to 0.0011, drifts from the offline layer up to 0.03 and errors
+    # of that layer up to 0.27 m/s; at ten times their learning rate, 0.006, 0.12 and 0.27.
     max_step: float = quantity(0.01, "m/s", 0.0, 100.0)
     max_drift: float = quantity(0.3, "m/s", 0.0, 100.0)
     max_error_m_s: float = quantity(0.5, "m/s", 0.0, 100.0)
