@@ -10,7 +10,7 @@ integrator. They meet in three signals: `state`, `base_setpoint` and
     plant, rotors                   1 ms                          discrete
     sensors, sensor_noise,
     gust_noise                      10 ms                         unrestricted, so first
-    air, wind_force                 10 ms, none in air at rest    discrete
+    air, wind_force (if any wind)   10 ms                         discrete
     mpc, residual_estimator,
     weight_allocator,
     setpoint_integrator             20 ms                         discrete
@@ -115,7 +115,6 @@ def make_station(scenario: Scenario) -> Diagram:
             RandomDistribution.kGaussian, noise_size(vehicle.joints), rates.sensor_period_s
         ),
     )
-    # After the sensors' noise, which is thus the same with wind and without.
     wind = builder.AddSystem(
         make_wind(scenario.wind, vehicle.joints, base.index(), rates.sensor_period_s)
     )

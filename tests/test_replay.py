@@ -2,12 +2,14 @@
 
 import base64
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.replay import write_replay
+from aerodrake.scenario import Payload
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +45,13 @@ def test_it_has_the_vehicle_its_reference_and_its_trace(page):
         assert name in said
     for body in (b"base", b"tool"):
         assert body in said
+
+
+def test_it_has_the_payload_if_there_is_one(page, short_flight, tmp_path):
+    scenario, log = short_flight
+    assert b"visualizer/payload" not in messages(page)
+    write_replay(log, replace(scenario, payload=Payload(mass_kg=0.2)), tmp_path / "loaded.html")
+    assert b"visualizer/payload" in messages((tmp_path / "loaded.html").read_text(encoding="utf-8"))
 
 
 def test_it_has_the_motion(page):

@@ -298,8 +298,7 @@ def test_a_steady_wind_is_leant_into(scenario, vehicle):
     np.testing.assert_allclose(state.p_B, base[:3], atol=1e-4)
 
 
-def test_wind_changes_nothing_but_its_force(scenario):
-    """Not the sensors' noise: its draws come first."""
+def test_the_sensors_noise_is_the_same_in_any_wind(scenario):
     noisy = replace(scenario, sensors=Sensors(position_noise_m=0.01))
     draws = []
     for wind in (Wind(), Wind(velocity_m_s=(2.0, 0.0, 0.0), gust_m_s=(1.0, 1.0, 1.0))):
