@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
         save_scenario(scenario, folder)
         log.save(folder / "log.npz")
         plot_tracking(log, f"{scenario.name}, seed {scenario.seed}", folder / "tracking.png")
-        write_replay(log, scenario.vehicle.robot, folder / "replay.html")
+        write_replay(log, scenario, folder / "replay.html")
     say(table(summary, scenario.reference.kind))
     say(f"\n{target}: summary.json, log.npz, scenario.yaml, tracking.png, replay.html")
     return 0 if log.exit_reason == "completed" else 1

@@ -33,6 +33,7 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "joint_torque": (("joint_torque_n_m", "n"),),
     "disturbance": (("disturbance_m_s2", "3"), ("disturbance_rad_s2", "3")),
     "saturated": (("saturated", "1"),),
+    "wind_force": (("wind_force_n", "3"),),
     "weights": (("gamma", "1"), ("mode", "1"), ("w_q", "1"), ("w_m", "1"), ("w_d", "1")),
     "prediction": (("predicted_p_E_m", "3(N+1)"),),
     "status": (("qp_status", "1"), ("qp_iterations", "1")),

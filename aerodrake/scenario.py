@@ -64,7 +64,11 @@ class Sensors:
 
 @dataclass(frozen=True)
 class Wind:
-    """Moving air, and the force it exerts on the base; air at rest exerts none."""
+    """Moving air, and the force it exerts at the base's origin, in the world frame.
+
+    Air at rest, with neither wind nor gusts, exerts none, not even on a base that
+    flies through it.
+    """
 
     velocity_m_s: tuple[float, ...] = quantity((0.0, 0.0, 0.0), "m/s", -20.0, 20.0, length=3)
     # Gusts: an Ornstein-Uhlenbeck process on each axis, by standard deviation and correlation time.
@@ -77,7 +81,7 @@ class Wind:
 
 @dataclass(frozen=True)
 class Payload:
-    """A point mass at the end-effector, which no controller knows of."""
+    """A small steel ball at the end-effector, which no controller knows of."""
 
     mass_kg: float = quantity(0.0, "kg", 0.0, 2.0)
 

@@ -1,14 +1,16 @@
 """All wiring: the station, the coordinator, and the closed loop of the two.
 
-The *station* is what hardware would replace: plant, rotors, sensors and the
-low-level controllers. The *coordinator* is what runs on a companion computer:
+The *station* is what hardware would replace: plant, rotors, wind, sensors and
+the low-level controllers. The *coordinator* is what runs on a companion computer:
 reference, kinematics, weight allocator, residual estimator, MPC and setpoint
 integrator. They meet in four signals: `state` and `saturated` one way,
 `base_setpoint` and `joint_setpoint` the other.
 
     event                           period, offset (defaults)     kind
     plant, rotors                   1 ms                          discrete
-    sensors, sensor_noise           10 ms                         unrestricted, so first
+    sensors, sensor_noise,
+    gust_noise                      10 ms                         unrestricted, so first
+    air, wind_force (if any wind)   10 ms                         discrete
     mpc, residual_estimator,
     weight_allocator,
     setpoint_integrator             20 ms                         discrete
@@ -30,9 +32,14 @@ import numpy as np
 from pydrake.common import RandomDistribution, RandomGenerator
 from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import MultibodyPlant, Propeller, PropellerInfo
+from pydrake.multibody.plant import (
+    ExternallyAppliedSpatialForceMultiplexer,
+    MultibodyPlant,
+    Propeller,
+    PropellerInfo,
+)
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
-from pydrake.systems.primitives import RandomSource, TrajectorySource
+from pydrake.systems.primitives import AffineSystem, RandomSource, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
 from aerodrake.model.checkpoint import network_for
@@ -40,6 +47,7 @@ from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.payload import add_payload
 from aerodrake.model.reference import make_reference
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.thrust_allocation import ThrustAllocation
@@ -55,15 +63,17 @@ from aerodrake.systems.rotors import make_rotors
 from aerodrake.systems.sensors import SensorSystem, noise_size
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
+from aerodrake.wind import make_wind
 
 
 def make_station(scenario: Scenario) -> Diagram:
-    """Plant, rotors, sensors, and flight and arm controllers.
+    """Plant, rotors, wind, sensors, and flight and arm controllers.
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
     Outputs: `state` (13 + 2 n), as measured; `true_state`; `thrust` and
-    `thrust_command` (k) N; `joint_torque` (n) N m; `disturbance` (6); `saturated`
-    (1), of the flight controller; `query_object`, geometry for visualizers.
+    `thrust_command` (k) N; `joint_torque` (n) N m; `disturbance` (6) and `saturated`
+    (1), of the flight controller; `wind_force` (3) N on the base, in the world;
+    `query_object`, geometry for visualizers.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
@@ -73,6 +83,7 @@ def make_station(scenario: Scenario) -> Diagram:
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant.RegisterAsSourceForSceneGraph(scene_graph)
     add_robot(plant, scenario.vehicle.robot)
+    add_payload(plant, scenario.payload.mass_kg)
     add_ground(plant)
     plant.SetUseSampledOutputPorts(False)  # With them a step would be an unrestricted update.
     plant.Finalize()
@@ -106,6 +117,10 @@ def make_station(scenario: Scenario) -> Diagram:
             RandomDistribution.kGaussian, noise_size(vehicle.joints), rates.sensor_period_s
         ),
     )
+    wind = builder.AddSystem(
+        make_wind(scenario.wind, vehicle.joints, base.index(), rates.sensor_period_s)
+    )
+    forces = builder.AddNamedSystem("forces", ExternallyAppliedSpatialForceMultiplexer(2))
     flight_controller = builder.AddNamedSystem(
         "flight_controller",
         FlightController(
@@ -130,9 +145,10 @@ def make_station(scenario: Scenario) -> Diagram:
     connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
     connect(rotors.get_output_port(), propellers.get_command_input_port())
     connect(plant.get_body_poses_output_port(), propellers.get_body_poses_input_port())
-    connect(
-        propellers.get_spatial_forces_output_port(), plant.get_applied_spatial_force_input_port()
-    )
+    connect(propellers.get_spatial_forces_output_port(), forces.get_input_port(0))
+    connect(plant.get_state_output_port(), wind.GetInputPort("true_state"))
+    connect(wind.GetOutputPort("spatial_forces"), forces.get_input_port(1))
+    connect(forces.get_output_port(), plant.get_applied_spatial_force_input_port())
     connect(arm_controller.GetOutputPort("joint_torque"), plant.get_actuation_input_port())
     connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
     connect(sensor_noise.get_output_port(), sensors.GetInputPort("noise"))
@@ -141,14 +157,17 @@ def make_station(scenario: Scenario) -> Diagram:
 
     builder.ExportInput(flight_controller.GetInputPort("base_setpoint"), "base_setpoint")
     builder.ExportInput(arm_controller.GetInputPort("joint_setpoint"), "joint_setpoint")
-    builder.ExportOutput(sensors.GetOutputPort("state"), "state")
     builder.ExportOutput(plant.get_state_output_port(), "true_state")
     builder.ExportOutput(rotors.get_output_port(), "thrust")
-    builder.ExportOutput(flight_controller.GetOutputPort("thrust_command"), "thrust_command")
-    builder.ExportOutput(arm_controller.GetOutputPort("joint_torque"), "joint_torque")
-    builder.ExportOutput(flight_controller.GetOutputPort("disturbance"), "disturbance")
-    builder.ExportOutput(flight_controller.GetOutputPort("saturated"), "saturated")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
+    for system, ports in (
+        (sensors, ("state",)),
+        (flight_controller, ("thrust_command", "disturbance", "saturated")),
+        (arm_controller, ("joint_torque",)),
+        (wind, ("wind_force",)),
+    ):
+        for port in ports:
+            builder.ExportOutput(system.GetOutputPort(port), port)
     return _named(builder.Build(), "station")
 
 
@@ -257,11 +276,11 @@ def make_closed_loop(scenario: Scenario) -> Diagram:
 
 
 def make_context(diagram: Diagram, seed: int) -> Context:
-    """A Context of any of these diagrams, in trim, with its noise drawn from `seed`."""
+    """A Context of any of these diagrams, in trim, with its noise and gusts drawn from `seed`."""
     context = diagram.CreateDefaultContext()
     generator = RandomGenerator(seed)
     for system in _leaves(diagram):
-        if isinstance(system, RandomSource):
+        if isinstance(system, (RandomSource, AffineSystem)):
             system.SetRandomContext(system.GetMyMutableContextFromRoot(context), generator)
     return context
 

@@ -27,7 +27,7 @@ STOREYS = {
     ),
     1: ("model",),
     2: ("systems",),
-    3: ("station", "open_loop"),
+    3: ("station", "open_loop", "wind"),
     4: (
         "simulate",
         "flight_log",
