@@ -2,14 +2,14 @@
 
 The *station* is what hardware would replace: plant, rotors, sensors and the
 low-level controllers. The *coordinator* is what runs on a companion computer:
-reference, kinematics, weight allocator, residual estimator, MPC and setpoint
-integrator. They meet in three signals: `state`, `base_setpoint` and
+reference, kinematics, weight allocator, residual estimator, MPC (or CLIK) and
+setpoint integrator. They meet in three signals: `state`, `base_setpoint` and
 `joint_setpoint`.
 
     event                           period, offset (defaults)     kind
     plant, rotors                   1 ms                          discrete
     sensors, sensor_noise           10 ms                         unrestricted, so first
-    mpc, residual_estimator,
+    mpc or clik, residual_estimator,
     weight_allocator,
     setpoint_integrator             20 ms                         discrete
     flight_controller               10 ms, after 0.5 ms           discrete
@@ -35,6 +35,7 @@ from pydrake.systems.primitives import RandomSource, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
 from aerodrake.model.checkpoint import network_for
+from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
@@ -45,6 +46,7 @@ from aerodrake.model.thrust_allocation import ThrustAllocation
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
 from aerodrake.scenario import Scenario
 from aerodrake.systems.arm_controller import ArmController
+from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.kinematics import KinematicsSystem
 from aerodrake.systems.mpc import MpcSystem
@@ -151,7 +153,7 @@ def make_station(scenario: Scenario) -> Diagram:
 
 
 def make_coordinator(scenario: Scenario) -> Diagram:
-    """Reference, kinematics, allocator, residual estimator, MPC and setpoint integrator.
+    """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
     Input: `state` (13 + 2 n), as measured.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n); `reference` (6), `weights`
@@ -186,8 +188,12 @@ def make_coordinator(scenario: Scenario) -> Diagram:
             network_for(scenario, n), model, residual.mode, residual.learning_rate, residual.batch
         ),
     )
-    mpc = builder.AddNamedSystem(
-        "mpc", MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
+    # Named `mpc` or `clik`; the ports are the same.
+    controller = builder.AddNamedSystem(
+        scenario.controller,
+        MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
+        if scenario.controller == "mpc"
+        else ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, limits, vehicle)),
     )
     setpoint_integrator = builder.AddNamedSystem(
         "setpoint_integrator",
@@ -209,26 +215,26 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         )
 
     connect(reference, "reference", kinematics)
-    connect(reference, "horizon", mpc)
+    connect(reference, "horizon", controller)
     connect(reference, "d_g", weight_allocator)
     connect(kinematics, "distances", weight_allocator)
-    connect(kinematics, "end_effector", mpc)
-    connect(weight_allocator, "weights", mpc)
-    connect(residual_estimator, "delta", mpc)
-    connect(mpc, "u", setpoint_integrator)
+    connect(kinematics, "end_effector", controller)
+    connect(weight_allocator, "weights", controller)
+    connect(residual_estimator, "delta", controller)
+    connect(controller, "u", setpoint_integrator)
     builder.Connect(enable.get_output_port(), setpoint_integrator.GetInputPort("enable"))
-    for consumer in (mpc, residual_estimator):
+    for consumer in (controller, residual_estimator):
         connect(setpoint_integrator, "base_setpoint", consumer)
         connect(setpoint_integrator, "joint_setpoint", consumer)
 
     builder.ExportInput(kinematics.GetInputPort("state"), "state")
-    builder.ConnectInput("state", mpc.GetInputPort("state"))
+    builder.ConnectInput("state", controller.GetInputPort("state"))
     builder.ConnectInput("state", residual_estimator.GetInputPort("state"))
     for system, ports in (
         (setpoint_integrator, ("base_setpoint", "joint_setpoint")),
         (reference, ("reference",)),
         (weight_allocator, ("weights",)),
-        (mpc, ("u", "prediction", "status")),
+        (controller, ("u", "prediction", "status")),
         (residual_estimator, ("delta", "prediction_error", "nominal_prediction_error")),
     ):
         for port in ports:
