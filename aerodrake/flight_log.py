@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "true_state": (
@@ -84,6 +86,12 @@ class FlightLog:
         return np.linalg.norm(self["p_E_m"] - self["p_Ed_m"], axis=1)
 
     @property
+    def p_EB_m(self) -> np.ndarray:
+        """(T, 3) the end-effector in the base frame."""
+        attitude = Rotation.from_quat(self["quaternion"], scalar_first=True)
+        return attitude.apply(self["p_E_m"] - self["p_B_m"], inverse=True)
+
+    @property
     def base_error_m(self) -> np.ndarray:
         """(T,) distance of the base from its setpoint."""
         return np.linalg.norm(self["p_B_m"] - self["p_Bd_m"], axis=1)
@@ -91,6 +99,13 @@ class FlightLog:
     def save(self, path: Path) -> None:
         """Writes the signals as a compressed `.npz`."""
         np.savez_compressed(path, **self.signals)
+
+    @classmethod
+    def read(cls, path: Path, summary: Mapping[str, Any]) -> FlightLog:
+        """What `save` wrote, with how it ended from the flight's summary."""
+        with np.load(path, allow_pickle=False) as arrays:
+            signals = dict(arrays)
+        return cls(signals, summary["exit_reason"], summary["exit_cause"], summary["wall_s"])
 
 
 def split_port(port: str, rows: np.ndarray) -> dict[str, np.ndarray]:

@@ -175,7 +175,7 @@ class Clik:
     # How fast the arm returns to the centre of its learning space while the base makes up for it.
     centring_1_s: float = quantity(4.0, "1/s", 0.0, 50.0)
     # Of the first-order loop from wanted to commanded velocity; 1 / period is deadbeat.
-    bandwidth_1_s: float = quantity(25.0, "1/s", 0.1, 500.0)
+    bandwidth_1_s: float = quantity(15.0, "1/s", 0.1, 500.0)
 
 
 @dataclass(frozen=True)
