@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.model.equivalent_model import EquivalentModel
@@ -35,7 +34,7 @@ HEADLINES = {
 }
 """By key of `summary["error"]`, in the order in which they are preferred."""
 
-WIDTHS = (22, 11, 10, 13, 10, 12, 9, 9, 10)
+WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
 Summaries = Mapping[str, Mapping[str, Any]]
 
 
@@ -111,7 +110,7 @@ def _paper_row(name: str, paper: Mapping[str, float], key: str) -> list[str]:
 
 
 def _number(value: float | None, factor: float = 1.0, digits: int = 2) -> str:
-    return "" if value is None else f"{factor * value:.{digits}f}"
+    return "" if value is None else f"{round(factor * value, digits) + 0.0:.{digits}f}"
 
 
 def _line(cells: list[str]) -> str:
@@ -135,47 +134,63 @@ def plot_comparison(
     with rc_context(STYLE):
         figure = Figure(figsize=(14, 16), layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
-        per_row = 4
-        rows = -(-len(logs) // per_row)
-        grid = figure.add_gridspec(rows + 3, 12, height_ratios=[1.2] * rows + [1.5, 1, 1.2])
-        _paths(figure, grid, logs, per_row)
-        _errors(figure.add_subplot(grid[rows, :]), logs)
-        if "modified+online" in logs:
-            axes = [figure.add_subplot(grid[rows + 1, 4 * i : 4 * i + 4]) for i in range(3)]
-            _residual(axes, logs["modified+online"], scenario)
-        if own in logs:
-            _allocation(figure.add_subplot(grid[rows + 2, :6]), logs[own], own)
-            _inputs(figure.add_subplot(grid[rows + 2, 6:]), logs[own], own, scenario)
+        if logs:
+            _draw(figure, logs, own, scenario)
         # No version or date inside: the same flights give the same bytes.
         figure.savefig(path, dpi=110, metadata={"Software": None})
 
 
-def _paths(figure: Figure, grid: GridSpec, logs: Mapping[str, FlightLog], per_row: int) -> None:
+def _draw(figure: Figure, logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> None:
+    rows = -(-(len(logs) + 1) // 4)
+    grid = figure.add_gridspec(rows + 3, 12, height_ratios=[1.2] * rows + [1.5, 1, 1.2])
+    cells = [grid[i // 4, 3 * (i % 4) : 3 * (i % 4) + 3] for i in range(4 * rows)]
+    _paths(figure, cells, logs)
+    _distances(figure.add_subplot(cells[-1]), logs, scenario)
+    _errors(figure.add_subplot(grid[rows, :]), logs)
+    if "modified+online" in logs:
+        axes = [figure.add_subplot(grid[rows + 1, 4 * i : 4 * i + 4]) for i in range(3)]
+        _residual(axes, logs["modified+online"], scenario)
+    if own in logs:
+        _allocation(figure.add_subplot(grid[rows + 2, :6]), logs[own], own)
+        _inputs(figure.add_subplot(grid[rows + 2, 6:]), logs[own], own, scenario)
+
+
+def _paths(figure: Figure, cells: Sequence[Any], logs: Mapping[str, FlightLog]) -> None:
     """Each variant's path over the reference, seen along the world axis with the least motion."""
-    flown = [log["p_Ed_m"] for log in logs.values()] + [log["p_E_m"] for log in logs.values()]
-    places = np.vstack(flown)
+    places = np.vstack([log[key] for log in logs.values() for key in ("p_E_m", "p_Ed_m")])
     places = places[np.isfinite(places).all(axis=1)]
-    spread = np.ptp(places, axis=0)
-    first, second = np.sort(np.argsort(spread, kind="stable")[1:])
+    first, second = np.sort(np.argsort(np.ptp(places, axis=0), kind="stable")[1:])
     low, high = places.min(axis=0) - 0.05, places.max(axis=0) + 0.05
-    for i, (name, log) in enumerate(logs.items()):
-        row, column = divmod(i, per_row)
-        axes = figure.add_subplot(grid[row, 3 * column : 3 * column + 3])
-        axes.set_xlim(low[first], high[first])
-        axes.set_ylim(low[second], high[second])
+    for cell, (name, log) in zip(cells, logs.items(), strict=False):
+        axes = figure.add_subplot(cell)
         axes.plot(log["p_E_m"][:, first], log["p_E_m"][:, second], color=COLORS[name], linewidth=2)
         axes.plot(log["p_Ed_m"][:, first], log["p_Ed_m"][:, second], **REFERENCE)
         axes.set_title(name, color=COLORS[name], fontsize=10, loc="left")
-        axes.set_aspect("equal", adjustable="datalim")
-        axes.set_xlabel(f"{'xyz'[first]} / m")
-        axes.set_ylabel(f"{'xyz'[second]} / m" if column == 0 else "")
+        axes.set(xlim=(low[first], high[first]), ylim=(low[second], high[second]))
+        axes.set_aspect("equal", adjustable="box")
+        axes.set(xlabel=f"{'xyz'[first]} / m", ylabel=f"{'xyz'[second]} / m")
+
+
+def _distances(axes: Axes, logs: Mapping[str, FlightLog], scenario: Scenario) -> None:
+    """How far the end-effector is from the centre of its learning space."""
+    p_O = Vehicle.load(scenario).p_O
+    for name, log in logs.items():
+        flown = log.time_s >= 0
+        d_o = np.linalg.norm(log.p_EB_m - p_O, axis=1)
+        axes.plot(log.time_s[flown], d_o[flown], color=COLORS[name])
+    for boundary in ("d_h_m", "d_edge_m"):
+        axes.axhline(getattr(scenario.allocation, boundary), **REFERENCE)
+    axes.set_title("d_o, with d_h and d_edge", fontsize=10, loc="left")
+    axes.set(xlabel="reference time / s", ylabel="m", ylim=(0, None))
+    axes.margins(x=0)
 
 
 def _errors(axes: Axes, logs: Mapping[str, FlightLog]) -> None:
     for name, log in logs.items():
         flown = log.time_s >= 0
         axes.semilogy(log.time_s[flown], 1e3 * log.error_m[flown], color=COLORS[name], label=name)
-    axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-2))
+    errors = np.concatenate([log.error_m[log.time_s > 0] for log in logs.values()])
+    axes.set_ylim(bottom=max(1e3 * np.nanquantile(errors, 0.05), 1e-3) if len(errors) else None)
     axes.set(ylabel="end-effector error / mm", xlabel="reference time / s")
     axes.margins(x=0)
     axes.legend(loc="upper center", ncols=len(COLORS), bbox_to_anchor=(0.5, 1.12))
@@ -188,8 +203,8 @@ def _residual(panels: list[Axes], log: FlightLog, scenario: Scenario) -> None:
         axes.plot(times, 1e3 * estimated[:, axis], color=AXIS_COLORS[axis], label="estimated")
         axes.set_title(f"Delta_{'xyz'[axis]} of modified+online", fontsize=10, loc="left")
         axes.set(xlabel="reference time / s", ylabel="mm/s" if axis == 0 else "")
-        axes.margins(x=0)
-        axes.legend(loc="best", ncols=2)
+        axes.margins(x=0, y=0.15)
+        axes.legend(loc="upper right", ncols=2)
 
 
 def residuals(log: FlightLog, scenario: Scenario) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -31,7 +31,8 @@ class ClikCommand:
 class InverseKinematics:
     """Resolves the wanted velocity of the end-effector into those of base and joints.
 
-    With s = [p_B', q'], J = J_s and W = diag(w_q, ..., w_m, ...),
+    With s = [p_B', q'], J = J_s and W = diag(w_q, ..., w_m, ...), scaled to a least
+    weight of 1,
 
         s   = s_0 + W^-1 J' (J W^-1 J' + lambda^2 I)^-1 v
         v   = p_Ed' - K_e e_E - J_yaw yaw'
@@ -41,7 +42,7 @@ class InverseKinematics:
     returns to its learning space, without moving the end-effector. p_Ed' is that
     of the next tick, at which the velocity is to be reached; roll and pitch
     rates count as disturbances, which K_e takes out. The accelerations follow by
-    a first-order loop, u = (s - s_d) / T, clipped to their bounds.
+    a first-order loop, u = k (s - s_d), clipped to their bounds.
 
     Damped least squares are Nakamura's and Hanafusa's (1986) and Wampler's
     (1986); weights and null space as in Chiaverini, Siciliano and Egeland (1994).
@@ -86,9 +87,8 @@ class InverseKinematics:
     def _tracking(self, tick: MpcInputs) -> np.ndarray:
         """(3 + n,), the weighted, damped inverse of v."""
         J, n = tick.end_effector.J_s, self.model.joints
-        ratio = tick.w_m / tick.w_q
-        cost = np.array([max(1.0, 1 / ratio)] * 3 + [max(1.0, ratio)] * n)
-        weighted = J / cost
+        W = np.array([tick.w_q] * 3 + [tick.w_m] * n)
+        weighted = J / (W / W.min())
         e = tick.end_effector.p_E - tick.reference[0, :3]
         v = (
             tick.reference[1, 3:]
