@@ -15,7 +15,16 @@ from aerodrake.flight_log import FlightLog
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle import Vehicle
-from aerodrake.report import ACCENT, AXIS_COLORS, INK, PAPER, REFERENCE, STYLE, draw_allocation
+from aerodrake.report import (
+    ACCENT,
+    AXIS_COLORS,
+    INK,
+    PAPER,
+    REFERENCE,
+    STYLE,
+    draw_allocation,
+    widen,
+)
 from aerodrake.scenario import Scenario
 
 COLORS = {
@@ -35,6 +44,9 @@ HEADLINES = {
 """By key of `summary["error"]`, in the order in which they are preferred."""
 
 WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
+PANEL_RATIO = 0.85
+"""Height of a path's panel by its width."""
+
 Summaries = Mapping[str, Mapping[str, Any]]
 
 
@@ -160,13 +172,16 @@ def _paths(figure: Figure, cells: Sequence[Any], logs: Mapping[str, FlightLog]) 
     places = np.vstack([log[key] for log in logs.values() for key in ("p_E_m", "p_Ed_m")])
     places = places[np.isfinite(places).all(axis=1)]
     first, second = np.sort(np.argsort(np.ptp(places, axis=0), kind="stable")[1:])
-    low, high = places.min(axis=0) - 0.05, places.max(axis=0) + 0.05
+    middle, span = (places.max(axis=0) + places.min(axis=0)) / 2, np.ptp(places, axis=0) + 0.1
+    width = max(span[first], span[second] / PANEL_RATIO) / 2
+    height = PANEL_RATIO * width
     for cell, (name, log) in zip(cells, logs.items(), strict=False):
         axes = figure.add_subplot(cell)
         axes.plot(log["p_E_m"][:, first], log["p_E_m"][:, second], color=COLORS[name], linewidth=2)
         axes.plot(log["p_Ed_m"][:, first], log["p_Ed_m"][:, second], **REFERENCE)
         axes.set_title(name, color=COLORS[name], fontsize=10, loc="left")
-        axes.set(xlim=(low[first], high[first]), ylim=(low[second], high[second]))
+        axes.set_xlim(middle[first] - width, middle[first] + width)
+        axes.set_ylim(middle[second] - height, middle[second] + height)
         axes.set_aspect("equal", adjustable="box")
         axes.set(xlabel=f"{'xyz'[first]} / m", ylabel=f"{'xyz'[second]} / m")
 
@@ -204,6 +219,7 @@ def _residual(panels: list[Axes], log: FlightLog, scenario: Scenario) -> None:
         axes.set_title(f"Delta_{'xyz'[axis]} of modified+online", fontsize=10, loc="left")
         axes.set(xlabel="reference time / s", ylabel="mm/s" if axis == 0 else "")
         axes.margins(x=0, y=0.15)
+        widen(axes.yaxis, 1.0)
         axes.legend(loc="upper right", ncols=2)
 
 

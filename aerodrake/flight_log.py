@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "true_state": (
@@ -87,9 +86,12 @@ class FlightLog:
 
     @property
     def p_EB_m(self) -> np.ndarray:
-        """(T, 3) the end-effector in the base frame."""
-        attitude = Rotation.from_quat(self["quaternion"], scalar_first=True)
-        return attitude.apply(self["p_E_m"] - self["p_B_m"], inverse=True)
+        """(T, 3) the end-effector in the base frame; NaN where a state is."""
+        q, r = self["quaternion"], self["p_E_m"] - self["p_B_m"]
+        q = q / np.linalg.norm(q, axis=1, keepdims=True)
+        # Turned back by the quaternion itself: Rotation refuses what is not finite.
+        turn = 2 * np.cross(r, q[:, 1:])
+        return r + q[:, :1] * turn + np.cross(turn, q[:, 1:])
 
     @property
     def base_error_m(self) -> np.ndarray:

@@ -133,7 +133,7 @@ def _paths(axes: Any, log: FlightLog) -> None:
     axes.plot(*log["p_B_m"][flown].T, color=AXIS_COLORS[2], alpha=0.7, label="base")
     axes.set(xlabel="x / m", ylabel="y / m", zlabel="z / m")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        _widen(axis, 0.5)
+        widen(axis, 0.5)
     axes.set_aspect("equal")
     axes.locator_params(nbins=5)
     axes.legend(loc="upper left")
@@ -142,7 +142,7 @@ def _paths(axes: Any, log: FlightLog) -> None:
 def _axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
     axes.plot(log.time_s, log["p_E_m"][:, axis], color=ACCENT, linewidth=2.2, label="end-effector")
     axes.plot(log.time_s, log["p_Ed_m"][:, axis], **REFERENCE, label="reference")
-    _widen(axes.yaxis, 0.02)
+    widen(axes.yaxis, 0.02)
     axes.set_ylabel(f"{name} / m")
     if axis == 0:
         axes.legend(loc="best", ncols=2)
@@ -190,7 +190,7 @@ def _base(axes: Axes, log: FlightLog) -> None:
     for axis, (name, color) in enumerate(zip("xyz", AXIS_COLORS, strict=True)):
         moved = log["p_B_m"][:, axis] - log["p_B_m"][0, axis]
         axes.plot(log.time_s, moved, color=color, label=name)
-    _widen(axes.yaxis, 0.01)
+    widen(axes.yaxis, 0.01)
     axes.set_ylabel("base moved / m")
     axes.legend(loc="best", ncols=3)
 
@@ -199,12 +199,12 @@ def _series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) -> N
     rows = convert(log[key])
     for joint, color in enumerate(colormaps["viridis"](np.linspace(0, 0.9, rows.shape[1]))):
         axes.plot(log.time_s, rows[:, joint], color=color, label=f"q_{joint + 1}")
-    _widen(axes.yaxis, 1.0)
+    widen(axes.yaxis, 1.0)
     axes.set_ylabel(label)
     axes.legend(loc="best", ncols=3)
 
 
-def _widen(axis: Axis, span: float) -> None:
+def widen(axis: Axis, span: float) -> None:
     """Makes an axis show at least `span`, lest rounding errors look like motion."""
     low, high = axis.get_view_interval()
     if high - low < span:

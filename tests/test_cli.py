@@ -301,7 +301,8 @@ def test_a_quiet_process_says_nothing_at_all(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "argv", [["--help"], ["run", "--help"], ["graph", "--help"], ["--version"], ["fly"]]
+    "argv",
+    [["--help"], *([c, "--help"] for c in ("run", "compare", "graph")), ["--version"], ["fly"]],
 )
 def test_help_needs_neither_drake_nor_torch(argv):
     code = (
@@ -321,6 +322,7 @@ def test_version_and_help(capsys):
         (["--version"], f"aerodrake {version('aerodrake')}\n"),
         (["--help"], "fly a scenario"),
         (["run", "--help"], "--set KEY=VALUE"),
+        (["compare", "--help"], "--jobs N"),
         (["graph", "--help"], "closed_loop, station, coordinator or a system"),
     ):
         with pytest.raises(SystemExit, match="0"):
