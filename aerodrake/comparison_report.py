@@ -205,7 +205,9 @@ def _errors(axes: Axes, logs: Mapping[str, FlightLog]) -> None:
         flown = log.time_s >= 0
         axes.semilogy(log.time_s[flown], 1e3 * log.error_m[flown], color=COLORS[name], label=name)
     errors = np.concatenate([log.error_m[log.time_s > 0] for log in logs.values()])
-    axes.set_ylim(bottom=max(1e3 * np.nanquantile(errors, 0.05), 1e-3) if len(errors) else None)
+    errors = errors[np.isfinite(errors)]
+    if len(errors):
+        axes.set_ylim(bottom=max(1e3 * np.quantile(errors, 0.05), 1e-3))
     axes.set(ylabel="end-effector error / mm", xlabel="reference time / s")
     axes.margins(x=0)
     axes.legend(loc="upper center", ncols=len(COLORS), bbox_to_anchor=(0.5, 1.12))

@@ -90,8 +90,9 @@ class FlightLog:
         q, r = self["quaternion"], self["p_E_m"] - self["p_B_m"]
         q = q / np.linalg.norm(q, axis=1, keepdims=True)
         # Turned back by the quaternion itself: Rotation refuses what is not finite.
-        turn = 2 * np.cross(r, q[:, 1:])
-        return r + q[:, :1] * turn + np.cross(turn, q[:, 1:])
+        with np.errstate(invalid="ignore"):
+            turn = 2 * np.cross(r, q[:, 1:])
+            return r + q[:, :1] * turn + np.cross(turn, q[:, 1:])
 
     @property
     def base_error_m(self) -> np.ndarray:

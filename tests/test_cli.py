@@ -261,7 +261,7 @@ def test_a_second_interrupt_leaves_nothing(tmp_path, monkeypatch, capsys):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("aerodrake.report.plot_tracking", interrupt)
+    monkeypatch.setattr("aerodrake.flight_folder.plot_tracking", interrupt)
     try:
         code = main(["run", "hover", *TINY, "--out", str(tmp_path / "run")])
     except KeyboardInterrupt:  # pytest itself would stop.
