@@ -173,9 +173,39 @@ class Mpc:
 
 
 @dataclass(frozen=True)
+class Clik:
+    """Closed-loop inverse kinematics, in the MPC's place: K_e, speeds and bounds are the MPC's."""
+
+    # lambda of the damped least squares, where the least of the weights is 1.
+    damping: float = quantity(0.02, "1", 1e-4, 10.0)
+    # How fast the arm returns to the centre of its learning space while the base makes up for it.
+    centring_1_s: float = quantity(4.0, "1/s", 0.0, 50.0)
+    # Of the first-order loop from wanted to commanded velocity; 1 / period is deadbeat.
+    bandwidth_1_s: float = quantity(15.0, "1/s", 0.1, 500.0)
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """Weights of the integral model at its own best, found by diagrams/search_weights.py.
+
+    As those of `Mpc`; `aerodrake compare` flies them as the variant `integral_best`.
+    """
+
+    w_1: tuple[float, ...] = quantity((1e4, 1e4, 1e4), "1", 0.0, 1e8, length=3)
+    w_2_base: tuple[float, ...] = quantity((1e-4, 1e-4, 1e-4), "1", 0.0, 1e6, length=3)
+    w_2_joints: tuple[float, ...] = quantity((30.0,), "1", 0.0, 1e6)
+    w_3_base: tuple[float, ...] = quantity((400.0, 400.0, 400.0), "1", 1e-3, 1e6, length=3)
+    w_3_joints: tuple[float, ...] = quantity((400.0,), "1", 1e-3, 1e6)
+    w_4: tuple[float, ...] = quantity((1000.0, 1000.0, 1000.0), "1", 0.0, 1e6, length=3)
+
+
+@dataclass(frozen=True)
 class Allocation:
     """Weight allocation: gamma, its boundaries and its gains."""
 
+    # Weights by gamma, or fixed: those of `fixed_gamma` at d_o = d_h / 2, wherever the tool is.
+    kind: str = choice("gamma", "fixed")
+    fixed_gamma: float = quantity(1.0, "1", -1.0, 1.0)
     k_q: float = quantity(1000.0, "1", 0.0, 1e6)
     k_m: float = quantity(10.0, "1", 0.0, 1e6)
     k_d: float = quantity(100.0, "1/m", 0.0, 1e6)
@@ -209,7 +239,10 @@ class Scenario:
     arm: Arm = Arm()
     model: Model = Model()
     residual: Residual = Residual()
+    controller: str = choice("mpc", "clik")
     mpc: Mpc = Mpc()
+    clik: Clik = Clik()
+    baseline: Baseline = Baseline()
     allocation: Allocation = Allocation()
     # The file this was read from, for messages.
     source: str = provenance()

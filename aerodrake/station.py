@@ -2,8 +2,8 @@
 
 The *station* is what hardware would replace: plant, rotors, wind, sensors and
 the low-level controllers. The *coordinator* is what runs on a companion computer:
-reference, kinematics, weight allocator, residual estimator, MPC and setpoint
-integrator. They meet in four signals: `state` and `saturated` one way,
+reference, kinematics, weight allocator, residual estimator, MPC (or CLIK) and
+setpoint integrator. They meet in four signals: `state` and `saturated` one way,
 `base_setpoint` and `joint_setpoint` the other.
 
     event                           period, offset (defaults)     kind
@@ -11,7 +11,7 @@ integrator. They meet in four signals: `state` and `saturated` one way,
     sensors, sensor_noise,
     gust_noise                      10 ms                         unrestricted, so first
     air, wind_force (if any wind)   10 ms                         discrete
-    mpc, residual_estimator,
+    mpc or clik, residual_estimator,
     weight_allocator,
     setpoint_integrator             20 ms                         discrete
     flight_controller               10 ms, after 0.5 ms           discrete
@@ -31,18 +31,13 @@ from typing import Any
 import numpy as np
 from pydrake.common import RandomDistribution, RandomGenerator
 from pydrake.geometry import SceneGraph
-from pydrake.math import RigidTransform
-from pydrake.multibody.plant import (
-    ExternallyAppliedSpatialForceMultiplexer,
-    MultibodyPlant,
-    Propeller,
-    PropellerInfo,
-)
+from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import AffineSystem, RandomSource, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
 from aerodrake.model.checkpoint import network_for
+from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
@@ -54,12 +49,13 @@ from aerodrake.model.thrust_allocation import ThrustAllocation
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
 from aerodrake.scenario import Scenario
 from aerodrake.systems.arm_controller import ArmController
+from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.kinematics import KinematicsSystem
 from aerodrake.systems.mpc import MpcSystem
 from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
-from aerodrake.systems.rotors import make_rotors
+from aerodrake.systems.rotors import make_propellers, make_rotors
 from aerodrake.systems.sensors import SensorSystem, noise_size
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
@@ -99,13 +95,7 @@ def make_station(scenario: Scenario) -> Diagram:
         ),
     )
     propellers = builder.AddNamedSystem(
-        "propellers",
-        Propeller(
-            [
-                PropellerInfo(base.index(), RigidTransform(p), 1.0, -spin * rotor.torque_ratio_m)
-                for p, spin in zip(vehicle.rotors.p_B, vehicle.rotors.spin, strict=True)
-            ]
-        ),
+        "propellers", make_propellers(rotor, vehicle.rotors, base.index())
     )
     sensors = builder.AddNamedSystem(
         "sensors",
@@ -172,7 +162,7 @@ def make_station(scenario: Scenario) -> Diagram:
 
 
 def make_coordinator(scenario: Scenario) -> Diagram:
-    """Reference, kinematics, allocator, residual estimator, MPC and setpoint integrator.
+    """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
     Inputs: `state` (13 + 2 n), as measured; `saturated` (1), of the flight controller.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n); `reference` (6), `weights`
@@ -205,8 +195,12 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         "residual_estimator",
         ResidualEstimator(network_for(scenario, n), model, scenario.residual),
     )
-    mpc = builder.AddNamedSystem(
-        "mpc", MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
+    # Named `mpc` or `clik`; the ports are the same.
+    controller = builder.AddNamedSystem(
+        scenario.controller,
+        MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
+        if scenario.controller == "mpc"
+        else ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, limits, vehicle)),
     )
     setpoint_integrator = builder.AddNamedSystem(
         "setpoint_integrator",
@@ -228,27 +222,27 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         )
 
     connect(reference, "reference", kinematics)
-    connect(reference, "horizon", mpc)
+    connect(reference, "horizon", controller)
     connect(reference, "d_g", weight_allocator)
     connect(kinematics, "distances", weight_allocator)
-    connect(kinematics, "end_effector", mpc)
-    connect(weight_allocator, "weights", mpc)
-    connect(residual_estimator, "delta", mpc)
-    connect(mpc, "u", setpoint_integrator)
+    connect(kinematics, "end_effector", controller)
+    connect(weight_allocator, "weights", controller)
+    connect(residual_estimator, "delta", controller)
+    connect(controller, "u", setpoint_integrator)
     builder.Connect(enable.get_output_port(), setpoint_integrator.GetInputPort("enable"))
-    for consumer in (mpc, residual_estimator):
+    for consumer in (controller, residual_estimator):
         connect(setpoint_integrator, "base_setpoint", consumer)
         connect(setpoint_integrator, "joint_setpoint", consumer)
 
     builder.ExportInput(kinematics.GetInputPort("state"), "state")
-    builder.ConnectInput("state", mpc.GetInputPort("state"))
+    builder.ConnectInput("state", controller.GetInputPort("state"))
     builder.ConnectInput("state", residual_estimator.GetInputPort("state"))
     builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")
     for system, ports in (
         (setpoint_integrator, ("base_setpoint", "joint_setpoint")),
         (reference, ("reference",)),
         (weight_allocator, ("weights",)),
-        (mpc, ("u", "prediction", "status")),
+        (controller, ("u", "prediction", "status")),
         (residual_estimator, ("delta", "prediction_error", "nominal_prediction_error")),
     ):
         for port in ports:

@@ -38,6 +38,9 @@ STOREYS = {
         "graph",
         "processes",
         "excitation",
+        "flight_folder",
+        "compare",
+        "comparison_report",
     ),
     5: ("cli", "__main__"),
 }

@@ -174,3 +174,17 @@ def test_who_may_read_it_is_up_to_the_umask(umask, tmp_path):
         os.umask(before)
     assert (tmp_path / "run").stat().st_mode & 0o777 == 0o777 & ~umask
     assert (tmp_path / "run" / NAMES[0]).stat().st_mode & 0o777 == 0o666 & ~umask
+
+
+def test_each_kind_of_run_replaces_its_own_kind_only(tmp_path):
+    write(tmp_path / "run", "old")
+    with (
+        pytest.raises(BadInput, match="not of an earlier run"),
+        run_folder(tmp_path / "run", ["comparison.json"]),
+    ):
+        pass
+    assert texts(tmp_path) == run("old")
+    for text in ("first", "second"):
+        with run_folder(tmp_path / "other", ["comparison.json"]) as folder:
+            (folder / "comparison.json").write_text(text)
+    assert texts(tmp_path / "other") == {"comparison.json": "second"}
