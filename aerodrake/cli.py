@@ -1,9 +1,11 @@
-"""The command line: `aerodrake run | graph`."""
+"""The command line: `aerodrake run | identify | graph`."""
 
 from __future__ import annotations
 
 import argparse
 import itertools
+import os
+import shlex
 import sys
 import time
 from collections.abc import Sequence
@@ -13,6 +15,8 @@ from pathlib import Path
 from aerodrake.errors import BadInput
 
 # Drake and torch take seconds to import: each command imports what it needs.
+
+BAR = "{desc} {percentage:3.0f}%|{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}, {rate_fmt}]"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -59,8 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
             desc=scenario.name,
             unit="s",
             disable=arguments.quiet,
-            bar_format="{desc} {percentage:3.0f}%|{bar}| {n:.1f}/{total:.1f} s "
-            "[{elapsed}<{remaining}, {rate_fmt}]",
+            bar_format=BAR,
         ) as bar:
             log = flight.fly(progress=lambda t: bar.update(t - bar.n))
         summary = summarize(scenario, log)
@@ -72,6 +75,45 @@ def run(arguments: argparse.Namespace) -> int:
     say(table(summary, scenario.reference.kind))
     say(f"\n{target}: summary.json, log.npz, scenario.yaml, tracking.png, replay.html")
     return 0 if log.exit_reason == "completed" else 1
+
+
+def identify(arguments: argparse.Namespace) -> int:
+    """Identifies K_B of a scenario's equivalent model; writes and prints it."""
+    from tqdm import tqdm
+
+    from aerodrake.scenario_edit import check_replaceable, replace_numbers
+    from aerodrake.scenario_file import load_scenario
+
+    scenario = load_scenario(arguments.scenario, _overrides(arguments))
+    if arguments.write:
+        if arguments.set:
+            raise BadInput("--write", "", "expected no --set, for K_B is that of the file as it is")
+        check_replaceable(Path(scenario.source), "model.k_b")
+    target = arguments.out or _new_folder(f"identify-{scenario.name}")
+
+    from aerodrake import identify_report
+    from aerodrake.identify import DURATION_S, FLIGHTS, identify
+    from aerodrake.run_folder import run_folder
+
+    say = (lambda line: None) if arguments.quiet else print
+    options = [f"--set={assignment}" for assignment in arguments.set]
+    command = shlex.join(["aerodrake", "identify", arguments.scenario, *options])
+    with run_folder(target, identify_report.FILES) as folder:
+        with tqdm(
+            total=FLIGHTS * DURATION_S,
+            desc=f"identify {scenario.name}",
+            unit="s",
+            disable=arguments.quiet,
+            bar_format=BAR,
+        ) as bar:
+            found = identify(scenario, arguments.jobs, progress=bar.update)
+        identify_report.write(found, command, folder)
+    say(identify_report.table(found))
+    if arguments.write:
+        replace_numbers(Path(scenario.source), "model.k_b", found.k_b)
+        say(f"{scenario.source}: model.k_b replaced")
+    say(f"\n{target}: {', '.join(identify_report.FILES)}")
+    return 0
 
 
 def graph(arguments: argparse.Namespace) -> int:
@@ -118,6 +160,33 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--quiet", action="store_true", help="print nothing but errors")
     command.set_defaults(command=run)
 
+    command = commands.add_parser(
+        "identify", help="identify K_B of a scenario's model", description=identify.__doc__
+    )
+    command.add_argument(
+        "scenario",
+        nargs="?",
+        default="clover_paper",
+        help="a packaged name, or the path of a YAML file; default: clover_paper",
+    )
+    command.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="default: runs/identify-SCENARIO-TIME; an earlier one there is replaced as a whole",
+    )
+    command.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="overrides a dotted key"
+    )
+    command.add_argument(
+        "--write", action="store_true", help="put K_B into the scenario's file, at model.k_b"
+    )
+    command.add_argument(
+        "--jobs", type=_jobs, default=os.cpu_count(), metavar="N", help="flights at a time"
+    )
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    command.set_defaults(command=identify)
+
     command = commands.add_parser("graph", help="draw diagrams", description=graph.__doc__)
     command.add_argument(
         "name", nargs="?", help="closed_loop, station, coordinator or a system; default: all"
@@ -141,11 +210,17 @@ def _depth(text: str) -> int:
     return int(text)
 
 
+def _jobs(text: str) -> int:
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"expected a whole number from 1, got {text!r}")
+    return int(text)
+
+
 def _overrides(arguments: argparse.Namespace) -> list[tuple[str, str]]:
     """The options that change the scenario, as typed, with their assignments."""
     overrides = [("--set", assignment) for assignment in arguments.set]
     for name in ("seed", "duration"):
-        value = getattr(arguments, name)
+        value = getattr(arguments, name, None)
         if value is not None:
             overrides.append((f"--{name}", f"{name}={value}"))
     return overrides

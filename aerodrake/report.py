@@ -29,6 +29,17 @@ MODE_COLORS = {
 INK, ACCENT = "#1f2933", "#e8590c"
 REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 4))}
 AXIS_COLORS = ("#c92a2a", "#2b8a3e", "#1864ab")
+STYLE: dict[str, Any] = {
+    "axes.edgecolor": "#adb5bd",
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "font.size": 9,
+    "grid.color": "#e9ecef",
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+}
+"""Of every figure, for `rc_context`."""
 
 
 def table(summary: dict[str, Any], kind: str) -> str:
@@ -86,18 +97,7 @@ def table(summary: dict[str, Any], kind: str) -> str:
 
 def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
     """Writes the figure of one flight: paths, errors, allocation, base and joints."""
-    with rc_context(
-        {
-            "axes.edgecolor": "#adb5bd",
-            "axes.grid": True,
-            "axes.spines.right": False,
-            "axes.spines.top": False,
-            "font.size": 9,
-            "grid.color": "#e9ecef",
-            "legend.frameon": False,
-            "lines.linewidth": 1.2,
-        }
-    ):
+    with rc_context(STYLE):
         figure = Figure(figsize=(13, 14), layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         grid = figure.add_gridspec(6, 2, width_ratios=[1.15, 1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -16,10 +16,14 @@ MARKERS = ("summary.json", "log.npz", "scenario.yaml")
 
 
 @contextmanager
-def run_folder(target: Path) -> Iterator[Path]:
+def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]:
     """Yields a temporary folder that becomes `target` if all goes well.
 
     An earlier run in `target` is replaced as a whole; a link to it stays.
+
+    Args:
+        target: Where the results are to be.
+        markers: The files that every folder of the command's results has.
 
     Raises:
         BadInput: if `target` cannot be written, or holds files of another kind.
@@ -31,7 +35,7 @@ def run_folder(target: Path) -> Iterator[Path]:
         place = target.resolve()
         if place.exists() and not place.is_dir():
             raise BadInput("--out", "", f"expected a folder, but {target} is a file")
-        if place.is_dir() and any(place.iterdir()) and not _is_run(place):
+        if place.is_dir() and any(place.iterdir()) and not _is_earlier(place, markers):
             raise BadInput("--out", "", f"{target} holds files that are not of an earlier run")
         if place.is_dir() and (
             os.path.ismount(place) or place in (Path.cwd(), *Path.cwd().parents)
@@ -50,8 +54,8 @@ def run_folder(target: Path) -> Iterator[Path]:
         shutil.rmtree(scratch, ignore_errors=True)
 
 
-def _is_run(folder: Path) -> bool:
-    return all((folder / name).is_file() for name in MARKERS)
+def _is_earlier(folder: Path, markers: Sequence[str]) -> bool:
+    return all((folder / name).is_file() for name in markers)
 
 
 def _replace(place: Path, scratch: Path) -> None:

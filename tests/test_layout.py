@@ -21,6 +21,7 @@ STOREYS = {
         "reference_kinds",
         "schema",
         "scenario",
+        "scenario_edit",
         "scenario_file",
         "scenario_rules",
         "threads",
@@ -38,6 +39,8 @@ STOREYS = {
         "graph",
         "processes",
         "excitation",
+        "identify",
+        "identify_report",
     ),
     5: ("cli", "__main__"),
 }
