@@ -135,6 +135,7 @@ def _response(axes: Axes, axis: AxisIdentification) -> None:
     axes.plot(record.time_s, record.p - record.p_d[0], color=ACCENT, linewidth=2.2, label="base")
     axes.plot(record.time_s, model, color=INK, linewidth=0.9, label="model")
     axes.plot(record.time_s, p_d, **REFERENCE, alpha=0.5, label="p_d")
+    axes.margins(y=0.2)
     axes.legend(loc="lower right", ncols=3)
 
 
@@ -142,6 +143,7 @@ def _velocity(axes: Axes, axis: AxisIdentification) -> None:
     record = axis.records["still"]
     axes.plot(record.time_s, record.v, color=ACCENT, linewidth=2.2, label="measured")
     axes.plot(record.time_s, _fitted(axis, record), color=INK, linewidth=0.9, label="fitted")
+    axes.margins(y=0.2)
     axes.legend(loc="upper right", ncols=2)
 
 
