@@ -108,11 +108,11 @@ def identify(arguments: argparse.Namespace) -> int:
         ) as bar:
             found = identify(scenario, arguments.jobs, progress=bar.update)
         identify_report.write(found, command, folder)
-    say(identify_report.table(found))
+    say(f"{target}: {', '.join(identify_report.FILES)}")
     if arguments.write:
         replace_numbers(Path(scenario.source), "model.k_b", found.k_b)
         say(f"{scenario.source}: model.k_b replaced")
-    say(f"\n{target}: {', '.join(identify_report.FILES)}")
+    say(f"\n{identify_report.table(found)}")
     return 0
 
 

@@ -53,7 +53,7 @@ SPEED_M_S = 0.15
 """Amplitude of the chirp's speed. The base stays above where it starts, within 1 m."""
 ARM_BAND_HZ = (0.1, 0.4)
 """From the first joint's frequency to the last one's."""
-ARM_SWING_RAD = 0.2
+ARM_SWING_RAD = 0.15
 """How far each joint swings; together they stay in the learning space."""
 BLOCK_S = 5.0
 LEAST_R2 = 0.5

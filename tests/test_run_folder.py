@@ -174,3 +174,15 @@ def test_who_may_read_it_is_up_to_the_umask(umask, tmp_path):
         os.umask(before)
     assert (tmp_path / "run").stat().st_mode & 0o777 == 0o777 & ~umask
     assert (tmp_path / "run" / NAMES[0]).stat().st_mode & 0o777 == 0o666 & ~umask
+
+
+def test_each_kind_of_results_is_known_by_its_own_files(tmp_path):
+    """And replaced by its own kind only."""
+    with run_folder(tmp_path / "other", ("other.json",)) as folder:
+        (folder / "other.json").write_text("old")
+    with pytest.raises(BadInput, match="holds files that are not of an earlier run"):
+        write(tmp_path / "other")
+    assert texts(tmp_path) == {"other/other.json": "old"}
+    with run_folder(tmp_path / "other", ("other.json",)) as folder:
+        (folder / "other.json").write_text("new")
+    assert texts(tmp_path) == {"other/other.json": "new"}
