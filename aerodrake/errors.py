@@ -20,8 +20,10 @@ class BadInput(Exception):
     """
 
     def __init__(self, source: object, key: str, message: str):
-        parts = [_printable(part) for part in (str(source), key, message) if part]
-        super().__init__(": ".join(parts))
+        super().__init__(str(source), key, message)  # What it is pickled by.
+
+    def __str__(self) -> str:
+        return ": ".join(_printable(part) for part in self.args if part)
 
 
 def nearest(name: object, valid: Iterable[str]) -> str:

@@ -32,7 +32,7 @@ MODE_COLORS = {
 INK, ACCENT = "#1f2933", "#e8590c"
 REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 4))}
 AXIS_COLORS = ("#c92a2a", "#2b8a3e", "#1864ab")
-STYLE = {
+STYLE: dict[str, Any] = {
     "axes.edgecolor": "#adb5bd",
     "axes.grid": True,
     "axes.spines.right": False,
@@ -42,6 +42,7 @@ STYLE = {
     "legend.frameon": False,
     "lines.linewidth": 1.2,
 }
+"""Of every figure, for `rc_context`."""
 
 
 def table(summary: dict[str, Any], kind: str) -> str:

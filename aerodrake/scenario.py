@@ -122,8 +122,9 @@ class Model:
     """The equivalent model of the base under its flight controller."""
 
     kind: str = choice("velocity_aware", "paper", "exact", "integral")
-    # K_B, identified for the flight interface and gains of this scenario.
-    k_b: tuple[float, ...] = quantity((1.8, 1.8, 1.8), "1/s", 0.01, 50.0, length=3)
+    # K_B for the flight interface and gains of this scenario. The default is for theirs.
+    # Identified: aerodrake identify hover
+    k_b: tuple[float, ...] = quantity((1.71, 1.71, 1.71), "1/s", 0.01, 50.0, length=3)
 
 
 @dataclass(frozen=True)

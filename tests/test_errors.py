@@ -1,5 +1,7 @@
 """The one line that people get to see."""
 
+import pickle
+
 import pytest
 
 from aerodrake.errors import BadInput, nearest
@@ -24,6 +26,11 @@ def test_stays_one_short_printable_line_whatever_it_quotes(hostile, place):
     message = str(BadInput(*parts))
     assert len(message) < 2000
     assert message.isprintable()
+
+
+def test_says_the_same_in_another_process():
+    error = BadInput("a.yaml", "mpc.horizon", "expected 2")
+    assert str(pickle.loads(pickle.dumps(error))) == "a.yaml: mpc.horizon: expected 2"
 
 
 def test_nearest_name_and_the_rest():

@@ -21,6 +21,7 @@ STOREYS = {
         "reference_kinds",
         "schema",
         "scenario",
+        "scenario_edit",
         "scenario_file",
         "scenario_rules",
         "threads",
@@ -41,8 +42,10 @@ STOREYS = {
         "flight_folder",
         "compare",
         "comparison_report",
+        "identify",
+        "identify_report",
     ),
-    5: ("cli", "__main__"),
+    5: ("commands", "cli", "__main__"),
 }
 
 MOST_LINES = 300

@@ -71,16 +71,17 @@ def test_commands_are_understood(command):
     """Their options exist, and their scenarios and keys are valid; nothing is flown."""
     import shlex
 
-    from aerodrake.cli import _overrides, _parser
+    from aerodrake.cli import make_parser
+    from aerodrake.commands.options import overrides
     from aerodrake.scenario_file import load_scenario
 
     try:
-        arguments = _parser().parse_args(shlex.split(command)[1:])
+        arguments = make_parser().parse_args(shlex.split(command)[1:])
     except SystemExit as exit:
         assert exit.code == 0
         return
     if hasattr(arguments, "scenario") and not Path(arguments.scenario).suffix:
-        load_scenario(arguments.scenario, _overrides(arguments))
+        load_scenario(arguments.scenario, overrides(arguments))
 
 
 def test_it_names_every_packaged_scenario():

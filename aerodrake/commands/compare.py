@@ -1,0 +1,57 @@
+"""`aerodrake compare SCENARIO`."""
+
+from __future__ import annotations
+
+import argparse
+
+from aerodrake.commands.options import add_jobs, add_output, add_scenario, new_folder, overrides
+
+HELP = "fly all variants"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Declares its arguments."""
+    add_scenario(command)
+    add_jobs(command)
+    add_output(
+        command, "runs/SCENARIO-comparison-TIME; an earlier one there is replaced as a whole"
+    )
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Flies a scenario in every variant, beside the paper's figures."""
+    from tqdm import tqdm
+
+    from aerodrake.scenario_file import load_scenario
+
+    scenario = load_scenario(arguments.scenario, overrides(arguments))
+    target = arguments.out or new_folder(f"{scenario.name}-comparison")
+
+    from aerodrake.compare import OWN_VARIANT, compare, make_variants, notes
+    from aerodrake.comparison_report import comparison_table, plot_comparison
+    from aerodrake.flight_log import FlightLog
+    from aerodrake.run_folder import COMPARISON_MARKERS, run_folder
+    from aerodrake.summary import to_json
+
+    say = (lambda line: None) if arguments.quiet else print
+    variants = make_variants(scenario)
+    for note in notes(scenario):
+        say(f"note: {note}")
+    with run_folder(target, COMPARISON_MARKERS) as folder:
+        with tqdm(
+            total=len(variants), desc=scenario.name, unit="variant", disable=arguments.quiet
+        ) as bar:
+            summaries = compare(variants, folder, arguments.jobs, lambda name: bar.update())
+        comparison = {"scenario": scenario.name, "variants": summaries}
+        (folder / "comparison.json").write_text(to_json(comparison), encoding="utf-8")
+        logs = {
+            name: FlightLog.read(folder / name / "log.npz", summary)
+            for name, summary in summaries.items()
+            if summary["exit_reason"] != "failed"
+        }
+        own = OWN_VARIANT[scenario.residual.mode]
+        title = f"{scenario.name}, seed {scenario.seed}"
+        plot_comparison(logs, own, variants[own], title, folder / "comparison.png")
+    say(comparison_table(summaries, scenario.reference.kind))
+    say(f"\n{target}: comparison.json, comparison.png, and a run's folder for each variant")
+    return 0 if len(logs) == len(variants) else 1

@@ -1,0 +1,68 @@
+"""`aerodrake identify [SCENARIO]`."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+from pathlib import Path
+
+from aerodrake.commands.options import (
+    FLIGHT_BAR,
+    add_jobs,
+    add_output,
+    add_scenario,
+    new_folder,
+    overrides,
+)
+from aerodrake.errors import BadInput
+
+HELP = "identify K_B of a scenario's model"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Declares its arguments."""
+    add_scenario(command, default="clover_paper")
+    command.add_argument(
+        "--write", action="store_true", help="put K_B into the scenario's file, at model.k_b"
+    )
+    add_jobs(command)
+    add_output(command, "runs/identify-SCENARIO-TIME; an earlier one there is replaced as a whole")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Identifies K_B of a scenario's equivalent model; writes and prints it."""
+    from tqdm import tqdm
+
+    from aerodrake.scenario_edit import check_replaceable, replace_numbers
+    from aerodrake.scenario_file import load_scenario
+
+    scenario = load_scenario(arguments.scenario, overrides(arguments))
+    if arguments.write:
+        if arguments.set:
+            raise BadInput("--write", "", "expected no --set, for K_B is that of the file as it is")
+        check_replaceable(Path(scenario.source), "model.k_b")
+    target = arguments.out or new_folder(f"identify-{scenario.name}")
+
+    from aerodrake import identify_report
+    from aerodrake.identify import DURATION_S, FLIGHTS, identify
+    from aerodrake.run_folder import run_folder
+
+    say = (lambda line: None) if arguments.quiet else print
+    options = [f"--set={assignment}" for assignment in arguments.set]
+    command = shlex.join(["aerodrake", "identify", arguments.scenario, *options])
+    with run_folder(target, identify_report.FILES) as folder:
+        with tqdm(
+            total=FLIGHTS * DURATION_S,
+            desc=f"identify {scenario.name}",
+            unit="s",
+            disable=arguments.quiet,
+            bar_format=FLIGHT_BAR,
+        ) as bar:
+            found = identify(scenario, arguments.jobs, progress=bar.update)
+        identify_report.write(found, command, folder)
+    say(f"{target}: {', '.join(identify_report.FILES)}")
+    if arguments.write:
+        replace_numbers(Path(scenario.source), "model.k_b", found.k_b)
+        say(f"{scenario.source}: model.k_b replaced")
+    say(f"\n{identify_report.table(found)}")
+    return 0

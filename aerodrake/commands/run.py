@@ -1,0 +1,59 @@
+"""`aerodrake run SCENARIO`."""
+
+from __future__ import annotations
+
+import argparse
+
+from aerodrake.commands.options import (
+    FLIGHT_BAR,
+    add_output,
+    add_scenario,
+    new_folder,
+    overrides,
+)
+
+HELP = "fly a scenario"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Declares its arguments."""
+    add_scenario(command)
+    command.add_argument("--seed", metavar="N", help="overrides the scenario's seed")
+    command.add_argument("--duration", metavar="S", help="reference time to fly, in s")
+    add_output(command, "runs/SCENARIO-TIME; an earlier run there is replaced as a whole")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Flies a scenario; writes its results and prints the table."""
+    from tqdm import tqdm
+
+    from aerodrake.scenario_file import load_scenario
+    from aerodrake.scenario_rules import warnings
+
+    scenario = load_scenario(arguments.scenario, overrides(arguments))
+    target = arguments.out or new_folder(scenario.name)
+
+    from aerodrake.flight_folder import fly_into
+    from aerodrake.replay import write_replay
+    from aerodrake.report import table
+    from aerodrake.run_folder import run_folder
+    from aerodrake.simulate import Flight
+
+    say = (lambda line: None) if arguments.quiet else print
+    for warning in warnings(scenario):
+        say(f"note: {warning}")
+    flight = Flight(scenario)
+    with run_folder(target) as folder:
+        with tqdm(
+            total=scenario.settle_s + scenario.duration,
+            desc=scenario.name,
+            unit="s",
+            disable=arguments.quiet,
+            bar_format=FLIGHT_BAR,
+        ) as bar:
+            title = f"{scenario.name}, seed {scenario.seed}"
+            summary, log = fly_into(folder, flight, title, lambda t: bar.update(t - bar.n))
+        write_replay(log, scenario, folder / "replay.html")
+    say(table(summary, scenario.reference.kind))
+    say(f"\n{target}: summary.json, log.npz, scenario.yaml, tracking.png, replay.html")
+    return 0 if log.exit_reason == "completed" else 1

@@ -1,0 +1,61 @@
+"""Identification of K_B: a gain by least squares, and how far it can be trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import t as student
+
+LEVEL = 0.95
+"""Of the confidence interval."""
+
+
+@dataclass(frozen=True)
+class GainFit:
+    """v = k (p_d - p) + constant of one axis, as fitted.
+
+    Attributes:
+        gain: k, 1/s.
+        interval: 1/s, where k lies at the confidence `LEVEL`.
+        r2: The part of the velocity's variance that the fit explains.
+    """
+
+    gain: float
+    interval: tuple[float, float]
+    r2: float
+
+
+def fit_gain(error: Sequence[np.ndarray], velocity: Sequence[np.ndarray], block: int) -> GainFit:
+    """Fits one gain to several records, each with a constant of its own.
+
+    Samples of one flight hang together, so that the usual standard error is far
+    too small. This one is the jackknife's over blocks of samples (H. R. Kuensch,
+    "The jackknife and the bootstrap for general stationary observations", 1989),
+    with Student's t. It covers noise, and also how the gain itself varies from
+    block to block, as over the frequencies of a chirp. White noise on p makes
+    the gain smaller, by its variance over that of p_d - p.
+
+    Args:
+        error: Of each record, (T,) m, p_d - p.
+        velocity: Of each record, (T,) m/s, or v - v_d where the base is told v_d.
+        block: Samples a block, longer than the residual's correlation; two
+            blocks or more in all, and what is left over joins the last of its record.
+    """
+    blocks = []
+    residual_power = power = 0.0
+    centred = [(e - e.mean(), v - v.mean()) for e, v in zip(error, velocity, strict=True)]
+    gain = sum(e @ v for e, v in centred) / sum(e @ e for e, _ in centred)
+    for e, v in centred:
+        starts = np.arange(max(1, len(e) // block)) * block
+        blocks.append(np.add.reduceat(np.stack([e * v, e * e]), starts, axis=1))
+        residual_power += ((v - gain * e) ** 2).sum()
+        power += (v**2).sum()
+    parts = np.hstack(blocks)
+    count = parts.shape[1]
+    without = np.divide(*(parts.sum(axis=1, keepdims=True) - parts))
+    deviation = np.sqrt((count - 1) / count * ((without - without.mean()) ** 2).sum())
+    reach = student.ppf((1 + LEVEL) / 2, count - 1) * deviation
+    interval = (float(gain - reach), float(gain + reach))
+    return GainFit(float(gain), interval, float(1 - residual_power / power))

@@ -1,0 +1,183 @@
+"""`aerodrake identify`: what it writes and where, and how it ends."""
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import aerodrake.identify
+from aerodrake.cli import main
+from aerodrake.errors import BadInput
+from aerodrake.identify import Manoeuvre, Record
+from aerodrake.scenario_file import load_scenario, packaged_scenarios
+
+FILES = ["identification.json", "identification.png", "scenario.yaml"]
+K_B = [1.5, 2.0, 2.5]
+
+
+@pytest.fixture
+def ideal(monkeypatch):
+    """No flights: bases of first order, which have `K_B`."""
+
+    def fly(manoeuvre: Manoeuvre) -> Record:
+        t = 0.02 * np.arange(1000)
+        error = 0.1 * np.cos(t)
+        return Record(t, error, 0 * t, K_B[manoeuvre.axis] * error)
+
+    def run_parallel(function, items, jobs):
+        for i, item in enumerate(items):
+            try:
+                yield i, function(item)
+            except BadInput as error:
+                yield i, error
+
+    monkeypatch.setattr(aerodrake.identify, "fly", fly)
+    monkeypatch.setattr(aerodrake.identify, "run_parallel", run_parallel)
+
+
+@pytest.fixture
+def scenario(tmp_path) -> Path:
+    """A copy of a packaged scenario, alone in a folder."""
+    (tmp_path / "mine").mkdir()
+    return Path(shutil.copy(packaged_scenarios()["clover_paper"], tmp_path / "mine" / "own.yaml"))
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+def test_what_a_folder_holds(ideal, tmp_path):
+    out = tmp_path / "out"
+    options = ["--set", "seed=3", "--set", "name=other", "--quiet", "--out", str(out)]
+    assert main(["identify", *options]) == 0
+    assert sorted(files(out)) == FILES
+    figures = json.loads((out / "identification.json").read_text())
+    assert figures["command"] == "aerodrake identify clover_paper --set=seed=3 --set=name=other"
+    assert figures["k_b"] == K_B and figures["scenario_k_b"] == [2.46, 2.46, 2.47]
+    assert figures["scenario"] == "other"
+    own = load_scenario("clover_paper", [("--set", "seed=3"), ("--set", "name=other")])
+    again = load_scenario(str(out / "scenario.yaml"))
+    assert again.model == replace(own.model, k_b=tuple(K_B))
+    assert replace(again, model=own.model, source=own.source) == own
+
+
+def test_what_is_said_and_where_it_goes(ideal, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    assert main(["identify", "hover", "--set", "seed=3"]) == 0
+    (out,) = Path("runs").iterdir()
+    assert out.name.startswith("identify-hover-") and sorted(files(out)) == FILES
+    said, progress = capfd.readouterr()
+    assert f"{out}: {', '.join(FILES)}" in said
+    assert said.rstrip().splitlines()[-1] == "--set 'model.k_b=[1.5,2,2.5]'"
+    assert "360.0/360.0 s" in progress
+    assert load_scenario(str(out / "scenario.yaml")).model.k_b == tuple(K_B)
+
+
+def test_an_earlier_identification_is_replaced_as_a_whole(ideal, tmp_path):
+    out = tmp_path / "out"
+    for _ in range(2):
+        assert main(["identify", "hover", "--quiet", "--out", str(out)]) == 0
+        assert sorted(files(out)) == FILES
+        (out / "left_behind.txt").touch()
+
+
+@pytest.mark.parametrize("names", [["thesis.tex"], ["summary.json", "log.npz", "scenario.yaml"]])
+def test_folders_of_another_kind_are_left_alone(names, ideal, tmp_path, capsys):
+    """Runs among them."""
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in names:
+        (out / name).write_text("precious")
+    assert main(["identify", "hover", "--quiet", "--out", str(out)]) == 2
+    assert capsys.readouterr().err.startswith(f"aerodrake: --out: {out} holds files")
+    assert files(out) == dict.fromkeys(names, b"precious")
+
+
+def test_write_puts_it_into_the_file_and_touches_nothing_else(ideal, scenario, tmp_path, capsys):
+    before = scenario.read_text()
+    argv = ["identify", str(scenario), "--write", "--out", str(tmp_path / "out")]
+    assert main(argv) == 0
+    assert scenario.read_text() == before.replace("[2.46, 2.46, 2.47]", "[1.5, 2.0, 2.5]") != before
+    assert list(scenario.parent.iterdir()) == [scenario]
+    assert f"{scenario}: model.k_b replaced" in capsys.readouterr().out
+    assert load_scenario(str(scenario)).model.k_b == tuple(K_B)
+
+
+def test_without_write_the_file_stays(ideal, scenario, tmp_path):
+    before = files(scenario.parent)
+    assert main(["identify", str(scenario), "--quiet", "--out", str(tmp_path / "out")]) == 0
+    assert files(scenario.parent) == before
+
+
+def test_a_packaged_scenario_is_written_where_it_is(ideal, scenario, tmp_path, monkeypatch):
+    monkeypatch.setattr("aerodrake.scenario_file.packaged_scenarios", lambda: {"own": scenario})
+    argv = ["identify", "own", "--write", "--quiet", "--out", str(tmp_path / "out")]
+    assert main(argv) == 0
+    assert load_scenario("own").model.k_b == tuple(K_B)
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        (["clovr"], "clovr: no such scenario; did you mean 'clover'?"),
+        (["own.yaml", "--set", "mpc.horizon=x"], "--set: mpc.horizon: expected a whole number"),
+        (
+            ["own.yaml", "--set", "vehicle.robot=gone.urdf"],
+            "gone.urdf: expected the path of a URDF",
+        ),
+        (["own.yaml", "--write", "--set", "seed=1"], "--write: expected no --set"),
+        (["bare.yaml", "--write"], "bare.yaml: model.k_b: expected the key in the file"),
+    ],
+)
+def test_bad_input_is_answered_in_one_line(argv, said, scenario, monkeypatch, capfd):
+    """Before anything is flown, and nothing is written."""
+    monkeypatch.chdir(scenario.parent)
+    Path("bare.yaml").write_text("seed: 1\n")
+
+    def run_parallel(*_):
+        raise AssertionError("flown")
+
+    monkeypatch.setattr(aerodrake.identify, "run_parallel", run_parallel)
+    before = files(Path())
+    assert main(["identify", *argv]) == 2
+    err = capfd.readouterr().err.splitlines()
+    assert said in err[-1] and len([line for line in err if line.startswith("aerodrake: ")]) == 1
+    assert files(Path()) == before
+
+
+@pytest.mark.parametrize("jobs", ["0", "-1", "two", "1.5", ""])
+def test_jobs_are_a_number(jobs, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["identify", "--jobs", jobs])
+    assert "expected a whole number in [1, 1000]" in capsys.readouterr().err
+
+
+def test_what_cannot_be_identified_leaves_everything_as_it_was(
+    ideal, scenario, tmp_path, monkeypatch, capfd
+):
+    out = tmp_path / "out"
+    argv = ["identify", str(scenario), "--quiet", "--write", "--out", str(out)]
+    assert main(argv) == 0
+    before = files(tmp_path)
+    rng = np.random.default_rng(0)
+    still = Record(*rng.normal(size=(4, 1000)))
+    monkeypatch.setattr(aerodrake.identify, "fly", lambda manoeuvre: still)
+    assert main(argv) == 2
+    (line,) = capfd.readouterr().err.splitlines()
+    assert line.startswith(f"aerodrake: {scenario}: flight: expected a base that answers as")
+    assert files(tmp_path) == before
+
+
+def test_an_interrupt_leaves_nothing(ideal, scenario, tmp_path, monkeypatch, capfd):
+    def interrupt(manoeuvre):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(aerodrake.identify, "fly", interrupt)
+    before = files(tmp_path)
+    argv = ["identify", str(scenario), "--quiet", "--write", "--out", str(tmp_path / "out")]
+    assert main(argv) == 130
+    assert capfd.readouterr().err == "aerodrake: interrupted\n"
+    assert files(tmp_path) == before
