@@ -1,4 +1,4 @@
-"""The command line: `aerodrake run | identify | graph`."""
+"""The command line: `aerodrake run | compare | identify | graph`."""
 
 from __future__ import annotations
 
@@ -41,17 +41,17 @@ def run(arguments: argparse.Namespace) -> int:
     """Flies a scenario; writes its results and prints the table."""
     from tqdm import tqdm
 
-    from aerodrake.scenario_file import load_scenario, save_scenario
+    from aerodrake.scenario_file import load_scenario
     from aerodrake.scenario_rules import warnings
 
     scenario = load_scenario(arguments.scenario, _overrides(arguments))
     target = arguments.out or _new_folder(scenario.name)
 
+    from aerodrake.flight_folder import fly_into
     from aerodrake.replay import write_replay
-    from aerodrake.report import plot_tracking, table
+    from aerodrake.report import table
     from aerodrake.run_folder import run_folder
     from aerodrake.simulate import Flight
-    from aerodrake.summary import summarize, to_json
 
     say = (lambda line: None) if arguments.quiet else print
     for warning in warnings(scenario):
@@ -65,16 +65,51 @@ def run(arguments: argparse.Namespace) -> int:
             disable=arguments.quiet,
             bar_format=BAR,
         ) as bar:
-            log = flight.fly(progress=lambda t: bar.update(t - bar.n))
-        summary = summarize(scenario, log)
-        (folder / "summary.json").write_text(to_json(summary), encoding="utf-8")
-        save_scenario(scenario, folder)
-        log.save(folder / "log.npz")
-        plot_tracking(log, f"{scenario.name}, seed {scenario.seed}", folder / "tracking.png")
-        write_replay(log, scenario.vehicle.robot, folder / "replay.html")
+            title = f"{scenario.name}, seed {scenario.seed}"
+            summary, log = fly_into(folder, flight, title, lambda t: bar.update(t - bar.n))
+        write_replay(log, scenario, folder / "replay.html")
     say(table(summary, scenario.reference.kind))
     say(f"\n{target}: summary.json, log.npz, scenario.yaml, tracking.png, replay.html")
     return 0 if log.exit_reason == "completed" else 1
+
+
+def compare(arguments: argparse.Namespace) -> int:
+    """Flies a scenario in every variant, beside the paper's figures."""
+    from tqdm import tqdm
+
+    from aerodrake.scenario_file import load_scenario
+
+    scenario = load_scenario(arguments.scenario, _overrides(arguments))
+    target = arguments.out or _new_folder(f"{scenario.name}-comparison")
+
+    from aerodrake.compare import OWN_VARIANT, compare, make_variants, notes
+    from aerodrake.comparison_report import comparison_table, plot_comparison
+    from aerodrake.flight_log import FlightLog
+    from aerodrake.run_folder import COMPARISON_MARKERS, run_folder
+    from aerodrake.summary import to_json
+
+    say = (lambda line: None) if arguments.quiet else print
+    variants = make_variants(scenario)
+    for note in notes(scenario):
+        say(f"note: {note}")
+    with run_folder(target, COMPARISON_MARKERS) as folder:
+        with tqdm(
+            total=len(variants), desc=scenario.name, unit="variant", disable=arguments.quiet
+        ) as bar:
+            summaries = compare(variants, folder, arguments.jobs, lambda name: bar.update())
+        comparison = {"scenario": scenario.name, "variants": summaries}
+        (folder / "comparison.json").write_text(to_json(comparison), encoding="utf-8")
+        logs = {
+            name: FlightLog.read(folder / name / "log.npz", summary)
+            for name, summary in summaries.items()
+            if summary["exit_reason"] != "failed"
+        }
+        own = OWN_VARIANT[scenario.residual.mode]
+        title = f"{scenario.name}, seed {scenario.seed}"
+        plot_comparison(logs, own, variants[own], title, folder / "comparison.png")
+    say(comparison_table(summaries, scenario.reference.kind))
+    say(f"\n{target}: comparison.json, comparison.png, and a run's folder for each variant")
+    return 0 if len(logs) == len(variants) else 1
 
 
 def identify(arguments: argparse.Namespace) -> int:
@@ -160,6 +195,23 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--quiet", action="store_true", help="print nothing but errors")
     command.set_defaults(command=run)
 
+    command = commands.add_parser("compare", help="fly all variants", description=compare.__doc__)
+    command.add_argument("scenario", help="a packaged name, or the path of a YAML file")
+    command.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="default: runs/SCENARIO-comparison-TIME; an earlier one there is replaced as a whole",
+    )
+    command.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="overrides a dotted key"
+    )
+    command.add_argument(
+        "--jobs", type=_jobs, default=os.cpu_count() or 1, metavar="N", help="default: the cores"
+    )
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    command.set_defaults(command=compare)
+
     command = commands.add_parser(
         "identify", help="identify K_B of a scenario's model", description=identify.__doc__
     )
@@ -182,7 +234,7 @@ def _parser() -> argparse.ArgumentParser:
         "--write", action="store_true", help="put K_B into the scenario's file, at model.k_b"
     )
     command.add_argument(
-        "--jobs", type=_jobs, default=os.cpu_count(), metavar="N", help="flights at a time"
+        "--jobs", type=_jobs, default=os.cpu_count() or 1, metavar="N", help="default: the cores"
     )
     command.add_argument("--quiet", action="store_true", help="print nothing but errors")
     command.set_defaults(command=identify)
@@ -211,8 +263,8 @@ def _depth(text: str) -> int:
 
 
 def _jobs(text: str) -> int:
-    if not text.isdecimal() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f"expected a whole number from 1, got {text!r}")
+    if not text.isdecimal() or not 1 <= int(text) <= 1000:
+        raise argparse.ArgumentTypeError(f"expected a whole number in [1, 1000], got {text!r}")
     return int(text)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,8 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "thrust_command": (("thrust_command_n", "k"),),
     "joint_torque": (("joint_torque_n_m", "n"),),
     "disturbance": (("disturbance_m_s2", "3"), ("disturbance_rad_s2", "3")),
+    "saturated": (("saturated", "1"),),
+    "wind_force": (("wind_force_n", "3"),),
     "weights": (("gamma", "1"), ("mode", "1"), ("w_q", "1"), ("w_m", "1"), ("w_d", "1")),
     "prediction": (("predicted_p_E_m", "3(N+1)"),),
     "status": (("qp_status", "1"), ("qp_iterations", "1")),
@@ -84,6 +87,16 @@ class FlightLog:
         return np.linalg.norm(self["p_E_m"] - self["p_Ed_m"], axis=1)
 
     @property
+    def p_EB_m(self) -> np.ndarray:
+        """(T, 3) the end-effector in the base frame; NaN where a state is."""
+        q, r = self["quaternion"], self["p_E_m"] - self["p_B_m"]
+        q = q / np.linalg.norm(q, axis=1, keepdims=True)
+        # Turned back by the quaternion itself: Rotation refuses what is not finite.
+        with np.errstate(invalid="ignore"):
+            turn = 2 * np.cross(r, q[:, 1:])
+            return r + q[:, :1] * turn + np.cross(turn, q[:, 1:])
+
+    @property
     def base_error_m(self) -> np.ndarray:
         """(T,) distance of the base from its setpoint."""
         return np.linalg.norm(self["p_B_m"] - self["p_Bd_m"], axis=1)
@@ -91,6 +104,13 @@ class FlightLog:
     def save(self, path: Path) -> None:
         """Writes the signals as a compressed `.npz`."""
         np.savez_compressed(path, **self.signals)
+
+    @classmethod
+    def read(cls, path: Path, summary: Mapping[str, Any]) -> FlightLog:
+        """What `save` wrote, with how it ended from the flight's summary."""
+        with np.load(path, allow_pickle=False) as arrays:
+            signals = dict(arrays)
+        return cls(signals, summary["exit_reason"], summary["exit_cause"], summary["wall_s"])
 
 
 def split_port(port: str, rows: np.ndarray) -> dict[str, np.ndarray]:

@@ -12,7 +12,9 @@ from pydrake.perception import PointCloud
 from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.flight_log import FlightLog
+from aerodrake.model.payload import add_payload
 from aerodrake.model.vehicle import add_ground, add_robot
+from aerodrake.scenario import Scenario
 
 FRAMES_PER_S = 30.0
 VIEW_FROM_M = np.array([0.85, 1.3, 0.3])
@@ -22,13 +24,13 @@ REFERENCE_COLOR = Rgba(0.12, 0.16, 0.2, 1.0)
 TRACE_COLOR = Rgba(0.91, 0.35, 0.05, 1.0)
 
 
-def write_replay(log: FlightLog, robot: str, path: Path) -> None:
+def write_replay(log: FlightLog, scenario: Scenario, path: Path) -> None:
     """Writes a self-contained HTML page: the vehicle, its reference and its trace.
 
     Args:
         log: The flight; its animation begins at reference time 0, or where
             the flight ended if that was before.
-        robot: The URI or path of the URDF it flew.
+        scenario: Whose robot flew, with its payload.
         path: Of the page.
     """
     meshcat = _silent_meshcat()
@@ -36,7 +38,8 @@ def write_replay(log: FlightLog, robot: str, path: Path) -> None:
     plant = builder.AddSystem(MultibodyPlant(0.0))
     scene_graph = builder.AddSystem(SceneGraph())
     plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, robot)
+    add_robot(plant, scenario.vehicle.robot)
+    add_payload(plant, scenario.payload.mass_kg)
     add_ground(plant)
     plant.Finalize()
     builder.Connect(

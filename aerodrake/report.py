@@ -15,10 +15,13 @@ from aerodrake.flight_log import FlightLog
 from aerodrake.model.weight_allocation import Mode
 
 PAPER = {
-    "clover": {"lap_mean_m": 0.0122},
+    "clover": {"lap_mean_m": 0.0122, "integral_lap_mean_m": 0.0302},
     "moving_target": {"settled_mean_m": 0.0197, "approach_s": 5.0},
 }
-"""The paper's figures, by kind of reference and key of `summary["error"]`."""
+"""The paper's figures, by kind of reference and key of `summary["error"]`.
+
+Keys with `integral_` before them are of its integral model, the others of its method.
+"""
 
 MODE_COLORS = {
     Mode.FLIGHT: "#9ecae1",
@@ -29,7 +32,7 @@ MODE_COLORS = {
 INK, ACCENT = "#1f2933", "#e8590c"
 REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 4))}
 AXIS_COLORS = ("#c92a2a", "#2b8a3e", "#1864ab")
-STYLE: dict[str, Any] = {
+STYLE = {
     "axes.edgecolor": "#adb5bd",
     "axes.grid": True,
     "axes.spines.right": False,
@@ -39,7 +42,6 @@ STYLE: dict[str, Any] = {
     "legend.frameon": False,
     "lines.linewidth": 1.2,
 }
-"""Of every figure, for `rc_context`."""
 
 
 def table(summary: dict[str, Any], kind: str) -> str:
@@ -113,7 +115,7 @@ def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
         for axis, name in enumerate("xyz"):
             _axis(timeline(grid[axis, 1]), log, axis, name)
         _error(timeline(grid[3, 0]), log)
-        _allocation(timeline(grid[4, 0]), log)
+        draw_allocation(timeline(grid[4, 0]), log)
         _weights(timeline(grid[5, 0]), log)
         _base(timeline(grid[3, 1]), log)
         _series(timeline(grid[4, 1]), log, "q_rad", np.degrees, "joint angles / deg")
@@ -131,7 +133,7 @@ def _paths(axes: Any, log: FlightLog) -> None:
     axes.plot(*log["p_B_m"][flown].T, color=AXIS_COLORS[2], alpha=0.7, label="base")
     axes.set(xlabel="x / m", ylabel="y / m", zlabel="z / m")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        _widen(axis, 0.5)
+        widen(axis, 0.5)
     axes.set_aspect("equal")
     axes.locator_params(nbins=5)
     axes.legend(loc="upper left")
@@ -140,7 +142,7 @@ def _paths(axes: Any, log: FlightLog) -> None:
 def _axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
     axes.plot(log.time_s, log["p_E_m"][:, axis], color=ACCENT, linewidth=2.2, label="end-effector")
     axes.plot(log.time_s, log["p_Ed_m"][:, axis], **REFERENCE, label="reference")
-    _widen(axes.yaxis, 0.02)
+    widen(axes.yaxis, 0.02)
     axes.set_ylabel(f"{name} / m")
     if axis == 0:
         axes.legend(loc="best", ncols=2)
@@ -161,7 +163,7 @@ def _error(axes: Axes, log: FlightLog) -> None:
     axes.legend(loc="best", ncols=2)
 
 
-def _allocation(axes: Axes, log: FlightLog) -> None:
+def draw_allocation(axes: Axes, log: FlightLog) -> None:
     """gamma, with the modes shaded behind it."""
     mode = log["mode"].astype(int)
     edges = np.flatnonzero(np.diff(mode)) + 1
@@ -188,7 +190,7 @@ def _base(axes: Axes, log: FlightLog) -> None:
     for axis, (name, color) in enumerate(zip("xyz", AXIS_COLORS, strict=True)):
         moved = log["p_B_m"][:, axis] - log["p_B_m"][0, axis]
         axes.plot(log.time_s, moved, color=color, label=name)
-    _widen(axes.yaxis, 0.01)
+    widen(axes.yaxis, 0.01)
     axes.set_ylabel("base moved / m")
     axes.legend(loc="best", ncols=3)
 
@@ -197,12 +199,12 @@ def _series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) -> N
     rows = convert(log[key])
     for joint, color in enumerate(colormaps["viridis"](np.linspace(0, 0.9, rows.shape[1]))):
         axes.plot(log.time_s, rows[:, joint], color=color, label=f"q_{joint + 1}")
-    _widen(axes.yaxis, 1.0)
+    widen(axes.yaxis, 1.0)
     axes.set_ylabel(label)
     axes.legend(loc="best", ncols=3)
 
 
-def _widen(axis: Axis, span: float) -> None:
+def widen(axis: Axis, span: float) -> None:
     """Makes an axis show at least `span`, lest rounding errors look like motion."""
     low, high = axis.get_view_interval()
     if high - low < span:

@@ -14,6 +14,9 @@ from aerodrake.errors import BadInput
 MARKERS = ("summary.json", "log.npz", "scenario.yaml")
 """What tells an earlier run, which may be replaced, from a person's own folder."""
 
+COMPARISON_MARKERS = ("comparison.json", "comparison.png")
+"""Those of a comparison."""
+
 
 @contextmanager
 def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]:
@@ -22,8 +25,8 @@ def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]
     An earlier run in `target` is replaced as a whole; a link to it stays.
 
     Args:
-        target: Where the results are to be.
-        markers: The files that every folder of the command's results has.
+        target: Where it is to be.
+        markers: Files that all earlier runs of this kind have.
 
     Raises:
         BadInput: if `target` cannot be written, or holds files of another kind.
@@ -35,7 +38,7 @@ def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]
         place = target.resolve()
         if place.exists() and not place.is_dir():
             raise BadInput("--out", "", f"expected a folder, but {target} is a file")
-        if place.is_dir() and any(place.iterdir()) and not _is_earlier(place, markers):
+        if place.is_dir() and any(place.iterdir()) and not _is_run(place, markers):
             raise BadInput("--out", "", f"{target} holds files that are not of an earlier run")
         if place.is_dir() and (
             os.path.ismount(place) or place in (Path.cwd(), *Path.cwd().parents)
@@ -54,7 +57,7 @@ def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]
         shutil.rmtree(scratch, ignore_errors=True)
 
 
-def _is_earlier(folder: Path, markers: Sequence[str]) -> bool:
+def _is_run(folder: Path, markers: Sequence[str]) -> bool:
     return all((folder / name).is_file() for name in markers)
 
 

@@ -65,6 +65,13 @@ def check(scenario: Scenario, source: object) -> None:
             f"got '{scenario.model.kind}'",
         )
     allocation = scenario.allocation
+    for key in ("k_q", "k_m"):
+        if scenario.controller == "clik" and getattr(allocation, key) == 0:
+            raise BadInput(
+                source,
+                f"allocation.{key}",
+                "controller clik expects more than 0, as a weight; got 0",
+            )
     for key, low, high in (
         ("d_edge_m", allocation.d_h_m, allocation.d_edge_m),
         ("d_f_m", allocation.d_h_m, allocation.d_f_m),

@@ -44,7 +44,8 @@ class Flight:
             self._sinks[port] = sink
         self._diagram = builder.Build()
         self._diagram.set_name("flight")
-        self._mpc = self.closed_loop.GetSubsystemByName("coordinator").GetSubsystemByName("mpc")
+        coordinator = self.closed_loop.GetSubsystemByName("coordinator")
+        self._controller = coordinator.GetSubsystemByName(scenario.controller)
         self._kinematics = Kinematics(scenario.vehicle.robot)
 
     def fly(self, progress: Callable[[float], None] = lambda simulated_s: None) -> FlightLog:
@@ -58,7 +59,7 @@ class Flight:
         simulator = Simulator(self._diagram, context)
         # Times are rounded, lest they land beyond a tick that is not to be flown.
         end = round(scenario.settle_s + scenario.duration, 9)
-        self._mpc.tick_ms.clear()
+        self._controller.tick_ms.clear()
         monitor = _Monitor(self, context)
         reason, cause = "completed", ""
         start = time.perf_counter()
@@ -97,7 +98,7 @@ class Flight:
                 states = rows
                 signals["time_s"] = np.round(log.sample_times() - self.scenario.settle_s, 9)
         signals["p_E_m"] = np.array([self.p_E(state) for state in states])
-        signals["tick_ms"] = np.array(self._mpc.tick_ms)
+        signals["tick_ms"] = np.array(self._controller.tick_ms)
         return signals
 
 

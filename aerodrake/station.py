@@ -1,15 +1,17 @@
 """All wiring: the station, the coordinator, and the closed loop of the two.
 
-The *station* is what hardware would replace: plant, rotors, sensors and the
-low-level controllers. The *coordinator* is what runs on a companion computer:
-reference, kinematics, weight allocator, residual estimator, MPC and setpoint
-integrator. They meet in three signals: `state`, `base_setpoint` and
-`joint_setpoint`.
+The *station* is what hardware would replace: plant, rotors, wind, sensors and
+the low-level controllers. The *coordinator* is what runs on a companion computer:
+reference, kinematics, weight allocator, residual estimator, MPC (or CLIK) and
+setpoint integrator. They meet in four signals: `state` and `saturated` one way,
+`base_setpoint` and `joint_setpoint` the other.
 
     event                           period, offset (defaults)     kind
     plant, rotors                   1 ms                          discrete
-    sensors, sensor_noise           10 ms                         unrestricted, so first
-    mpc, residual_estimator,
+    sensors, sensor_noise,
+    gust_noise                      10 ms                         unrestricted, so first
+    air, wind_force (if any wind)   10 ms                         discrete
+    mpc or clik, residual_estimator,
     weight_allocator,
     setpoint_integrator             20 ms                         discrete
     flight_controller               10 ms, after 0.5 ms           discrete
@@ -17,7 +19,8 @@ integrator. They meet in three signals: `state`, `base_setpoint` and
 
 The low-level controllers run half a plant step after a sample: late enough to
 see what the MPC commanded at it, in time for the plant's next step, and never
-at an instant whose order with the plant's would be a matter of rounding.
+at an instant whose order with the plant's would be a matter of rounding. What
+the coordinator learns of them at a sample is of their command before.
 """
 
 from __future__ import annotations
@@ -28,41 +31,45 @@ from typing import Any
 import numpy as np
 from pydrake.common import RandomDistribution, RandomGenerator
 from pydrake.geometry import SceneGraph
-from pydrake.math import RigidTransform
-from pydrake.multibody.plant import MultibodyPlant, Propeller, PropellerInfo
+from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
-from pydrake.systems.primitives import RandomSource, TrajectorySource
+from pydrake.systems.primitives import AffineSystem, RandomSource, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
 from aerodrake.model.checkpoint import network_for
+from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.payload import add_payload
 from aerodrake.model.reference import make_reference
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.thrust_allocation import ThrustAllocation
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
 from aerodrake.scenario import Scenario
 from aerodrake.systems.arm_controller import ArmController
+from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.kinematics import KinematicsSystem
 from aerodrake.systems.mpc import MpcSystem
 from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
-from aerodrake.systems.rotors import make_rotors
+from aerodrake.systems.rotors import make_propellers, make_rotors
 from aerodrake.systems.sensors import SensorSystem, noise_size
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
+from aerodrake.wind import make_wind
 
 
 def make_station(scenario: Scenario) -> Diagram:
-    """Plant, rotors, sensors, and flight and arm controllers.
+    """Plant, rotors, wind, sensors, and flight and arm controllers.
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
     Outputs: `state` (13 + 2 n), as measured; `true_state`; `thrust` and
-    `thrust_command` (k) N; `joint_torque` (n) N m; `disturbance` (6); `query_object`,
-    geometry for visualizers.
+    `thrust_command` (k) N; `joint_torque` (n) N m; `disturbance` (6) and `saturated`
+    (1), of the flight controller; `wind_force` (3) N on the base, in the world;
+    `query_object`, geometry for visualizers.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
@@ -72,6 +79,7 @@ def make_station(scenario: Scenario) -> Diagram:
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant.RegisterAsSourceForSceneGraph(scene_graph)
     add_robot(plant, scenario.vehicle.robot)
+    add_payload(plant, scenario.payload.mass_kg)
     add_ground(plant)
     plant.SetUseSampledOutputPorts(False)  # With them a step would be an unrestricted update.
     plant.Finalize()
@@ -87,13 +95,7 @@ def make_station(scenario: Scenario) -> Diagram:
         ),
     )
     propellers = builder.AddNamedSystem(
-        "propellers",
-        Propeller(
-            [
-                PropellerInfo(base.index(), RigidTransform(p), 1.0, -spin * rotor.torque_ratio_m)
-                for p, spin in zip(vehicle.rotors.p_B, vehicle.rotors.spin, strict=True)
-            ]
-        ),
+        "propellers", make_propellers(rotor, vehicle.rotors, base.index())
     )
     sensors = builder.AddNamedSystem(
         "sensors",
@@ -105,6 +107,10 @@ def make_station(scenario: Scenario) -> Diagram:
             RandomDistribution.kGaussian, noise_size(vehicle.joints), rates.sensor_period_s
         ),
     )
+    wind = builder.AddSystem(
+        make_wind(scenario.wind, vehicle.joints, base.index(), rates.sensor_period_s)
+    )
+    forces = builder.AddNamedSystem("forces", ExternallyAppliedSpatialForceMultiplexer(2))
     flight_controller = builder.AddNamedSystem(
         "flight_controller",
         FlightController(
@@ -129,9 +135,10 @@ def make_station(scenario: Scenario) -> Diagram:
     connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
     connect(rotors.get_output_port(), propellers.get_command_input_port())
     connect(plant.get_body_poses_output_port(), propellers.get_body_poses_input_port())
-    connect(
-        propellers.get_spatial_forces_output_port(), plant.get_applied_spatial_force_input_port()
-    )
+    connect(propellers.get_spatial_forces_output_port(), forces.get_input_port(0))
+    connect(plant.get_state_output_port(), wind.GetInputPort("true_state"))
+    connect(wind.GetOutputPort("spatial_forces"), forces.get_input_port(1))
+    connect(forces.get_output_port(), plant.get_applied_spatial_force_input_port())
     connect(arm_controller.GetOutputPort("joint_torque"), plant.get_actuation_input_port())
     connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
     connect(sensor_noise.get_output_port(), sensors.GetInputPort("noise"))
@@ -140,25 +147,29 @@ def make_station(scenario: Scenario) -> Diagram:
 
     builder.ExportInput(flight_controller.GetInputPort("base_setpoint"), "base_setpoint")
     builder.ExportInput(arm_controller.GetInputPort("joint_setpoint"), "joint_setpoint")
-    builder.ExportOutput(sensors.GetOutputPort("state"), "state")
     builder.ExportOutput(plant.get_state_output_port(), "true_state")
     builder.ExportOutput(rotors.get_output_port(), "thrust")
-    builder.ExportOutput(flight_controller.GetOutputPort("thrust_command"), "thrust_command")
-    builder.ExportOutput(arm_controller.GetOutputPort("joint_torque"), "joint_torque")
-    builder.ExportOutput(flight_controller.GetOutputPort("disturbance"), "disturbance")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
+    for system, ports in (
+        (sensors, ("state",)),
+        (flight_controller, ("thrust_command", "disturbance", "saturated")),
+        (arm_controller, ("joint_torque",)),
+        (wind, ("wind_force",)),
+    ):
+        for port in ports:
+            builder.ExportOutput(system.GetOutputPort(port), port)
     return _named(builder.Build(), "station")
 
 
 def make_coordinator(scenario: Scenario) -> Diagram:
-    """Reference, kinematics, allocator, residual estimator, MPC and setpoint integrator.
+    """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
-    Input: `state` (13 + 2 n), as measured.
+    Inputs: `state` (13 + 2 n), as measured; `saturated` (1), of the flight controller.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n); `reference` (6), `weights`
     (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (2), `delta` (3),
     `prediction_error` (3), `nominal_prediction_error` (3).
     """
-    period, residual = scenario.rates.mpc_period_s, scenario.residual
+    period = scenario.rates.mpc_period_s
     vehicle = Vehicle.load(scenario)
     n = vehicle.joints
     model = EquivalentModel.make(scenario.model.kind, scenario.model.k_b, period, n)
@@ -182,12 +193,14 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     )
     residual_estimator = builder.AddNamedSystem(
         "residual_estimator",
-        ResidualEstimator(
-            network_for(scenario, n), model, residual.mode, residual.learning_rate, residual.batch
-        ),
+        ResidualEstimator(network_for(scenario, n), model, scenario.residual),
     )
-    mpc = builder.AddNamedSystem(
-        "mpc", MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
+    # Named `mpc` or `clik`; the ports are the same.
+    controller = builder.AddNamedSystem(
+        scenario.controller,
+        MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
+        if scenario.controller == "mpc"
+        else ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, limits, vehicle)),
     )
     setpoint_integrator = builder.AddNamedSystem(
         "setpoint_integrator",
@@ -209,26 +222,27 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         )
 
     connect(reference, "reference", kinematics)
-    connect(reference, "horizon", mpc)
+    connect(reference, "horizon", controller)
     connect(reference, "d_g", weight_allocator)
     connect(kinematics, "distances", weight_allocator)
-    connect(kinematics, "end_effector", mpc)
-    connect(weight_allocator, "weights", mpc)
-    connect(residual_estimator, "delta", mpc)
-    connect(mpc, "u", setpoint_integrator)
+    connect(kinematics, "end_effector", controller)
+    connect(weight_allocator, "weights", controller)
+    connect(residual_estimator, "delta", controller)
+    connect(controller, "u", setpoint_integrator)
     builder.Connect(enable.get_output_port(), setpoint_integrator.GetInputPort("enable"))
-    for consumer in (mpc, residual_estimator):
+    for consumer in (controller, residual_estimator):
         connect(setpoint_integrator, "base_setpoint", consumer)
         connect(setpoint_integrator, "joint_setpoint", consumer)
 
     builder.ExportInput(kinematics.GetInputPort("state"), "state")
-    builder.ConnectInput("state", mpc.GetInputPort("state"))
+    builder.ConnectInput("state", controller.GetInputPort("state"))
     builder.ConnectInput("state", residual_estimator.GetInputPort("state"))
+    builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")
     for system, ports in (
         (setpoint_integrator, ("base_setpoint", "joint_setpoint")),
         (reference, ("reference",)),
         (weight_allocator, ("weights",)),
-        (mpc, ("u", "prediction", "status")),
+        (controller, ("u", "prediction", "status")),
         (residual_estimator, ("delta", "prediction_error", "nominal_prediction_error")),
     ):
         for port in ports:
@@ -244,7 +258,8 @@ def make_closed_loop(scenario: Scenario) -> Diagram:
     builder = DiagramBuilder()
     station = builder.AddSystem(make_station(scenario))
     coordinator = builder.AddSystem(make_coordinator(scenario))
-    builder.Connect(station.GetOutputPort("state"), coordinator.GetInputPort("state"))
+    for port in ("state", "saturated"):
+        builder.Connect(station.GetOutputPort(port), coordinator.GetInputPort(port))
     for port in ("base_setpoint", "joint_setpoint"):
         builder.Connect(coordinator.GetOutputPort(port), station.GetInputPort(port))
     for side in (station, coordinator):
@@ -255,11 +270,11 @@ def make_closed_loop(scenario: Scenario) -> Diagram:
 
 
 def make_context(diagram: Diagram, seed: int) -> Context:
-    """A Context of any of these diagrams, in trim, with its noise drawn from `seed`."""
+    """A Context of any of these diagrams, in trim, with its noise and gusts drawn from `seed`."""
     context = diagram.CreateDefaultContext()
     generator = RandomGenerator(seed)
     for system in _leaves(diagram):
-        if isinstance(system, RandomSource):
+        if isinstance(system, (RandomSource, AffineSystem)):
             system.SetRandomContext(system.GetMyMutableContextFromRoot(context), generator)
     return context
 

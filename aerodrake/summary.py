@@ -34,7 +34,9 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             happen, or took longer than the period.
         modes: s in each mode.
         arm: m, the farthest the joint limits let the end-effector get from the
-            centre of the learning space, and the d_edge that gamma uses.
+            centre of the learning space, and the d_edge that gamma uses; the
+            farthest it was (d_o), s that it was beyond d_h, and the least that
+            a joint was from its limits, in rad (negative: beyond one).
         residual: RMS of the error in m/s with which one period of base velocity
             is predicted, with and without the network.
     """
@@ -71,10 +73,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         "modes": {
             mode.label: _figure(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode
         },
-        "arm": {
-            "farthest_reach_m": _figure(farthest_reach(Vehicle.load(scenario))),
-            "d_edge_m": scenario.allocation.d_edge_m,
-        },
+        "arm": _arm(scenario, log),
         "residual": {
             "mode": scenario.residual.mode,
             "prediction_rmse_m_s": {
@@ -88,6 +87,21 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
 def to_json(summary: dict[str, Any]) -> str:
     """The summary as strict JSON (no NaN), with its keys in order."""
     return json.dumps(summary, indent=2, allow_nan=False) + "\n"
+
+
+def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
+    vehicle, flown = Vehicle.load(scenario), log.time_s >= 0
+    d_o = np.linalg.norm(log.p_EB_m - vehicle.p_O, axis=1)[flown]
+    q = log["q_rad"][flown]
+    room = np.minimum(q - vehicle.lower, vehicle.upper - q)
+    outside = np.count_nonzero(d_o[:-1] > scenario.allocation.d_h_m)
+    return {
+        "farthest_reach_m": _figure(farthest_reach(vehicle)),
+        "d_edge_m": scenario.allocation.d_edge_m,
+        "farthest_d_o_m": _figure(d_o.max()) if len(d_o) else None,
+        "outside_s": _figure(outside * scenario.rates.flight_period_s),
+        "least_room_rad": _figure(room.min()) if len(d_o) else None,
+    }
 
 
 def _errors(

@@ -13,6 +13,7 @@ def main() -> None:
     coordinator = make_coordinator(scenario)
     context = make_context(coordinator, scenario.seed)
     coordinator.GetInputPort("state").FixValue(context, Vehicle.load(scenario).trim_state)
+    coordinator.GetInputPort("saturated").FixValue(context, [0.0])
     simulator = Simulator(coordinator, context)
     for t in (0.0, 0.1, 0.2, 0.5, 1.0):
         with single_thread():

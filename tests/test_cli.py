@@ -261,7 +261,7 @@ def test_a_second_interrupt_leaves_nothing(tmp_path, monkeypatch, capsys):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("aerodrake.report.plot_tracking", interrupt)
+    monkeypatch.setattr("aerodrake.flight_folder.plot_tracking", interrupt)
     try:
         code = main(["run", "hover", *TINY, "--out", str(tmp_path / "run")])
     except KeyboardInterrupt:  # pytest itself would stop.
@@ -301,7 +301,8 @@ def test_a_quiet_process_says_nothing_at_all(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "argv", [["--help"], ["run", "--help"], ["graph", "--help"], ["--version"], ["fly"]]
+    "argv",
+    [["--help"], *([c, "--help"] for c in ("run", "compare", "graph")), ["--version"], ["fly"]],
 )
 def test_help_needs_neither_drake_nor_torch(argv):
     code = (
@@ -321,6 +322,7 @@ def test_version_and_help(capsys):
         (["--version"], f"aerodrake {version('aerodrake')}\n"),
         (["--help"], "fly a scenario"),
         (["run", "--help"], "--set KEY=VALUE"),
+        (["compare", "--help"], "--jobs N"),
         (["graph", "--help"], "closed_loop, station, coordinator or a system"),
     ):
         with pytest.raises(SystemExit, match="0"):

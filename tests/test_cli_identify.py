@@ -152,7 +152,7 @@ def test_bad_input_is_answered_in_one_line(argv, said, scenario, monkeypatch, ca
 def test_jobs_are_a_number(jobs, capsys):
     with pytest.raises(SystemExit, match="2"):
         main(["identify", "--jobs", jobs])
-    assert "expected a whole number from 1" in capsys.readouterr().err
+    assert "expected a whole number in [1, 1000]" in capsys.readouterr().err
 
 
 def test_what_cannot_be_identified_leaves_everything_as_it_was(

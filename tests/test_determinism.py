@@ -11,14 +11,14 @@ from pydrake.systems.analysis import Simulator
 
 import aerodrake
 from aerodrake.reference_kinds import Clover
-from aerodrake.scenario import Mpc, Residual, Scenario, Sensors
+from aerodrake.scenario import Mpc, Payload, Residual, Scenario, Sensors, Wind
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.threads import single_thread
 
 
 def noisy(seed: int = 7) -> Scenario:
-    """Short, with all that could differ: noise, learning, motion, and a solver that iterates."""
+    """Short, with all that could differ: noise, gusts, learning, motion, a solver that iterates."""
     return Scenario(
         duration=0.8,
         settle_s=0.2,
@@ -33,6 +33,8 @@ def noisy(seed: int = 7) -> Scenario:
             rate_noise_rad_s=1e-2,
             joint_noise_rad=1e-4,
         ),
+        wind=Wind(velocity_m_s=(0.5, 0.0, 0.0), gust_m_s=(0.2, 0.2, 0.2)),
+        payload=Payload(mass_kg=0.1),
     )
 
 
@@ -58,6 +60,7 @@ def test_there_is_something_that_could_differ(signals):
     assert np.any(signals["delta_m_s"] != 0)
     assert np.count_nonzero(signals["qp_iterations"]) > 10
     assert np.ptp(signals["p_E_m"]) > 0
+    assert len(np.unique(signals["wind_force_n"], axis=0)) == len(signals["time_s"])
     for key, signal in signals.items():
         assert np.all(np.isfinite(signal)), key
 
@@ -89,7 +92,7 @@ def test_flown_by_another_process(signals, tmp_path):
 
 def test_another_seed_is_another_flight(signals):
     other = Flight(noisy(seed=8)).fly().signals
-    for key in ("measured_p_B_m", "measured_q_rad", "p_B_m", "thrust_n", "p_E_m"):
+    for key in ("measured_p_B_m", "measured_q_rad", "p_B_m", "thrust_n", "p_E_m", "wind_force_n"):
         assert np.any(other[key] != signals[key]), key
 
 

@@ -4,6 +4,8 @@ import re
 
 import numpy as np
 import pytest
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RotationMatrix
 
 from aerodrake.flight_log import DERIVED, PORTS, FlightLog, split_port
 from aerodrake.scenario import Mpc, Scenario
@@ -13,7 +15,7 @@ KEYS = [key for parts in PORTS.values() for key, _ in parts]
 
 DIMENSIONLESS = {
     "quaternion", "measured_quaternion", "gamma", "mode", "w_q", "w_m", "w_d",
-    "qp_status", "qp_iterations",
+    "qp_status", "qp_iterations", "saturated",
 }  # fmt: skip
 
 
@@ -100,3 +102,30 @@ def test_saved_and_read_without_pickle(short_flight, tmp_path):
         for key in read:
             assert read[key].dtype == log[key].dtype
             np.testing.assert_array_equal(read[key], log[key])
+
+
+def test_the_end_effector_in_the_base_frame():
+    """R_B' (p_E - p_B), with Drake's rotation; not finite where the state is not."""
+    rng = np.random.default_rng(0)
+    quaternions = rng.normal(size=(5, 4))
+    r, p_B = rng.normal(size=(2, 5, 3))
+    signals = {"quaternion": quaternions, "p_B_m": p_B, "p_E_m": p_B + r}
+    expected = [
+        RotationMatrix(Quaternion(q / np.linalg.norm(q))).matrix().T @ v
+        for q, v in zip(quaternions, r, strict=True)
+    ]
+    log = FlightLog(signals, "completed", "", 1.0)
+    np.testing.assert_allclose(log.p_EB_m, expected, atol=1e-14)
+    quaternions[2] = np.nan
+    assert np.isnan(log.p_EB_m[2]).all() and np.isfinite(log.p_EB_m[3]).all()
+
+
+def test_read_is_the_reverse_of_save(short_flight, tmp_path):
+    _, log = short_flight
+    log.save(tmp_path / "log.npz")
+    summary = {"exit_reason": "lost", "exit_cause": "tilt", "wall_s": 2.0}
+    again = FlightLog.read(tmp_path / "log.npz", summary)
+    assert (again.exit_reason, again.exit_cause, again.wall_s) == ("lost", "tilt", 2.0)
+    assert list(again.signals) == list(log.signals)
+    for key, rows in log.signals.items():
+        np.testing.assert_array_equal(again[key], rows)

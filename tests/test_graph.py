@@ -60,9 +60,10 @@ def exported(mermaid):
 
 def test_names_are_those_of_the_wiring_page(closed_loop, systems):
     sides = [closed_loop.GetSubsystemByName(name) for name in ("station", "coordinator")]
-    leaves = [leaf.get_name() for side in sides for leaf in side.GetSystems()]
-    assert set(systems) == {"closed_loop", "station", "coordinator", *leaves}
-    assert {"plant", "mpc", "sensors"} <= set(leaves)
+    inner = [system.get_name() for side in sides for system in side.GetSystems()]
+    in_wind = ["gust_noise", "air", "wind_force"]
+    assert set(systems) == {"closed_loop", "station", "coordinator", *inner, *in_wind}
+    assert {"plant", "mpc", "sensors", "wind"} <= set(inner)
     assert systems["closed_loop"] is closed_loop
 
 
@@ -112,14 +113,14 @@ def test_dot_is_valid(systems, depth):
 
 
 def test_mermaid_draws_every_system(closed_loop, systems):
-    assert nodes(to_mermaid(closed_loop, DEPTH)) == set(systems) - {"closed_loop"}
+    assert nodes(to_mermaid(closed_loop, DEPTH + 1)) == set(systems) - {"closed_loop"}
 
 
 @pytest.mark.parametrize("name", ["station", "coordinator"])
 def test_mermaid_draws_every_connection(systems, name):
     diagram = systems[name]
-    for inside in (diagram, systems["closed_loop"]):
-        drawn = arrows(to_mermaid(inside, DEPTH))
+    for inside, depth in ((diagram, 1), (systems["closed_loop"], DEPTH)):
+        drawn = arrows(to_mermaid(inside, depth))
         for (target, i), (source, o) in diagram.connection_map().items():
             label = drawn[source.get_name(), target.get_name()]
             for port in (source.get_output_port(o), target.get_input_port(i)):
@@ -134,6 +135,9 @@ def test_mermaid_follows_signals_into_and_out_of_diagrams(closed_loop):
     assert drawn["setpoint_integrator", "flight_controller"] == "base_setpoint"
     assert drawn["setpoint_integrator", "mpc"] == "base_setpoint<br/>joint_setpoint"
     assert drawn["plant", "sensors"] == "state → true_state"
+    opened = arrows(to_mermaid(closed_loop, DEPTH + 1))
+    assert drawn["wind", "forces"] == opened["wind_force", "forces"] == "spatial_forces"
+    assert drawn["plant", "wind"] == opened["plant", "wind_force"] == "state → true_state"
 
 
 def test_mermaid_depth(closed_loop):
@@ -141,10 +145,10 @@ def test_mermaid_depth(closed_loop):
     shallow = to_mermaid(closed_loop, 1)
     assert nodes(shallow) == {"station", "coordinator"}
     assert arrows(shallow) == {
-        ("station", "coordinator"): "state",
+        ("station", "coordinator"): "saturated<br/>state",
         ("coordinator", "station"): "base_setpoint<br/>joint_setpoint",
     }
-    assert to_mermaid(closed_loop, 9) == to_mermaid(closed_loop, DEPTH)
+    assert to_mermaid(closed_loop, 9) == to_mermaid(closed_loop, DEPTH + 1)
 
 
 def test_mermaid_exported_ports(closed_loop, systems):

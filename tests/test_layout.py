@@ -28,7 +28,7 @@ STOREYS = {
     ),
     1: ("model",),
     2: ("systems",),
-    3: ("station", "open_loop"),
+    3: ("station", "open_loop", "wind"),
     4: (
         "simulate",
         "flight_log",
@@ -39,6 +39,9 @@ STOREYS = {
         "graph",
         "processes",
         "excitation",
+        "flight_folder",
+        "compare",
+        "comparison_report",
         "identify",
         "identify_report",
     ),

@@ -2,19 +2,21 @@
 
 import base64
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.replay import write_replay
+from aerodrake.scenario import Payload
 
 
 @pytest.fixture(scope="module")
 def page(short_flight, tmp_path_factory) -> str:
     scenario, log = short_flight
     path = tmp_path_factory.mktemp("replay") / "replay.html"
-    write_replay(log, scenario.vehicle.robot, path)
+    write_replay(log, scenario, path)
     return path.read_text(encoding="utf-8")
 
 
@@ -45,6 +47,13 @@ def test_it_has_the_vehicle_its_reference_and_its_trace(page):
         assert body in said
 
 
+def test_it_has_the_payload_if_there_is_one(page, short_flight, tmp_path):
+    scenario, log = short_flight
+    assert b"visualizer/payload" not in messages(page)
+    write_replay(log, replace(scenario, payload=Payload(mass_kg=0.2)), tmp_path / "loaded.html")
+    assert b"visualizer/payload" in messages((tmp_path / "loaded.html").read_text(encoding="utf-8"))
+
+
 def test_it_has_the_motion(page):
     """Keyframes of the recording: 30 a second, of reference time alone."""
     said = messages(page)
@@ -53,7 +62,7 @@ def test_it_has_the_motion(page):
 
 def test_the_same_flight_gives_the_same_bytes(page, short_flight, tmp_path):
     scenario, log = short_flight
-    write_replay(log, scenario.vehicle.robot, tmp_path / "again.html")
+    write_replay(log, scenario, tmp_path / "again.html")
     assert (tmp_path / "again.html").read_text(encoding="utf-8") == page
 
 
@@ -64,7 +73,7 @@ def test_flights_that_ended_early_are_shown(samples, short_flight, tmp_path):
     scenario, log = short_flight
     signals = {key: rows[:samples] for key, rows in log.signals.items()}
     early = FlightLog(signals, "interrupted", "", 1.0)
-    write_replay(early, scenario.vehicle.robot, tmp_path / "early.html")
+    write_replay(early, scenario, tmp_path / "early.html")
     assert b"/paths/end_effector" in messages((tmp_path / "early.html").read_text())
 
 
@@ -74,11 +83,11 @@ def test_a_flight_that_was_lost_to_numbers_is_shown_up_to_there(short_flight, tm
     for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
         signals[key][-1] = np.nan
     lost = FlightLog(signals, "lost", "the state is not finite", 1.0)
-    write_replay(lost, scenario.vehicle.robot, tmp_path / "lost.html")
+    write_replay(lost, scenario, tmp_path / "lost.html")
     assert (tmp_path / "lost.html").stat().st_size > 100_000
 
 
 def test_it_says_nothing(short_flight, tmp_path, capfd):
     scenario, log = short_flight
-    write_replay(log, scenario.vehicle.robot, tmp_path / "quiet.html")
+    write_replay(log, scenario, tmp_path / "quiet.html")
     assert capfd.readouterr() == ("", "")

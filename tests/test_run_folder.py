@@ -176,13 +176,15 @@ def test_who_may_read_it_is_up_to_the_umask(umask, tmp_path):
     assert (tmp_path / "run" / NAMES[0]).stat().st_mode & 0o777 == 0o666 & ~umask
 
 
-def test_each_kind_of_results_is_known_by_its_own_files(tmp_path):
-    """And replaced by its own kind only."""
-    with run_folder(tmp_path / "other", ("other.json",)) as folder:
-        (folder / "other.json").write_text("old")
-    with pytest.raises(BadInput, match="holds files that are not of an earlier run"):
-        write(tmp_path / "other")
-    assert texts(tmp_path) == {"other/other.json": "old"}
-    with run_folder(tmp_path / "other", ("other.json",)) as folder:
-        (folder / "other.json").write_text("new")
-    assert texts(tmp_path) == {"other/other.json": "new"}
+def test_each_kind_of_run_replaces_its_own_kind_only(tmp_path):
+    write(tmp_path / "run", "old")
+    with (
+        pytest.raises(BadInput, match="not of an earlier run"),
+        run_folder(tmp_path / "run", ["comparison.json"]),
+    ):
+        pass
+    assert texts(tmp_path) == run("old")
+    for text in ("first", "second"):
+        with run_folder(tmp_path / "other", ["comparison.json"]) as folder:
+            (folder / "comparison.json").write_text(text)
+    assert texts(tmp_path / "other") == {"comparison.json": "second"}

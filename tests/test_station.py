@@ -4,11 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.kinematics import Kinematics
+from aerodrake.model.vehicle import TOOL_FRAME, add_robot
+from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.reference_kinds import MovingTarget
-from aerodrake.scenario import Scenario, Sensors
+from aerodrake.scenario import Payload, Scenario, Sensors, Wind
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context, make_coordinator, make_station
 
@@ -24,6 +28,8 @@ STATION_OUTPUTS = {
     "thrust_command": ROTORS,
     "joint_torque": JOINTS,
     "disturbance": 6,
+    "saturated": 1,
+    "wind_force": 3,
     "query_object": 0,
 }
 SETPOINTS = {"base_setpoint": 9, "joint_setpoint": 3 * JOINTS}
@@ -59,7 +65,7 @@ def ports(diagram) -> tuple[dict[str, int], dict[str, int]]:
 def test_ports(station, closed_loop, scenario):
     coordinator = make_coordinator(replace(scenario, mpc=replace(scenario.mpc, horizon=N)))
     assert ports(station) == (SETPOINTS, STATION_OUTPUTS)
-    assert ports(coordinator) == ({"state": STATE}, COORDINATOR_OUTPUTS)
+    assert ports(coordinator) == ({"state": STATE, "saturated": 1}, COORDINATOR_OUTPUTS)
     assert scenario.mpc.horizon == N
     assert ports(closed_loop) == ({}, STATION_OUTPUTS | COORDINATOR_OUTPUTS)
 
@@ -154,6 +160,28 @@ def test_what_lifts_the_vehicle_is_the_thrust_of_lagging_rotors(station, vehicle
     assert (climb() - before) / 0.001 == pytest.approx(lift / 3.8 - 9.81, abs=1e-3)
 
 
+def test_saturation_is_told_from_the_command_after_the_sample(station, vehicle):
+    """Half a plant step after it, until a command can be given in full again."""
+    context = make_context(station, 0)
+    base, joints = hovering(vehicle)
+    base[2] += 10.0
+    station.GetInputPort("base_setpoint").FixValue(context, base)
+    station.GetInputPort("joint_setpoint").FixValue(context, joints)
+    simulator = Simulator(station, context)
+    saturated = station.GetOutputPort("saturated")
+    assert saturated.Eval(context) == 0
+    simulator.AdvanceTo(0.0004)
+    assert saturated.Eval(context) == 0
+    simulator.AdvanceTo(0.0006)
+    assert saturated.Eval(context) == 1
+    base[2:] = vehicle.p_B[2], *np.zeros(6)
+    station.GetInputPort("base_setpoint").FixValue(context, base)
+    simulator.AdvanceTo(0.0104)
+    assert saturated.Eval(context) == 1
+    simulator.AdvanceTo(1.0)
+    assert saturated.Eval(context) == 0
+
+
 @pytest.mark.parametrize("joint", range(JOINTS))
 def test_a_swing_of_one_joint_hardly_moves_the_base(station, vehicle, joint):
     """1 rad in 1 s, towards the middle of the joint's range."""
@@ -199,6 +227,7 @@ def coordinate(scenario, vehicle, duration: float):
     coordinator = make_coordinator(scenario)
     context = make_context(coordinator, 0)
     coordinator.GetInputPort("state").FixValue(context, vehicle.trim_state)
+    coordinator.GetInputPort("saturated").FixValue(context, [0.0])
     simulator = Simulator(coordinator, context)
     rows = {port: [] for port in ("base_setpoint", "joint_setpoint", "u")}
     for k in range(round(duration / 0.01)):
@@ -267,3 +296,71 @@ def test_noise_does_not_lift_the_base():
     log = Flight(Scenario(settle_s=0.0, duration=8.0, sensors=noisy)).fly()
     offset = log["p_B_m"][300:, 2] - log["p_Bd_m"][300:, 2]
     assert abs(offset.mean()) < 0.003
+
+
+def test_a_steady_wind_is_leant_into(scenario, vehicle):
+    """The thrust is what gravity and drag leave to hold, and the base's z axis is along it."""
+    wind = Wind(velocity_m_s=(3.0, -4.0, 1.0))
+    speed = np.sqrt(26.0)
+    drag = (0.25 * speed + 0.15) * np.array(wind.velocity_m_s)
+    station = make_station(replace(scenario, wind=wind))
+    context = make_context(station, 0)
+    base, joints = hovering(vehicle)
+    station.GetInputPort("base_setpoint").FixValue(context, base)
+    station.GetInputPort("joint_setpoint").FixValue(context, joints)
+    Simulator(station, context).AdvanceTo(12.0)
+
+    def output(port):
+        return station.GetOutputPort(port).Eval(context)
+
+    held = -drag - [0, 0, -9.81 * vehicle.mass]
+    state = VehicleState.from_vector(output("true_state"))
+    np.testing.assert_allclose(output("wind_force"), drag, atol=1e-4)
+    assert output("thrust").sum() == pytest.approx(np.linalg.norm(held), abs=1e-4)
+    np.testing.assert_allclose(state.R_B[:, 2], held / np.linalg.norm(held), atol=1e-5)
+    np.testing.assert_allclose(output("disturbance")[:3], drag / vehicle.mass, atol=1e-4)
+    np.testing.assert_allclose(state.p_B, base[:3], atol=1e-4)
+
+
+def test_the_sensors_noise_is_the_same_in_any_wind(scenario):
+    noisy = replace(scenario, sensors=Sensors(position_noise_m=0.01))
+    draws = []
+    for wind in (Wind(), Wind(velocity_m_s=(2.0, 0.0, 0.0), gust_m_s=(1.0, 1.0, 1.0))):
+        station = make_station(replace(noisy, wind=wind))
+        noise = station.GetSubsystemByName("sensor_noise")
+        context = noise.GetMyContextFromRoot(make_context(station, 3))
+        draws.append(noise.get_output_port().Eval(context))
+    np.testing.assert_array_equal(*draws)
+
+
+@pytest.fixture(scope="module")
+def loaded_hover():
+    """A payload of 0.2 kg from the first moment on, flown to rest by the closed loop."""
+    return Flight(Scenario(settle_s=0.0, duration=10.0, payload=Payload(mass_kg=0.2))).fly()
+
+
+def test_a_payload_is_lifted_and_the_tool_returns(loaded_hover, vehicle):
+    log = loaded_hover
+    assert log["thrust_n"][-1].sum() == pytest.approx((vehicle.mass + 0.2) * 9.81, abs=1e-3)
+    assert 0.01 < log.error_m.max() < 0.06
+    assert log.error_m[log.time_s > 5].max() < 1e-3
+    assert log["disturbance_m_s2"][-1][2] == pytest.approx(-0.2 * 9.81 / vehicle.mass, abs=1e-3)
+
+
+def test_joints_hold_the_static_moment_of_arm_and_payload(loaded_hover, vehicle):
+    """Of the arm by Drake's gravity, of the payload by its weight and the tool's Jacobian."""
+    plant = MultibodyPlant(0.0)
+    add_robot(plant, vehicle.robot)
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    log = loaded_hover
+    plant.SetPositions(
+        context, np.concatenate([log[key][-1] for key in ("quaternion", "p_B_m", "q_rad")])
+    )
+    world, tool = plant.world_frame(), plant.GetFrameByName(TOOL_FRAME)
+    J_v = plant.CalcJacobianTranslationalVelocity(
+        context, JacobianWrtVariable.kV, tool, np.zeros(3), world, world
+    )
+    gravity = plant.CalcGravityGeneralizedForces(context) + J_v.T @ [0, 0, -0.2 * 9.81]
+    assert np.abs(gravity[6:] + vehicle.trim_torque).max() > 0.3  # The payload's part.
+    np.testing.assert_allclose(log["joint_torque_n_m"][-1], -gravity[6:], atol=1e-3)

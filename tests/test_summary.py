@@ -38,6 +38,8 @@ def made(
         "p_E_m": here + np.outer(error(t), diagonal),
         "p_Bd_m": np.zeros((samples, 3)),
         "p_B_m": np.outer(base_error(t), -diagonal),
+        "quaternion": np.tile([1.0, 0, 0, 0], (samples, 1)),
+        "q_rad": np.tile(Scenario().vehicle.working_rad, (samples, 1)),
         "mode": mode(t),
         "qp_status": np.full(samples, QpStatus.UNCONSTRAINED, float),
         "prediction_error_m_s": np.zeros((samples, 3)),
@@ -208,3 +210,23 @@ def test_strict_json_whatever_was_flown(number):
 
 def test_the_same_flight_gives_the_same_text():
     assert to_json(summarize(CLOVER, made(steps))) == to_json(summarize(CLOVER, made(steps)))
+
+
+def test_where_the_arm_was(vehicle):
+    """1.2 s at 0.1 m from the centre of the learning space, 0.01 s at 0.2 m; a joint by its limit.
+
+    Nothing of the initial hover counts, nor is the last sample any time.
+    """
+    log = made(until_s=5.0)
+    offset = np.select([log.time_s < 0, log.time_s < 1.2 - 1e-9], [0.3, 0.1], 0.0)
+    offset[log.time_s == 3.0] = 0.2
+    p_E = log["p_B_m"] + vehicle.p_O + np.outer(offset, [0.0, 0.6, 0.8])
+    q = log["q_rad"].copy()
+    q[log.time_s < 0, 2] = vehicle.upper[2]
+    q[log.time_s == 2.0, 2] = vehicle.upper[2] - 0.02
+    arm = figures(made(until_s=5.0, p_E_m=p_E, q_rad=q))["arm"]
+    assert arm["farthest_d_o_m"] == pytest.approx(0.2)
+    assert arm["outside_s"] == pytest.approx(1.21)
+    assert arm["least_room_rad"] == pytest.approx(0.02)
+    q[log.time_s == 2.0, 2] = vehicle.upper[2] + 0.01
+    assert figures(made(until_s=5.0, q_rad=q))["arm"]["least_room_rad"] == pytest.approx(-0.01)

@@ -8,6 +8,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.reference_kinds import MovingTarget
+from aerodrake.scenario import Wind
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.flight_controller import FlightController
@@ -16,6 +17,7 @@ from aerodrake.systems.residual_estimator import ResidualEstimator
 from aerodrake.systems.sensors import SensorSystem
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
+from aerodrake.systems.wind_force import WindForce
 
 UPDATES = {
     FlightController: "_update",
@@ -25,13 +27,18 @@ UPDATES = {
     WeightAllocator: "_update",
     SetpointIntegrator: "_update",
     SensorSystem: "_sample",
+    WindForce: "_update",
 }
 SEES = {
     FlightController: ("state", "base_setpoint"),
     ArmController: ("state", "joint_setpoint"),
     MpcSystem: ("state",),
+    SensorSystem: ("true_state",),
+    WindForce: ("true_state",),
 }
 """Input ports that are recorded at each event."""
+
+BREEZE = Wind(velocity_m_s=(0.5, 0.0, 0.0), gust_m_s=(0.1, 0.1, 0.1))
 
 
 class Recorder:
@@ -73,8 +80,8 @@ def make_moving(scenario) -> Recorder:
 
 @pytest.fixture(scope="module")
 def second(scenario) -> Recorder:
-    """One second of it. Only looked at by tests."""
-    recorder = make_moving(scenario)
+    """One second of it, in a breeze. Only looked at by tests."""
+    recorder = make_moving(replace(scenario, wind=BREEZE))
     recorder.instants = []
     recorder.simulator.set_monitor(lambda context: recorder.instants.append(context.get_time()))
     recorder.simulator.AdvanceTo(1.0)
@@ -91,6 +98,7 @@ def second(scenario) -> Recorder:
         (ResidualEstimator, 50, 0),
         (SetpointIntegrator, 50, 0),
         (SensorSystem, 100, 0),
+        (WindForce, 100, 0),
     ],
 )
 def test_events_of_a_second(second, kind, rate, offset):
@@ -118,6 +126,31 @@ def test_events_of_one_instant_are_at_the_very_same_time(second):
 def test_only_the_sensors_come_before_the_discrete_updates(second):
     """The unrestricted updates of a second are its samples."""
     assert second.simulator.get_num_unrestricted_updates() == 100
+
+
+def test_the_wind_sees_the_base_of_its_instant(second):
+    """As the sensors do, which come before it."""
+    seen, sampled = (second.seen[kind, "true_state"] for kind in (WindForce, SensorSystem))
+    assert len(np.unique(seen, axis=0)) == 100
+    np.testing.assert_array_equal(seen, sampled)
+
+
+def test_steps_of_the_plant_call_no_python_for_the_wind(scenario, monkeypatch):
+    """What is applied is told anew once a sample, and once at the start."""
+    told = []
+    calc = WindForce._calc_spatial_forces
+
+    def count(system, context, output):
+        told.append(context.get_time())
+        return calc(system, context, output)
+
+    monkeypatch.setattr(WindForce, "_calc_spatial_forces", count)
+    for wind, times in ((BREEZE, [0.0, *(0.001 + 0.01 * np.arange(10))]), (Wind(), [0.0])):
+        told.clear()
+        recorder = make_moving(replace(scenario, wind=wind))
+        recorder.simulator.AdvanceTo(0.0995)
+        np.testing.assert_allclose(told, times, atol=1e-9)
+        assert len(recorder.times[WindForce]) == len(times) - 1
 
 
 def test_controllers_and_mpc_act_on_the_same_sample(second):

@@ -196,7 +196,7 @@ class MpcFormulation:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """J_1 as (rows over z, offset, weight)."""
         config, model, end_effector = self.config, self.model, tick.end_effector
-        K_e = self._correction_gain(tick)[:, None]
+        K_e = correction_gain(config, tick)[:, None]
         speeds = np.zeros_like(places)
         speeds[:, self._speeds] = end_effector.J_s
         inputs = np.zeros((3, 3 + model.joints))
@@ -222,12 +222,6 @@ class MpcFormulation:
         N = config.horizon
         return stacked.reshape(3 * N, -1), offset.ravel(), np.tile(config.w_1, N)
 
-    def _correction_gain(self, tick: MpcInputs) -> np.ndarray:
-        """(3,) 1/s, K_e, scaled down where K_e e_E,0 exceeds the approach speed."""
-        K_e = np.array(self.config.k_e)
-        speed = np.linalg.norm(K_e * (tick.end_effector.p_E - tick.reference[0, :3]))
-        return K_e * min(1.0, self.config.approach_speed_m_s / max(speed, 1e-9))
-
     def _centring(
         self, tick: MpcInputs, x_free: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -239,6 +233,13 @@ class MpcFormulation:
         rows = end_effector.J_B @ self._Gamma[:, joints]
         weight = np.tile(np.multiply(tick.w_d, self.config.w_4), N)
         return rows.reshape(3 * N, -1), offset.ravel(), weight
+
+
+def correction_gain(config: Mpc, tick: MpcInputs) -> np.ndarray:
+    """(3,) 1/s, K_e, scaled down where K_e e_E,0 exceeds the approach speed."""
+    K_e = np.array(config.k_e)
+    speed = np.linalg.norm(K_e * (tick.end_effector.p_E - tick.reference[0, :3]))
+    return K_e * min(1.0, config.approach_speed_m_s / max(speed, 1e-9))
 
 
 def tilt_matrix(r: np.ndarray) -> np.ndarray:

@@ -77,8 +77,14 @@ def next_mode(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float
 
 
 def allocate(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float) -> Weights:
-    """gamma and the weights, from the distances as in `next_mode` (paper, eq. 10, 11)."""
+    """gamma and the weights, from the distances as in `next_mode` (paper, eq. 10, 11).
+
+    With `config.kind` fixed the mode is told as ever, but nothing follows it:
+    the weights are always those of `fixed_gamma` at d_o = d_h / 2.
+    """
     mode = next_mode(config, last, d_e, d_o, d_g)
+    if config.kind == "fixed":
+        return _weights(config, mode, config.fixed_gamma, config.d_h_m / 2, 0.0)
     d_h = config.d_h_m
     if mode is Mode.FLIGHT:
         gamma = 0.0
@@ -89,6 +95,10 @@ def allocate(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float)
     else:
         gamma = max(-config.k_mn * (d_o - d_h) / (config.d_edge_m - d_h), -1.0)
     floor = ADJUSTMENT_GAMMA_FLOOR if mode is Mode.ADJUSTMENT else 0.0
+    return _weights(config, mode, gamma, d_o, floor)
+
+
+def _weights(config: Allocation, mode: Mode, gamma: float, d_o: float, floor: float) -> Weights:
     return Weights(
         gamma=gamma,
         mode=mode,

@@ -32,11 +32,17 @@ class FlightController(LeafSystem):
         out `thrust_command` (k): N, per rotor.
         out `disturbance` (6): h of the position ESO, m/s^2 in the world, and
             of the attitude ESO, rad/s^2 in the base frame.
+        out `saturated` (1): 1 if `thrust_command` is less than the laws ask for,
+            by the limit of tilt or those of the rotors (thrust, or torque about
+            any axis), else 0. Whoever reads it at the instant of a sample reads
+            that of the command before, since the one for this sample follows
+            after `offset`.
     State:
         `position_eso` (3, 3), `attitude_eso` (2, 3), `integral` (3) of the
         position error, `thrust` (k) that the rotors are believed to give,
-        `thrust_command` (k), `R_d` (3, 3), the last desired attitude, and
-        `omega_d` (3) rad/s, its filtered rate, in its own frame.
+        `thrust_command` (k), `R_d` (3, 3), the last desired attitude,
+        `omega_d` (3) rad/s, its filtered rate, in its own frame, and
+        `saturated` (1).
     Rate:
         `period`, after `offset`, so that it sees what the MPC commanded at
         the same sample.
@@ -83,6 +89,7 @@ class FlightController(LeafSystem):
         self._x_command = self.DeclareDiscreteState(trim)
         self._x_R_d = self.DeclareDiscreteState(np.eye(3).ravel())
         self._x_omega_d = self.DeclareDiscreteState(np.zeros(3))
+        self._x_saturated = self.DeclareDiscreteState(np.zeros(1))
         self._smoothing = period / (period + config.rate_filter_s)
         self.DeclareStateOutputPort("thrust_command", self._x_command)
         self.DeclareVectorOutputPort(
@@ -94,6 +101,7 @@ class FlightController(LeafSystem):
                 self.discrete_state_ticket(self._x_attitude),
             },
         )
+        self.DeclareStateOutputPort("saturated", self._x_saturated)
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
@@ -141,8 +149,8 @@ class FlightController(LeafSystem):
             [[vehicle.mass * (f @ R[:, 2])], vehicle.inertia @ u_omega + gyroscopic]
         )
         command = self._allocation.allocate(wanted)
-        saturated = not np.allclose(f, u_v + GRAVITY * UP) or not np.isclose(
-            self._allocation.mixer[0] @ command, wanted[0]
+        saturated = not np.allclose(f, u_v + GRAVITY * UP) or not np.allclose(
+            self._allocation.mixer @ command, wanted
         )
         if not saturated:
             integral = integral + self._period * error
@@ -155,6 +163,7 @@ class FlightController(LeafSystem):
             (self._x_command, command),
             (self._x_R_d, R_d.ravel()),
             (self._x_omega_d, omega_d),
+            (self._x_saturated, [saturated]),
         ):
             discrete.set_value(index, value)
 

@@ -1,11 +1,15 @@
-"""Rotor dynamics at the plant's rate, without Python in the loop."""
+"""Rotors and propellers at the plant's rate, without Python in the loop."""
 
 from __future__ import annotations
 
 import numpy as np
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import Propeller, PropellerInfo
+from pydrake.multibody.tree import BodyIndex
 from pydrake.symbolic import Variable, exp, if_then_else, max, min
 from pydrake.systems.primitives import SymbolicVectorSystem
 
+from aerodrake.model.vehicle import Rotors
 from aerodrake.scenario import Rotor
 
 
@@ -37,4 +41,20 @@ def make_rotors(config: Rotor, trim: np.ndarray, period: float) -> SymbolicVecto
     output = [f0 + x for x, f0 in zip(state, trim, strict=True)]
     return SymbolicVectorSystem(
         state=state, input=command, dynamics=dynamics, output=output, time_period=period
+    )
+
+
+def make_propellers(rotor: Rotor, rotors: Rotors, base: BodyIndex) -> Propeller:
+    """The wrenches that thrusts (k) N exert on the base, with their drag torque.
+
+    Args:
+        rotor: Ratio of drag torque to thrust.
+        rotors: Where they are, and which way they turn.
+        base: The body they are on.
+    """
+    return Propeller(
+        [
+            PropellerInfo(base, RigidTransform(p), 1.0, -spin * rotor.torque_ratio_m)
+            for p, spin in zip(rotors.p_B, rotors.spin, strict=True)
+        ]
     )

@@ -151,3 +151,19 @@ def test_hand_computed_values(d_e, d_o, d_g, mode, gamma, w_q, w_m, w_d):
 
 def test_labels():
     assert [mode.label for mode in Mode] == ["flight", "coordinated", "hover", "adjustment"]
+
+
+@given(distances, distances, diameters)
+def test_fixed_weights_know_no_distance(d_e, d_o, d_g):
+    """Those of fixed_gamma at d_o = d_h / 2, everywhere; the mode is told as ever."""
+    fixed = Allocation(kind="fixed", fixed_gamma=0.5)
+    weights = allocate(fixed, HOVER, d_e, d_o, d_g)
+    assert weights.mode is next_mode(CONFIG, HOVER, d_e, d_o, d_g)
+    found = (weights.gamma, weights.w_q, weights.w_m, weights.w_d)
+    assert found == pytest.approx((0.5, 350.0, 10 / 0.51, 3.75 / 1.6), rel=1e-12)
+
+
+def test_fixed_weights_are_those_of_tracking():
+    """By default: on the target, half way to the boundary of hovering."""
+    ours = allocate(Allocation(kind="fixed"), COORDINATED, 0.0, D_H / 2, 1.0)
+    assert ours == allocate(CONFIG, COORDINATED, 0.0, D_H / 2, 1.0)

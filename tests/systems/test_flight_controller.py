@@ -52,6 +52,7 @@ def test_ports_rate_and_feedthrough(scenario, vehicle):
     assert controller.GetInputPort("base_setpoint").size() == 9
     assert controller.GetOutputPort("thrust_command").size() == len(vehicle.rotors.names)
     assert controller.GetOutputPort("disturbance").size() == 6
+    assert controller.GetOutputPort("saturated").size() == 1
     assert not controller.HasAnyDirectFeedthrough()
     timing = controller.GetUniquePeriodicDiscreteUpdateAttribute()
     assert (timing.period_sec(), timing.offset_sec()) == (PERIOD, OFFSET)
@@ -66,6 +67,7 @@ def test_trim_is_kept_forever(scenario, vehicle, mixer, hover, interface):
     for _ in range(500):
         command = tick(controller, context, vehicle.trim_state, hover)
         np.testing.assert_allclose(command, trim, rtol=0, atol=1e-11)
+        assert controller.GetOutputPort("saturated").Eval(context) == 0
 
 
 def test_height_error_by_hand(scenario, vehicle, mixer, hover):
@@ -127,6 +129,36 @@ def test_commands_keep_the_rotors_limits(scenario, vehicle, hover):
         setpoint = hover + np.concatenate([away, np.zeros(6)])
         command = tick(controller, context, vehicle.trim_state, setpoint)
         assert np.all((rotor.min_thrust_n <= command) & (command <= rotor.max_thrust_n))
+
+
+@pytest.mark.parametrize(("share", "expected"), [(0.99, 0), (1.01, 1)])
+def test_the_limit_of_tilt_is_flagged(scenario, vehicle, hover, share, expected):
+    """With an attitude law that asks for no torque, so that none is short."""
+    law = {"position_gain": (9, 9, 9), "attitude_gain": (0, 0, 0), "rate_gain": (0, 0, 0)}
+    controller = make_controller(scenario, vehicle, **law)
+    context = controller.CreateDefaultContext()
+    hover[0] += share * GRAVITY * math.tan(scenario.flight.max_tilt_rad) / 9
+    tick(controller, context, vehicle.trim_state, hover)
+    assert controller.GetOutputPort("saturated").Eval(context) == expected
+
+
+@pytest.mark.parametrize("axis", ["thrust", "roll", "pitch", "yaw"])
+def test_the_limits_of_the_rotors_are_flagged_while_they_bind(scenario, vehicle, hover, axis):
+    """Thrust out of a climb, torque out of a spin of the base."""
+    controller = make_controller(scenario, vehicle)
+    context = controller.CreateDefaultContext()
+    saturated = controller.GetOutputPort("saturated")
+    assert saturated.Eval(context) == 0  # There was no command yet.
+    for much, expected in ((0.02, 0), (10.0, 1), (0.0, 0)):
+        state, setpoint = VehicleState.from_vector(vehicle.trim_state.copy()), hover.copy()
+        if axis == "thrust":
+            setpoint[2] += much
+        else:
+            state.omega_W[["roll", "pitch", "yaw"].index(axis)] = much
+        tick(controller, context, state.to_vector(), setpoint)
+        assert saturated.Eval(context) == expected
+        for _ in range(100 if much else 0):  # The observer forgets.
+            tick(controller, context, vehicle.trim_state, hover)
 
 
 class Flight:

@@ -84,7 +84,7 @@ def tick(mpc, context, values) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def plan(mpc, formulation, context) -> np.ndarray:
     """(N, 3 + n) accelerations."""
-    U = formulation.scale * context.get_discrete_state(1).value()
+    U = formulation.scale * context.get_discrete_state(3).value()
     return U.reshape(N, -1)
 
 

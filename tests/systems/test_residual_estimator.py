@@ -1,17 +1,20 @@
 """The estimator against a plain loop with autograd, tick by tick."""
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
 from aerodrake.model.equivalent_model import AXIS_MODELS, EquivalentModel
 from aerodrake.model.residual_network import ResidualNetwork, features
 from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario import Residual
 from aerodrake.systems.residual_estimator import ResidualEstimator
 
 # Threads that wait for each other cost a hundred times the arithmetic.
@@ -19,7 +22,7 @@ torch.set_num_threads(1)
 
 JOINTS = 6
 DT = 0.02
-PORTS = ("state", "base_setpoint", "joint_setpoint")
+PORTS = ("state", "base_setpoint", "joint_setpoint", "saturated")
 OUTPUTS = ("delta", "prediction_error", "nominal_prediction_error")
 
 
@@ -39,7 +42,7 @@ def trained(seed: int = 5) -> ResidualNetwork:
 def inputs(ticks: int, seed: int = 0) -> list[dict[str, np.ndarray]]:
     """Values of the input ports at each tick; nothing in them is the same twice."""
     rng = np.random.default_rng(seed)
-    sizes = (VehicleState.size(JOINTS), 9, 3 * JOINTS)
+    sizes = (VehicleState.size(JOINTS), 9, 3 * JOINTS, 1)
     flight = [
         {port: 0.3 * rng.normal(size=size) for port, size in zip(PORTS, sizes, strict=True)}
         for _ in range(ticks)
@@ -47,6 +50,19 @@ def inputs(ticks: int, seed: int = 0) -> list[dict[str, np.ndarray]]:
     for tick in flight:
         tick["state"][0] = 1
     return flight
+
+
+def plain(mode: str, learning_rate: float, batch: int) -> Residual:
+    """The paper's printed form: no guards."""
+    return Residual(
+        mode=mode,
+        learning_rate=learning_rate,
+        batch=batch,
+        max_step=0.0,
+        max_drift=0.0,
+        max_error_m_s=0.0,
+        freeze_saturated=False,
+    )
 
 
 def drive(estimator: ResidualEstimator, context: Context, flight) -> dict[str, np.ndarray]:
@@ -63,7 +79,7 @@ def drive(estimator: ResidualEstimator, context: Context, flight) -> dict[str, n
 
 
 def fly(network, model, mode, learning_rate, batch, flight) -> dict[str, np.ndarray]:
-    estimator = ResidualEstimator(network, model, mode, learning_rate, batch)
+    estimator = ResidualEstimator(network, model, plain(mode, learning_rate, batch))
     return drive(estimator, estimator.CreateDefaultContext(), flight)
 
 
@@ -136,11 +152,59 @@ def test_batches(batch):
 def test_ticks_that_are_not_finite_are_skipped(port, number):
     flight = inputs(40)
     for k in (0, 7, 8, 30):
-        flight[k][port][k % 9] = number
+        flight[k][port][k % len(flight[k][port])] = number
     setup = (trained(), equivalent_model(), "online", 0.01, 20, flight)
     log = fly(*setup)
     assert np.all(log["delta"][[0, 7, 8, 30]] == 0)
     assert_same(log, straightforward(*setup))
+
+
+def test_saturated_samples_are_compared_and_not_learned():
+    """The sample is judged by the flag of the tick that completes it."""
+    setup, flight = (trained(), equivalent_model()), inputs(40)
+    saturated = {5, 6, 21}
+    for k, tick in enumerate(flight):
+        tick["saturated"][:] = k in saturated
+    config = replace(plain("online", 0.01, 20), freeze_saturated=True)
+    estimator = ResidualEstimator(*setup, config)
+    context, errors = estimator.CreateDefaultContext(), []
+    for k, tick in enumerate(flight):
+        theta, phis, targets, seen = (
+            context.get_discrete_state(i).value().copy() for i in range(4)
+        )
+        errors.append(drive(estimator, context, [tick])["prediction_error"][0])
+        kept = [context.get_discrete_state(i).value() for i in range(4)]
+        if k in saturated or k == 0:
+            for old, new in zip((theta, phis, targets, seen), kept, strict=True):
+                np.testing.assert_array_equal(old, new)
+        else:
+            assert kept[3] == seen + 1
+            for old, new in zip((theta, phis, targets), kept, strict=False):
+                assert np.any(old != new)
+    assert len(np.unique(errors, axis=0)) == len(errors)
+
+    # Switched off, the flag changes nothing.
+    assert_same(
+        fly(*setup, "online", 0.01, 20, flight), straightforward(*setup, "online", 0.01, 20, flight)
+    )
+
+
+@given(seed=st.integers(0, 2**32 - 1), size=st.sampled_from([1e-3, 1.0, 1e3, 1e80]))
+@settings(max_examples=25)
+def test_delta_is_bounded_however_badly_it_learns(seed, size):
+    """By theta_offline phi and max_drift |phi|, with an absurd learning rate."""
+    network, drift = trained(), 0.3
+    config = replace(plain("online", 1.0, 5), max_drift=drift)
+    estimator = ResidualEstimator(network, equivalent_model(), config)
+    context, rng = estimator.CreateDefaultContext(), np.random.default_rng(seed)
+    for tick in inputs(25, seed):
+        # What is measured of the velocity decides what is learned.
+        VehicleState.from_vector(tick["state"]).v_B[:] *= size ** rng.uniform()
+        delta = drive(estimator, context, [tick])["delta"][0]
+        u = np.concatenate([tick["base_setpoint"][6:], tick["joint_setpoint"][2 * JOINTS :]])
+        phi = network.phi(features(VehicleState.from_vector(tick["state"]), u))
+        away = np.linalg.norm(delta - network.last_layer() @ phi)
+        assert away <= drift * np.linalg.norm(phi) * (1 + 1e-9)
 
 
 def test_off_is_zero_and_predicts_as_the_model_alone():
@@ -158,7 +222,7 @@ def test_without_effect_nothing_is_learned():
 
 
 def test_the_first_tick_learns_nothing():
-    estimator = ResidualEstimator(trained(), equivalent_model(), "online", 0.01, 20)
+    estimator = ResidualEstimator(trained(), equivalent_model(), plain("online", 0.01, 20))
     context = estimator.CreateDefaultContext()
     log = drive(estimator, context, inputs(1))
     theta = context.get_discrete_state(0).value()
@@ -190,6 +254,7 @@ def test_learns_a_constant_residual(kind):
     model = equivalent_model(kind)
     tick = {"state": np.zeros(VehicleState.size(JOINTS))}
     tick |= {"base_setpoint": np.zeros(9), "joint_setpoint": np.zeros(3 * JOINTS)}
+    tick |= {"saturated": np.zeros(1)}
     # At rest on its setpoint, the model alone predicts no motion.
     state = VehicleState.from_vector(tick["state"])
     state.quaternion[0] = 1
@@ -202,7 +267,7 @@ def test_learns_a_constant_residual(kind):
 
 
 def test_clones_are_independent_and_alike():
-    estimator = ResidualEstimator(trained(), equivalent_model(), "online", 0.01, 20)
+    estimator = ResidualEstimator(trained(), equivalent_model(), plain("online", 0.01, 20))
     context = estimator.CreateDefaultContext()
     drive(estimator, context, inputs(25))
     estimator.GetOutputPort("delta").Eval(context)  # A cached value is cloned, too.
@@ -219,7 +284,7 @@ def test_clones_are_independent_and_alike():
 
 def test_the_network_is_copied():
     network = trained()
-    estimator = ResidualEstimator(network, equivalent_model(), "offline", 0.01, 20)
+    estimator = ResidualEstimator(network, equivalent_model(), plain("offline", 0.01, 20))
     with torch.no_grad():
         for parameter in network.parameters():
             parameter.zero_()
@@ -228,7 +293,7 @@ def test_the_network_is_copied():
 
 
 def test_feedthrough_is_that_of_delta_alone():
-    estimator = ResidualEstimator(trained(), equivalent_model(), "online", 0.01, 20)
+    estimator = ResidualEstimator(trained(), equivalent_model(), plain("online", 0.01, 20))
     for port in range(len(PORTS)):
         assert estimator.HasDirectFeedthrough(port, 0)
         assert not estimator.HasDirectFeedthrough(port, 1)
@@ -248,13 +313,14 @@ class Counting(ResidualEstimator):
 
 
 def test_output_and_update_share_one_computation_that_is_never_stale():
-    estimator = Counting(trained(), equivalent_model(), "online", 0.01, 20)
+    config = replace(plain("online", 0.01, 20), freeze_saturated=True)
+    estimator = Counting(trained(), equivalent_model(), config)
     context = estimator.CreateDefaultContext()
     drive(estimator, context, inputs(30))
     assert estimator.ticks == estimator.events == 30
 
     delta = estimator.GetOutputPort("delta")
-    for port, value in inputs(1, seed=9)[0].items():
+    for port, value in (inputs(1, seed=9)[0] | {"saturated": np.ones(1)}).items():
         before = delta.Eval(context)
         estimator.GetInputPort(port).FixValue(context, value)
         assert np.any(delta.Eval(context) != before), port
@@ -264,7 +330,7 @@ def test_output_and_update_share_one_computation_that_is_never_stale():
 
 
 def test_fifty_events_a_second():
-    estimator = Counting(trained(), equivalent_model(), "online", 0.01, 20)
+    estimator = Counting(trained(), equivalent_model(), plain("online", 0.01, 20))
     simulator = Simulator(estimator)
     context = simulator.get_mutable_context()
     for port, value in inputs(1)[0].items():

@@ -1,0 +1,147 @@
+"""The same flight by the paper's method, without parts of it, and by other methods."""
+
+from __future__ import annotations
+
+import dataclasses
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from aerodrake.flight_folder import fly_into
+from aerodrake.model.vehicle import Vehicle
+from aerodrake.processes import run_parallel
+from aerodrake.scenario import Scenario
+from aerodrake.scenario_rules import check
+from aerodrake.simulate import Flight
+from aerodrake.station import make_closed_loop
+
+INTERFACE_MODELS = {"position": "paper", "trajectory": "velocity_aware"}
+"""The modified model of each flight interface, where the scenario names none."""
+
+
+def _proposed(scenario: Scenario) -> Scenario:
+    """The scenario by the paper's method: MPC, modified model, weights by gamma."""
+    model = scenario.model
+    if model.kind == "integral":
+        model = replace(model, kind=INTERFACE_MODELS[scenario.flight.interface])
+    return replace(
+        scenario,
+        controller="mpc",
+        model=model,
+        allocation=replace(scenario.allocation, kind="gamma"),
+    )
+
+
+def _with_residual(scenario: Scenario, mode: str) -> Scenario:
+    return replace(scenario, residual=replace(scenario.residual, mode=mode))
+
+
+def _integral(scenario: Scenario) -> Scenario:
+    """Without tilt by flatness: a base that is where it was sent has no tilt to be predicted."""
+    tilt = "none" if scenario.mpc.tilt == "flatness" else scenario.mpc.tilt
+    return replace(
+        _with_residual(scenario, "off"),
+        model=replace(scenario.model, kind="integral"),
+        mpc=replace(scenario.mpc, tilt=tilt),
+    )
+
+
+def _integral_best(scenario: Scenario) -> Scenario:
+    integral, own = _integral(scenario), scenario.baseline
+    weights = {field.name: getattr(own, field.name) for field in dataclasses.fields(own)}
+    return replace(integral, mpc=replace(integral.mpc, **weights))
+
+
+VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
+    "integral": _integral,
+    "integral_best": _integral_best,
+    "modified": lambda scenario: _with_residual(scenario, "off"),
+    "modified+offline": lambda scenario: _with_residual(scenario, "offline"),
+    "modified+online": lambda scenario: _with_residual(scenario, "online"),
+    "clik": lambda scenario: replace(_with_residual(scenario, "off"), controller="clik"),
+    "fixed_weights": lambda scenario: replace(
+        scenario, allocation=replace(scenario.allocation, kind="fixed")
+    ),
+}
+"""What each variant makes of the scenario by the paper's method.
+
+`integral` believes the command, `integral_best` does with the weights of the
+section `baseline`. `modified` has the scenario's own model without a residual,
+`+offline` with its network as it is, `+online` with one that learns. `clik` is
+closed-loop inverse kinematics; `fixed_weights` the scenario without allocation.
+"""
+
+OWN_VARIANT = {"off": "modified", "offline": "modified+offline", "online": "modified+online"}
+"""Which variant is the scenario by the paper's method, by its residual's mode."""
+
+
+def make_variants(scenario: Scenario) -> dict[str, Scenario]:
+    """Every variant of a scenario, by name.
+
+    Raises:
+        BadInput: if one cannot be flown.
+    """
+    vehicle = Vehicle.load(scenario)
+    for name in ("w_2_joints", "w_3_joints"):
+        vehicle.per_joint(getattr(scenario.baseline, name), f"baseline.{name}")
+    variants = {name: make(_proposed(scenario)) for name, make in VARIANTS.items()}
+    for name, variant in variants.items():
+        check(variant, f"{scenario.source} as {name}")
+        make_closed_loop(variant)  # Reads the files it names; said now, not by a process.
+    return variants
+
+
+def notes(scenario: Scenario) -> list[str]:
+    """What should be known of a scenario's comparison."""
+    if scenario.residual.checkpoint:
+        return []
+    return [
+        "residual.checkpoint names no network, so that modified+offline is the same as modified, "
+        "and modified+online learns from nothing"
+    ]
+
+
+def compare(
+    variants: Mapping[str, Scenario],
+    folder: Path,
+    jobs: int,
+    progress: Callable[[str], None] = lambda name: None,
+) -> dict[str, dict[str, Any]]:
+    """Flies each variant in a process of its own, into a folder of its name.
+
+    Args:
+        variants: By name.
+        folder: Where their folders are made.
+        jobs: How many processes at a time.
+        progress: Called with the name of each variant that has ended.
+
+    Returns:
+        The summary of each, in their order; of one whose process raised or died,
+        `exit_reason` failed and `exit_cause` alone. It leaves no folder.
+    """
+    names = list(variants)
+    outcomes: dict[str, dict[str, Any]] = {}
+    flights = [(variants[name], folder / name) for name in names]
+    for index, outcome in run_parallel(_fly, flights, jobs):
+        name = names[index]
+        if isinstance(outcome, Exception):
+            shutil.rmtree(folder / name, ignore_errors=True)
+            outcome = {"exit_reason": "failed", "exit_cause": _one_line(outcome)}
+        outcomes[name] = outcome
+        progress(name)
+    return {name: outcomes[name] for name in names}
+
+
+def _fly(flight: tuple[Scenario, Path]) -> dict[str, Any]:
+    scenario, folder = flight
+    folder.mkdir()
+    title = f"{scenario.name} as {folder.name}, seed {scenario.seed}"
+    summary, _ = fly_into(folder, Flight(scenario), title)
+    return summary
+
+
+def _one_line(error: Exception) -> str:
+    lines = str(error).splitlines() or [""]
+    return f"{type(error).__name__}: {lines[0]}".removesuffix(": ")

@@ -1,0 +1,39 @@
+"""A flight and what it leaves in a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from aerodrake.flight_log import FlightLog
+from aerodrake.report import plot_tracking
+from aerodrake.scenario_file import save_scenario
+from aerodrake.simulate import Flight
+from aerodrake.summary import summarize, to_json
+
+
+def fly_into(
+    folder: Path,
+    flight: Flight,
+    title: str,
+    progress: Callable[[float], None] = lambda simulated_s: None,
+) -> tuple[dict[str, Any], FlightLog]:
+    """Flies; writes `summary.json`, `log.npz`, `scenario.yaml` and `tracking.png`.
+
+    Args:
+        folder: An empty one.
+        flight: Ready to fly.
+        title: Of the figure.
+        progress: Called with the simulated time in s as it advances.
+
+    Returns:
+        What `summary.json` and `log.npz` hold.
+    """
+    log = flight.fly(progress)
+    summary = summarize(flight.scenario, log)
+    (folder / "summary.json").write_text(to_json(summary), encoding="utf-8")
+    save_scenario(flight.scenario, folder)
+    log.save(folder / "log.npz")
+    plot_tracking(log, title, folder / "tracking.png")
+    return summary, log

@@ -1,0 +1,43 @@
+"""Features and targets of the residual network from a recorded flight."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.residual_network import feature_names, features
+from aerodrake.model.vehicle_state import VehicleState
+
+
+def residual_samples(
+    model: EquivalentModel,
+    state: np.ndarray,
+    base_setpoint: np.ndarray,
+    joint_setpoint: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the residual estimator would have seen, at the ticks k = 1 ... T-2.
+
+    The features of the sample k are those of the state measured at t_k and of
+    u_{k-1}; its target is the velocity measured at t_{k+1} minus the one that the
+    model predicts from x_k under u_k without Delta. The first and the last tick
+    have no sample of their own, for want of u_{k-1} and of the next velocity.
+
+    Args:
+        model: Whose residual it is; its period is that of the ticks.
+        state: (T, 13 + 2 n) measured `VehicleState` at each tick, T >= 3.
+        base_setpoint: (T, 9) [p_d, v_d, a_d] in m, m/s, m/s^2, with the a_d that
+            is held from the tick on.
+        joint_setpoint: (T, 3 n) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2, alike.
+
+    Returns:
+        (T-2, 12 + 3 n) features, unscaled, and (T-2, 3) m/s, targets.
+    """
+    n, samples = model.joints, len(state) - 2
+    u = np.hstack([base_setpoint[:, 6:], joint_setpoint[:, 2 * n :]])
+    seen, targets = np.empty((samples, len(feature_names(n)))), np.empty((samples, 3))
+    for row, k in enumerate(range(1, samples + 1)):
+        now, after = (VehicleState.from_vector(x) for x in state[k : k + 2])
+        x = model.initial_state(now.p_B, now.v_B, base_setpoint[k], joint_setpoint[k])
+        seen[row] = features(now, u[k - 1])
+        targets[row] = after.v_B - model.predict(x, u[k], np.zeros(3))[model.base_velocity]
+    return seen, targets

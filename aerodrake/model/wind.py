@@ -1,0 +1,44 @@
+"""Moving air: its gusts, and the force it exerts."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from aerodrake.scenario import Wind
+
+
+def is_at_rest(config: Wind) -> bool:
+    """Whether there is neither wind nor gust, and so no force at all."""
+    return not any(config.velocity_m_s) and not any(config.gust_m_s)
+
+
+def discrete_gusts(config: Wind, dt: float) -> tuple[float, np.ndarray]:
+    """The Ornstein-Uhlenbeck process of the gusts, exact at its samples.
+
+    On each axis, x' = -x / T + sigma sqrt(2 / T) times white noise; hence
+    x+ = a x + b w with w standard normal, a = exp(-dt / T) and
+    b = sigma sqrt(1 - a^2), whose stationary deviation is sigma at any dt.
+
+    Args:
+        config: sigma, `gust_m_s`, and T, `gust_correlation_s`.
+        dt: s, time from one sample to the next.
+
+    Returns:
+        a, and (3,) m/s, b.
+    """
+    a = math.exp(-dt / config.gust_correlation_s)
+    return a, np.array(config.gust_m_s) * math.sqrt(1 - a * a)
+
+
+def drag(config: Wind, v_r: np.ndarray) -> np.ndarray:
+    """(3,) N, quadratic |v_r| v_r + linear v_r: the force of air that moves past.
+
+    Args:
+        config: Coefficients.
+        v_r: (3,) m/s, the air's velocity less the body's, in any frame; the
+            force is in the same one.
+    """
+    speed = np.linalg.norm(v_r)
+    return (config.quadratic_drag_n_s2_m2 * speed + config.linear_drag_n_s_m) * v_r

@@ -1,0 +1,100 @@
+"""What the MPC and its alternatives have in common as systems."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.mpc import MpcInputs
+from aerodrake.model.vehicle_state import VehicleState
+
+
+class KinematicController(LeafSystem):
+    """From measurement, reference and weights to accelerations of the setpoints.
+
+    A subclass says in `_update` what is commanded, and hands it to `_command`.
+
+    Ports:
+        in `state` (13 + 2 n): measured state.
+        in `end_effector` (abstract): `EndEffector` at that state.
+        in `base_setpoint` (9), `joint_setpoint` (3 n): what is commanded now.
+        in `horizon` (6 (N + 1)): p_Ed, p_Ed' now and at each stage.
+        in `weights` (5): gamma, mode, w_q, w_m, w_d.
+        in `delta` (3): m/s, residual velocity.
+        out `u` (3 + n): m/s^2 and rad/s^2, accelerations of the setpoints.
+        out `prediction` (3 (N + 1)): m, p_E now and as predicted at each stage.
+        out `status` (2): a `QpStatus`, and the solver's iterations.
+    State:
+        `u`, `prediction` and `status`, of the last tick.
+    Rate:
+        the equivalent model's period.
+
+    Attributes:
+        tick_ms: Wall time of the computation at each tick so far. An instrument
+            beside the Context: it never feeds back.
+
+    Args:
+        model: The equivalent model.
+        horizon: N.
+    """
+
+    def __init__(self, model: EquivalentModel, horizon: int):
+        super().__init__()
+        self._model = model
+        self.tick_ms: list[float] = []
+        N, n = horizon, model.joints
+        self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
+        self._end_effector = self.DeclareAbstractInputPort(
+            "end_effector", AbstractValue.Make(object())
+        )
+        self._base_setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
+        self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * n)
+        self._horizon = self.DeclareVectorInputPort("horizon", 6 * (N + 1))
+        self._weights = self.DeclareVectorInputPort("weights", 5)
+        self._delta = self.DeclareVectorInputPort("delta", 3)
+        self._x_u = self.DeclareDiscreteState(np.zeros(3 + n))
+        self._x_prediction = self.DeclareDiscreteState(np.zeros(3 * (N + 1)))
+        self._x_status = self.DeclareDiscreteState(np.zeros(2))
+        self.DeclareStateOutputPort("u", self._x_u)
+        self.DeclareStateOutputPort("prediction", self._x_prediction)
+        self.DeclareStateOutputPort("status", self._x_status)
+        self.DeclarePeriodicDiscreteUpdateEvent(model.dt, 0.0, self._update)
+
+    def tick_inputs(self, context: Context) -> MpcInputs:
+        """What the tick at this Context is about."""
+        state = VehicleState.from_vector(self._state.Eval(context))
+        rates = state.rpy_rates
+        _, _, w_q, w_m, w_d = self._weights.Eval(context)
+        return MpcInputs(
+            x_0=self._model.initial_state(
+                state.p_B,
+                state.v_B,
+                self._base_setpoint.Eval(context),
+                self._joint_setpoint.Eval(context),
+            ),
+            end_effector=self._end_effector.Eval(context),
+            xi_u_rates=rates[:2],
+            yaw_rate=rates[2],
+            reference=self._horizon.Eval(context).reshape(-1, 6),
+            delta=self._delta.Eval(context),
+            w_q=w_q,
+            w_m=w_m,
+            w_d=w_d,
+        )
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        raise NotImplementedError
+
+    def _command(
+        self,
+        discrete: DiscreteValues,
+        u: np.ndarray,
+        prediction: np.ndarray,
+        status: tuple[int, int],
+    ) -> None:
+        """Sets what the outputs show until the next tick."""
+        discrete.set_value(self._x_u, u)
+        discrete.set_value(self._x_prediction, prediction.ravel())
+        discrete.set_value(self._x_status, status)

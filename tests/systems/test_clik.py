@@ -1,0 +1,113 @@
+"""Inverse kinematics as a system: in the MPC's place, and flown."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydrake.common.value import Value
+
+from aerodrake.model.clik import InverseKinematics
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.kinematics import Kinematics
+from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.qp import QpStatus
+from aerodrake.model.setpoint import SetpointLimits
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.reference_kinds import Lissajous
+from aerodrake.scenario import Clik, Mpc
+from aerodrake.simulate import Flight
+from aerodrake.systems.clik import ClikSystem
+from aerodrake.systems.mpc import MpcSystem
+
+CONFIG = Mpc(horizon=4)
+
+
+@pytest.fixture(scope="module")
+def parts(vehicle):
+    model = EquivalentModel.make("velocity_aware", np.ones(3), 0.02, vehicle.joints)
+    return model, SetpointLimits.make(CONFIG, vehicle), vehicle
+
+
+@pytest.fixture
+def clik(parts) -> ClikSystem:
+    return ClikSystem(InverseKinematics(Clik(), CONFIG, *parts))
+
+
+@pytest.fixture
+def values(vehicle):
+    """At rest in trim, 5 cm from its target."""
+    state, n = vehicle.trim_state, vehicle.joints
+    end_effector = Kinematics(vehicle.robot).end_effector(VehicleState.from_vector(state))
+    target = np.concatenate([end_effector.p_E + [0.05, 0, 0], np.zeros(3)])
+    return {
+        "state": state,
+        "end_effector": Value(end_effector),
+        "base_setpoint": np.concatenate([vehicle.p_B, np.zeros(6)]),
+        "joint_setpoint": np.concatenate([vehicle.working, np.zeros(2 * n)]),
+        "horizon": np.tile(target, CONFIG.horizon + 1),
+        "weights": np.array([1.0, 1.0, 1100.0, 9.9, 5.0]),
+        "delta": np.zeros(3),
+    }
+
+
+def tick(clik, context, values) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    for port, value in values.items():
+        clik.GetInputPort(port).FixValue(context, value)
+    context.SetDiscreteState(clik.EvalUniquePeriodicDiscreteUpdate(context))
+    return tuple(clik.GetOutputPort(port).Eval(context) for port in ("u", "prediction", "status"))
+
+
+def test_has_the_ports_and_the_rate_of_the_mpc(clik, parts):
+    mpc = MpcSystem(MpcFormulation(CONFIG, *parts))
+
+    def ports(system):
+        inputs = map(system.get_input_port, range(system.num_input_ports()))
+        outputs = map(system.get_output_port, range(system.num_output_ports()))
+        return [(port.get_name(), port.size()) for side in (inputs, outputs) for port in side]
+
+    assert ports(clik) == ports(mpc)
+    assert not clik.HasAnyDirectFeedthrough()
+    timing = clik.GetUniquePeriodicDiscreteUpdateAttribute()
+    assert (timing.period_sec(), timing.offset_sec()) == (0.02, 0)
+
+
+def test_a_tick_is_that_of_the_equations(clik, parts, values):
+    context = clik.CreateDefaultContext()
+    u, prediction, status = tick(clik, context, values)
+    inverse = InverseKinematics(Clik(), CONFIG, *parts)
+    command = inverse.command(clik.tick_inputs(context))
+    np.testing.assert_array_equal(u, command.u)
+    np.testing.assert_array_equal(
+        prediction, inverse.predict(clik.tick_inputs(context), command.velocity).ravel()
+    )
+    assert tuple(status) == (QpStatus.UNCONSTRAINED, 0) and not command.is_bounded
+    assert len(clik.tick_ms) == 1 and clik.tick_ms[0] > 0
+
+
+def test_a_bound_shows_in_the_status(clik, values):
+    values["horizon"] = values["horizon"] + 1.0
+    _, _, status = tick(clik, clik.CreateDefaultContext(), values)
+    assert status[0] == QpStatus.SOLVED
+
+
+@pytest.mark.parametrize("port", ["state", "base_setpoint", "horizon", "weights"])
+def test_what_is_not_finite_commands_nothing_and_stays_nowhere(clik, values, port):
+    context = clik.CreateDefaultContext()
+    broken = values | {port: np.full(len(values[port]), np.nan)}
+    u, _, status = tick(clik, context, broken)
+    np.testing.assert_array_equal(u, np.zeros_like(u))
+    assert status[0] == QpStatus.FAILED
+    fresh = tick(clik, clik.CreateDefaultContext(), values)
+    for ours, expected in zip(tick(clik, context, values), fresh, strict=True):
+        np.testing.assert_array_equal(ours, expected)
+
+
+def test_flies_in_the_mpcs_place(scenario):
+    """To a centimetre, within all bounds."""
+    path = Lissajous(amplitude_m=(0.2, 0.15, 0.1), period_s=(10.0, 8.0, 12.0), start_s=1.0)
+    flown = replace(scenario, controller="clik", settle_s=0.1, duration=3.0, reference=path)
+    log = Flight(flown).fly()
+    assert log.exit_reason == "completed" and len(log["tick_ms"]) == 155
+    assert np.ptp(log["p_Ed_m"], axis=0).max() > 0.1
+    assert log.error_m.max() < 0.01
+    assert set(log["qp_status"]) == {QpStatus.UNCONSTRAINED}

@@ -1,0 +1,77 @@
+"""The force on the base by itself: what it sees, what it holds and when it is silent."""
+
+import numpy as np
+import pytest
+from pydrake.multibody.tree import BodyIndex
+from pydrake.systems.analysis import Simulator
+
+from aerodrake.scenario import Wind
+from aerodrake.systems.wind_force import WindForce
+
+JOINTS, PERIOD, BASE = 6, 0.01, BodyIndex(3)
+BREEZE = Wind(velocity_m_s=(2.0, 0.0, 0.0))
+
+
+def make_simulator(config: Wind, vehicle, air, v_B) -> tuple[WindForce, Simulator]:
+    """Its inputs fixed: the air's velocity, and a base in trim that moves."""
+    system = WindForce(config, JOINTS, BASE, PERIOD)
+    simulator = Simulator(system)
+    context = simulator.get_context()
+    state = vehicle.trim_state
+    state[16:19] = v_B
+    system.GetInputPort("true_state").FixValue(context, state)
+    system.GetInputPort("air_velocity").FixValue(context, air)
+    return system, simulator
+
+
+@pytest.mark.parametrize(
+    ("air", "v_B", "force"),
+    [
+        ((2, 0, 0), (0, 0, 0), (1.3, 0, 0)),
+        ((0, 0, 0), (0, 2, 0), (0, -1.3, 0)),
+        ((2, 1, 0), (2, 1, 0), (0, 0, 0)),
+        ((3, 0, 1), (0, 0, -3), (4.2, 0, 5.6)),
+    ],
+)
+def test_the_air_as_the_base_feels_it(vehicle, air, v_B, force):
+    system, simulator = make_simulator(BREEZE, vehicle, air, v_B)
+    simulator.AdvanceTo(PERIOD / 2)
+    found = system.GetOutputPort("wind_force").Eval(simulator.get_context())
+    np.testing.assert_allclose(found, force, atol=1e-14)
+
+
+def test_the_plant_is_told_the_same_at_the_bases_origin_and_without_torque(vehicle):
+    system, simulator = make_simulator(BREEZE, vehicle, (3, 0, 4), (0, 0, 0))
+    for expected in ((0, 0, 0), (4.2, 0, 5.6)):
+        (force,) = system.GetOutputPort("spatial_forces").Eval(simulator.get_context())
+        assert force.body_index == BASE
+        np.testing.assert_array_equal(force.p_BoBq_B, 0)
+        np.testing.assert_array_equal(force.F_Bq_W.rotational(), 0)
+        np.testing.assert_allclose(force.F_Bq_W.translational(), expected, atol=1e-14)
+        simulator.AdvanceTo(PERIOD / 2)
+
+
+def test_it_is_held_between_samples(vehicle):
+    system, simulator = make_simulator(BREEZE, vehicle, (2, 0, 0), (0, 0, 0))
+    context = simulator.get_context()
+    simulator.AdvanceTo(PERIOD / 2)
+    system.GetInputPort("air_velocity").FixValue(context, [-1, 0, 0])
+    for time, force in ((0.9 * PERIOD, 1.3), (1.1 * PERIOD, -0.4)):
+        simulator.AdvanceTo(time)
+        found = system.GetOutputPort("wind_force").Eval(context)
+        np.testing.assert_allclose(found, [force, 0, 0], atol=1e-14)
+
+
+def test_no_feedthrough():
+    assert not WindForce(BREEZE, JOINTS, BASE, PERIOD).HasAnyDirectFeedthrough()
+
+
+def test_air_at_rest_is_silent_and_looks_at_nothing(vehicle):
+    """Its inputs are not even connected."""
+    system = WindForce(Wind(), JOINTS, BASE, PERIOD)
+    simulator = Simulator(system)
+    simulator.AdvanceTo(1.0)
+    assert simulator.get_num_discrete_updates() == 0
+    np.testing.assert_array_equal(
+        system.GetOutputPort("wind_force").Eval(simulator.get_context()), 0
+    )

@@ -1,0 +1,60 @@
+"""Online learning in flight: its guards hold in the closed loop."""
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+
+from aerodrake.model.residual_network import ResidualNetwork, features
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.reference_kinds import Clover, MovingTarget
+from aerodrake.scenario import Residual, Scenario, Sensors
+from aerodrake.simulate import Flight
+from aerodrake.station import make_closed_loop, make_context
+
+
+@pytest.mark.parametrize("max_drift", [0.01, 0.05])
+def test_delta_is_bounded_with_an_absurd_learning_rate(vehicle, max_drift):
+    """By max_drift |phi|, since the network knows nothing; and the bound is reached."""
+    scenario = Scenario(
+        duration=1.0,
+        settle_s=0.0,
+        reference=Clover(start_s=0.5),
+        sensors=Sensors(velocity_noise_m_s=0.01),
+        residual=Residual(mode="online", learning_rate=1.0, max_drift=max_drift),
+    )
+    log = Flight(scenario).fly()
+    assert log.exit_reason == "completed"
+    network = ResidualNetwork.untrained(vehicle.joints, scenario.seed)
+    measured = ("quaternion", "p_B_m", "q_rad", "omega_W_rad_s", "v_B_m_s", "qdot_rad_s")
+    states = np.hstack([log[f"measured_{part}"] for part in measured])
+    u = np.hstack([log["a_Bd_m_s2"], log["qddot_d_rad_s2"]])
+    shares = []
+    for k in range(0, len(states), 2):  # At the ticks.
+        phi = network.phi(features(VehicleState.from_vector(states[k]), u[k]))
+        shares.append(np.linalg.norm(log["delta_m_s"][k]) / (max_drift * np.linalg.norm(phi)))
+    assert 0.5 < max(shares) <= 1 + 1e-9
+
+
+def test_nothing_is_learned_while_the_flight_controller_is_saturated():
+    """As it is when it sets off after a far target: each tick is flagged, or learns a sample."""
+    scenario = Scenario(
+        settle_s=0.0,
+        reference=MovingTarget(),
+        residual=Residual(mode="online", max_error_m_s=0.0),
+    )
+    closed_loop = make_closed_loop(scenario)
+    context = make_context(closed_loop, scenario.seed)
+    simulator = Simulator(closed_loop, context)
+    coordinator = closed_loop.GetSubsystemByName("coordinator")
+    estimator = coordinator.GetSubsystemByName("residual_estimator")
+    inner = estimator.GetMyContextFromRoot(context)
+    seen, flagged = 0.0, 0
+    for tick in range(1, 15):
+        before = tick * scenario.rates.mpc_period_s
+        simulator.AdvanceTo(before - 1e-4)
+        saturated = closed_loop.GetOutputPort("saturated").Eval(context)[0]
+        simulator.AdvanceTo(before + 1e-4)
+        learned = inner.get_discrete_state(3).value()[0]
+        assert learned == seen + (saturated == 0)
+        seen, flagged = learned, flagged + saturated
+    assert 0 < flagged < 14
