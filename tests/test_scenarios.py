@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.trajectories import PiecewisePolynomial
 
 import aerodrake
+from aerodrake.excitation import excite
+from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario_file import load_scenario, packaged_scenarios
 from aerodrake.simulate import Flight
 from aerodrake.summary import summarize
@@ -113,3 +116,22 @@ def test_clover_with_the_papers_method():
     network = figures["residual"]["prediction_rmse_m_s"]
     assert network["with_network"] < network["without_network"]
     assert_figures(log, figures, clover(log.time_s), lap=(3, 27))
+
+
+@pytest.mark.parametrize("name", ["clover_paper", "moving_target_paper", "clover_position"])
+def test_gains_of_the_position_interface_meet_their_criterion(name):
+    """The one that their files state, fixed before any comparison."""
+    scenario = load_scenario(name)
+    assert scenario.flight.interface == "position"
+    vehicle = Vehicle.load(scenario)
+    np.testing.assert_allclose(
+        scenario.flight.velocity_gain, 2 * np.sqrt(scenario.flight.position_gain)
+    )
+    held = PiecewisePolynomial.ZeroOrderHold([0, 4], np.tile(vehicle.working, (2, 1)).T)
+    for axis in range(3):
+        there = vehicle.p_B + 0.1 * np.eye(3)[axis]
+        times, places = [0, 0.5, 3.5], np.array([vehicle.p_B, there, there])
+        flown = excite(scenario, PiecewisePolynomial.ZeroOrderHold(times, places.T), held)
+        moved = (flown.state[:, 4 + axis] - vehicle.p_B[axis]) / 0.1
+        assert moved.max() < 1.01
+        assert np.all(moved[flown.time_s > 0.5 + 1.1] > 0.95)
