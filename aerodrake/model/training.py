@@ -18,10 +18,10 @@ Flight = tuple[np.ndarray, np.ndarray]
 RMS_FLOOR = 1e-3
 """m/s: flights whose residual is smaller than this count as if it were this large."""
 
-WEIGHT_GAIN = 4.0
+WEIGHT_GAIN = 3.5
 """Of the hidden layers' weights at the start of training (see `train`)."""
 
-BIAS = 2.3
+BIAS = 2.4
 """Of the second hidden layer's units at the start of training (see `train`)."""
 
 
@@ -42,8 +42,8 @@ class Training:
     epochs: int = 60
     patience: int = 20
     batch: int = 1024
-    attitude_rad: float = 0.02
-    rate_rad_s: float = 0.05
+    attitude_rad: float = 0.03
+    rate_rad_s: float = 0.1
 
 
 @dataclass(frozen=True, eq=False)
