@@ -36,6 +36,8 @@ class Training:
         batch: Samples in a step.
         attitude_rad: Deviation of the noise on roll and pitch.
         rate_rad_s: Deviation of the noise on the roll and pitch rates.
+        acceleration_ratio: Deviation of the noise on the base's commanded acceleration,
+            over that acceleration's RMS in the same flight.
     """
 
     learning_rate: float = 0.01
@@ -44,6 +46,7 @@ class Training:
     batch: int = 1024
     attitude_rad: float = 0.03
     rate_rad_s: float = 0.1
+    acceleration_ratio: float = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +83,9 @@ def train(
 
     Noise on roll, pitch and their rates keeps the network from reading
     accelerations out of the attitude, which wind tilts without any
-    acceleration; so they are inferred from the setpoint and the velocity.
+    acceleration; so they are inferred from the setpoint and the velocity. Noise on
+    the commanded acceleration bounds how much Delta follows u: the MPC chooses u by
+    Delta, and the loop of the two chatters when it follows closely.
 
     Online learning corrects Delta by a fraction 2 eta c^2 |phi|^2 of its error at
     every tick: with the small phi of an ordinary initialisation a constant error
@@ -101,8 +106,7 @@ def train(
     scale = np.maximum(features.std(dim=0).numpy(), FeatureScaler.nominal(joints).scale)
     network = ResidualNetwork(joints, FeatureScaler(features.mean(dim=0).numpy(), scale), seed)
     model = _Centred(network, features, float((targets**2).mean().sqrt()))
-    noise = torch.zeros(features.shape[1], dtype=torch.float64)
-    noise[:2], noise[6:8] = config.attitude_rad, config.rate_rad_s  # As in `feature_names`.
+    noise = torch.from_numpy(np.vstack([_noise(f, joints, config) for f, _ in flights]))
 
     steps = math.ceil(len(features) / config.batch)
     optimizer = torch.optim.Adam(network.parameters(), lr=config.learning_rate)
@@ -113,8 +117,9 @@ def train(
     for epoch in range(config.epochs):
         total = 0.0
         for rows in torch.randperm(len(features), generator=generator).split(config.batch):
-            drawn = torch.randn((len(rows), len(noise)), generator=generator, dtype=torch.float64)
-            loss = _loss(model(features[rows] + noise * drawn), targets[rows], weights[rows])
+            drawn = torch.randn(noise[rows].shape, generator=generator, dtype=torch.float64)
+            seen = features[rows] + noise[rows] * drawn
+            loss = _loss(model(seen), targets[rows], weights[rows])
             optimizer.zero_grad()
             loss.backward()
             optimizer.step()
@@ -148,6 +153,16 @@ def _stack(
         torch.from_numpy(targets / gain),
         torch.from_numpy(np.vstack(weights)),
     )
+
+
+def _noise(features: np.ndarray, joints: int, config: Training) -> np.ndarray:
+    """(T, 12 + 3 n) deviations of the noise on one flight's features."""
+    noise = np.zeros_like(features)
+    acceleration = slice(-3 - joints, -joints)  # Places as in `feature_names`.
+    noise[:, :2], noise[:, 6:8] = config.attitude_rad, config.rate_rad_s
+    rms = np.sqrt((features[:, acceleration] ** 2).mean())
+    noise[:, acceleration] = config.acceleration_ratio * rms
+    return noise
 
 
 def _loss(delta: torch.Tensor, target: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:

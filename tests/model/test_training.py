@@ -93,8 +93,8 @@ def test_a_steady_tilt_hardly_moves_delta_where_an_ordinary_fit_would_follow_it(
         delta = (network.phi(moved) - network.phi(features)) @ network.last_layer().T
         return abs(delta[:, 0].mean())
 
-    plain = Training(epochs=15, batch=128, attitude_rad=0.0, rate_rad_s=0.0)
-    noisy = Training(epochs=15, batch=128, attitude_rad=0.2, rate_rad_s=0.0)
+    plain = Training(epochs=15, batch=128, attitude_rad=0.0, rate_rad_s=0.0, acceleration_ratio=0.0)
+    noisy = Training(epochs=15, batch=128, attitude_rad=0.2, rate_rad_s=0.0, acceleration_ratio=0.0)
     assert shift(noisy) < 0.7 * shift(plain)
 
 
