@@ -7,10 +7,10 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from aerodrake.commands import compare, graph, identify, run
+from aerodrake.commands import compare, graph, identify, run, train
 from aerodrake.errors import BadInput
 
-COMMANDS = {"run": run, "compare": compare, "identify": identify, "graph": graph}
+COMMANDS = {"run": run, "compare": compare, "identify": identify, "train": train, "graph": graph}
 """By name, in the order of `aerodrake --help`."""
 
 

@@ -284,6 +284,9 @@ def run(*argv: str, **options) -> subprocess.CompletedProcess:
     [
         (["run", "clovr"], "did you mean 'clover'?"),
         (["run", "hover", "--set", "mpc.horizon=x"], "mpc.horizon: expected a whole number"),
+        (["train", "clovr"], "did you mean 'clover'?"),
+        (["train", "--jobs", "0"], "expected a whole number in [1, 1000], got '0'"),
+        (["train", "--set", "model.kind=integral"], "the integral model has no residual"),
     ],
 )
 def test_bad_input_to_the_process(argv, said, tmp_path):
@@ -302,7 +305,12 @@ def test_a_quiet_process_says_nothing_at_all(tmp_path):
 
 @pytest.mark.parametrize(
     "argv",
-    [["--help"], *([c, "--help"] for c in ("run", "compare", "graph")), ["--version"], ["fly"]],
+    [
+        ["--help"],
+        *([c, "--help"] for c in ("run", "compare", "train", "graph")),
+        ["--version"],
+        ["fly"],
+    ],
 )
 def test_help_needs_neither_drake_nor_torch(argv):
     code = (
@@ -323,11 +331,32 @@ def test_version_and_help(capsys):
         (["--help"], "fly a scenario"),
         (["run", "--help"], "--set KEY=VALUE"),
         (["compare", "--help"], "--jobs N"),
+        (["train", "--help"], "--quick"),
         (["graph", "--help"], "closed_loop, station, coordinator or a system"),
     ):
         with pytest.raises(SystemExit, match="0"):
             main(argv)
         assert said in capsys.readouterr().out
+
+
+def test_train_takes_the_scenario_and_options_it_is_given(tmp_path, monkeypatch, capsys):
+    from aerodrake import train
+    from aerodrake.stages import paper_stages, quick_stages
+
+    asked = []
+    monkeypatch.setattr(train, "train_scenario", lambda *arguments: asked.append(arguments))
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", "--seed", "4", "--jobs", "3"]) == 0
+    assert "train-clover_paper: network.pt" in capsys.readouterr().out
+    assert main(["train", "clover", "--quick", "--quiet", "--out", "x"]) == 0
+    assert capsys.readouterr().out == ""
+    (scenario, stages, _, folder, jobs, quiet), (other, fewer, _, out, _, silent) = asked
+    assert (scenario.name, scenario.seed, folder) == (
+        *("clover_paper", 4),
+        Path("runs/train-clover_paper"),
+    )
+    assert (stages, jobs, quiet) == (paper_stages(), 3, False)
+    assert (other.name, fewer, out, silent) == ("clover", quick_stages(), Path("x"), True)
 
 
 def test_graph_writes_what_it_says(tmp_path, capsys):

@@ -34,13 +34,15 @@ def main(arguments: argparse.Namespace) -> int:
     target = arguments.out or new_folder(scenario.name)
 
     from aerodrake.flight_folder import fly_into
+    from aerodrake.model.checkpoint import provenance_notes
     from aerodrake.replay import write_replay
     from aerodrake.report import table
     from aerodrake.run_folder import run_folder
     from aerodrake.simulate import Flight
 
     say = (lambda line: None) if arguments.quiet else print
-    for warning in warnings(scenario):
+    joints = len(scenario.vehicle.working_rad)
+    for warning in (*warnings(scenario), *provenance_notes(scenario, joints)):
         say(f"note: {warning}")
     flight = Flight(scenario)
     with run_folder(target) as folder:

@@ -14,6 +14,7 @@ import torch
 
 from aerodrake.errors import BadInput
 from aerodrake.files import locate
+from aerodrake.fingerprint import plant_hash
 from aerodrake.model.residual_network import HIDDEN, ResidualNetwork, feature_names
 from aerodrake.scenario import Scenario
 
@@ -31,7 +32,7 @@ class Provenance:
     Attributes:
         version: Of aerodrake.
         flight_interface: `trajectory` or `position`; a network serves one of them.
-        plant_hash: Of the vehicle it was trained on.
+        plant_hash: Of the vehicle it was trained on, its controllers and model (`fingerprint`).
         scenario_hash: Of the scenario its data came from.
     """
 
@@ -59,6 +60,24 @@ def network_for(scenario: Scenario, joints: int) -> ResidualNetwork:
             f"{provenance.flight_interface}",
         )
     return network
+
+
+def provenance_notes(scenario: Scenario, joints: int) -> list[str]:
+    """What should be known of the network that a scenario flies with.
+
+    Raises:
+        BadInput: if the checkpoint cannot be used.
+    """
+    file = scenario.residual.checkpoint
+    if not file or scenario.residual.mode == "off":
+        return []
+    _, provenance = load(locate(file), joints)
+    if provenance.plant_hash == plant_hash(scenario):
+        return []
+    return [
+        "residual.checkpoint was trained for another vehicle, flight controller or model than "
+        "this scenario's; `aerodrake train` makes one for it"
+    ]
 
 
 def save(path: Path, network: ResidualNetwork, metadata: Provenance) -> None:

@@ -9,7 +9,16 @@ import pytest
 import torch
 
 from aerodrake.errors import BadInput
-from aerodrake.model.checkpoint import FORMAT, MAX_BYTES, Provenance, load, network_for, save
+from aerodrake.fingerprint import plant_hash
+from aerodrake.model.checkpoint import (
+    FORMAT,
+    MAX_BYTES,
+    Provenance,
+    load,
+    network_for,
+    provenance_notes,
+    save,
+)
 from aerodrake.model.residual_network import FeatureScaler, ResidualNetwork, feature_names
 from aerodrake.scenario import Flight, Model, Residual, Scenario
 
@@ -44,6 +53,20 @@ def test_a_scenario_has_the_network_it_names(tmp_path):
     )
     with pytest.raises(BadInput, match=r"residual\.checkpoint: .*position.*trajectory"):
         network_for(other, JOINTS)
+
+
+def test_a_network_of_another_plant_is_noted(tmp_path):
+    file = tmp_path / "a.pt"
+    ours = Scenario(residual=Residual("offline", str(file)))
+    save(file, trained(), dataclasses.replace(PROVENANCE, plant_hash=plant_hash(ours)))
+    other = dataclasses.replace(ours, model=Model(k_b=(2.0, 2.0, 2.0)))
+    off = dataclasses.replace(other, residual=Residual("off", str(file)))
+    none = dataclasses.replace(other, residual=Residual("online"))
+    assert provenance_notes(ours, JOINTS) == provenance_notes(off, JOINTS) == []
+    assert provenance_notes(none, JOINTS) == []
+    on = dataclasses.replace(other, residual=Residual("offline", str(file)))
+    (note,) = provenance_notes(on, JOINTS)
+    assert "another vehicle, flight controller or model" in note
 
 
 def test_checkpoint_round_trip(tmp_path):

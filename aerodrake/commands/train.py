@@ -1,0 +1,40 @@
+"""`aerodrake train [SCENARIO]`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from aerodrake.commands.options import add_jobs, add_output, add_scenario, overrides
+
+HELP = "train the residual network"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Declares its arguments."""
+    add_scenario(command, default="clover_paper")
+    command.add_argument("--seed", metavar="N", help="overrides the scenario's seed")
+    command.add_argument("--quick", action="store_true", help="a few short stages")
+    add_jobs(command)
+    add_output(command, "runs/train-SCENARIO; run again, it goes on there")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Collects data, trains the residual network and judges it on flights held out.
+
+    Run again, it goes on where it was interrupted.
+    """
+    from aerodrake.scenario_file import load_scenario
+
+    scenario = load_scenario(arguments.scenario, overrides(arguments))
+
+    from aerodrake.model.training import Training
+    from aerodrake.stages import paper_stages, quick_stages
+    from aerodrake.train import train_scenario
+
+    target = arguments.out or Path("runs", f"train-{scenario.name}")
+    stages = quick_stages() if arguments.quick else paper_stages()
+    train_scenario(scenario, stages, Training(), target, arguments.jobs, arguments.quiet)
+    if not arguments.quiet:
+        print(f"\n{target}: network.pt, training.json, training.png, stages")
+    return 0

@@ -1,0 +1,97 @@
+"""Samples of the residual velocity in files: one `.npz` for each stage."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from aerodrake.errors import BadInput
+from aerodrake.model.training import Flight
+
+MAX_BYTES = 100_000_000
+"""No dataset is larger: a guard against hostile files."""
+
+ARRAYS = ("features", "targets")
+
+
+def save_samples(path: Path, samples: Flight, metadata: dict[str, Any]) -> None:
+    """Writes a dataset: all of it, or nothing.
+
+    Args:
+        path: Of the `.npz`, in a folder that exists.
+        samples: Its features and targets.
+        metadata: What they are; stored as JSON in the array `metadata`.
+
+    Raises:
+        BadInput: if the file cannot be written.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with temporary.open("wb") as file:
+            np.savez(
+                file,
+                **dict(zip(ARRAYS, samples, strict=True)),
+                metadata=np.array(json.dumps(metadata)),
+            )
+        os.replace(temporary, path)
+    except OSError as error:
+        raise BadInput(path, "", f"expected a writable file: {error.strerror}") from None
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+
+
+def load_samples(path: Path, metadata: dict[str, Any], size: tuple[int, int]) -> Flight:
+    """Reads a dataset that `save_samples` wrote, without running any code in it.
+
+    Args:
+        path: The file.
+        metadata: What it must say of itself.
+        size: Of its features, (T, 12 + 3 n).
+
+    Raises:
+        BadInput: if the file is missing, too large, not a dataset or not the one
+            that is expected, or holds arrays of the wrong shape or type or
+            numbers that are not finite.
+    """
+    arrays = _read(path)
+    if arrays["metadata"] != metadata:
+        raise BadInput(path, "", "expected the dataset of this stage and scenario, got another")
+    for name, shape in zip(ARRAYS, (size, (size[0], 3)), strict=True):
+        array = arrays[name]
+        if array.shape != shape or array.dtype != np.float64:
+            expected = f"expected {name} to be {list(shape)} of float64"
+            raise BadInput(path, "", f"{expected}, got {list(array.shape)} of {array.dtype}")
+        if not np.isfinite(array).all():
+            raise BadInput(path, "", f"expected {name} to be finite")
+    return arrays["features"], arrays["targets"]
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """The arrays, and the metadata as JSON has it."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise BadInput(path, "", f"expected a readable file: {error.strerror}") from None
+    if len(content) > MAX_BYTES:
+        raise BadInput(path, "", f"expected a dataset of at most {MAX_BYTES} bytes")
+    try:
+        # numpy stores here and does not compress: what is small stays small.
+        entries = zipfile.ZipFile(io.BytesIO(content)).infolist()
+        if any(entry.compress_type != zipfile.ZIP_STORED for entry in entries):
+            raise ValueError("compressed")
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            if set(file.files) != {*ARRAYS, "metadata"}:
+                raise ValueError("other arrays")
+            arrays = {name: file[name] for name in file.files}
+        return {**arrays, "metadata": json.loads(arrays["metadata"].item())}
+    except Exception:  # What a malformed file raises is not documented.
+        raise BadInput(path, "", "expected a dataset of aerodrake") from None

@@ -1,0 +1,36 @@
+"""Hashes that tell whether two scenarios, or parts of them, are the same."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+from aerodrake.files import locate
+from aerodrake.scenario import Scenario
+from aerodrake.schema import as_mapping
+
+PLANT_SECTIONS = ("vehicle", "flight", "arm", "rates", "model")
+"""What decides the residual velocity, apart from noise and weather."""
+
+
+def scenario_hash(scenario: Scenario) -> str:
+    """Of everything that the scenario says but its name."""
+    return digest({k: v for k, v in as_mapping(scenario).items() if k != "name"})
+
+
+def plant_hash(scenario: Scenario) -> str:
+    """Of the vehicle, with the robot's file as it is now, its controllers and its model."""
+    sections = as_mapping(scenario)
+    robot = sections["vehicle"].pop("robot")
+    return digest(
+        {
+            "robot": hashlib.sha256(locate(robot).read_bytes()).hexdigest(),
+            **{section: sections[section] for section in PLANT_SECTIONS},
+        }
+    )
+
+
+def digest(data: dict[str, Any]) -> str:
+    """The first 16 hexadecimal digits of the SHA-256 of `data` as JSON."""
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
