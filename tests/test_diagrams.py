@@ -4,9 +4,13 @@ import ast
 import os
 import runpy
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from aerodrake.reference_kinds import FigureEight
 
 DIAGRAMS = Path(__file__).parents[1] / "diagrams"
 SCRIPTS = sorted(DIAGRAMS.glob("*.py"))
@@ -20,7 +24,11 @@ def test_there_are_scripts():
     assert len(SCRIPTS) >= 4
 
 
-@pytest.mark.parametrize("script", [s for s in SCRIPTS if s.stem != "fly_clover"], ids=name)
+LONG = ("fly_clover", "search_weights")
+"""Tested by themselves below."""
+
+
+@pytest.mark.parametrize("script", [s for s in SCRIPTS if s.stem not in LONG], ids=name)
 def test_runs_and_prints(script, tmp_path, monkeypatch, capsys):
     """As a copy, in a folder of its own: what it writes goes there."""
     copy = Path(shutil.copy(script, tmp_path))
@@ -54,3 +62,23 @@ def test_the_flight_of_the_clover_stays_on_it(capsys):
     lines = capsys.readouterr().out.splitlines()
     errors = [float(line.split("error ")[1].removesuffix(" mm")) for line in lines]
     assert len(errors) == 11 and max(errors) < 12
+
+
+def test_the_search_of_weights_finds_the_cheapest(scenario):
+    """Of a cost that is known: a bowl about weights half a decade from the start."""
+    script = runpy.run_path(str(DIAGRAMS / "search_weights.py"))
+    target = np.array([0.5, -0.5, 0.3, 0.0, -0.2])
+    search = script["search"]
+    search.__globals__["cost"] = lambda scenarios, decades: np.sum((decades - target) ** 2)
+    cost, best = search(([scenario], 200))
+    assert cost < 1e-3
+    found = [getattr(best.mpc, w)[0] / getattr(scenario.mpc, w)[0] for w in script["WEIGHTS"]]
+    np.testing.assert_allclose(np.log10(found), target, atol=0.05)
+    assert best.mpc.w_1 == scenario.mpc.w_1
+
+
+def test_the_search_of_weights_charges_a_metre_for_a_lap_not_flown(scenario):
+    script = runpy.run_path(str(DIAGRAMS / "search_weights.py"))
+    cost = script["cost"]
+    cost.__globals__["PATHS"] = ((FigureEight(), 0.1),)
+    assert cost([replace(scenario, settle_s=0.0)], np.zeros(5)) == 1.0
