@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
-import os
-import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from aerodrake.errors import BadInput
+from aerodrake.files import is_stored_zip, read_bounded, write_whole
 from aerodrake.model.training import Flight
 
 MAX_BYTES = 100_000_000
@@ -32,20 +30,10 @@ def save_samples(path: Path, samples: Flight, metadata: dict[str, Any]) -> None:
     Raises:
         BadInput: if the file cannot be written.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with temporary.open("wb") as file:
-            np.savez(
-                file,
-                **dict(zip(ARRAYS, samples, strict=True)),
-                metadata=np.array(json.dumps(metadata)),
-            )
-        os.replace(temporary, path)
-    except OSError as error:
-        raise BadInput(path, "", f"expected a writable file: {error.strerror}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
+    content = io.BytesIO()
+    arrays = dict(zip(ARRAYS, samples, strict=True))
+    np.savez(content, **arrays, metadata=np.array(json.dumps(metadata)))
+    write_whole(path, content.getvalue())
 
 
 def load_samples(path: Path, metadata: dict[str, Any], size: tuple[int, int]) -> Flight:
@@ -76,17 +64,9 @@ def load_samples(path: Path, metadata: dict[str, Any], size: tuple[int, int]) ->
 
 def _read(path: Path) -> dict[str, Any]:
     """The arrays, and the metadata as JSON has it."""
+    content = read_bounded(path, MAX_BYTES)
     try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise BadInput(path, "", f"expected a readable file: {error.strerror}") from None
-    if len(content) > MAX_BYTES:
-        raise BadInput(path, "", f"expected a dataset of at most {MAX_BYTES} bytes")
-    try:
-        # numpy stores here and does not compress: what is small stays small.
-        entries = zipfile.ZipFile(io.BytesIO(content)).infolist()
-        if any(entry.compress_type != zipfile.ZIP_STORED for entry in entries):
+        if not is_stored_zip(content):  # As numpy writes it.
             raise ValueError("compressed")
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
             if set(file.files) != {*ARRAYS, "metadata"}:

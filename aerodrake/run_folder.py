@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from aerodrake.errors import BadInput
+from aerodrake.files import umask
 
 MARKERS = ("summary.json", "log.npz", "scenario.yaml")
 """What tells an earlier run, which may be replaced, from a person's own folder."""
@@ -51,7 +52,7 @@ def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]
     try:
         with _writing(target):
             yield scratch
-            scratch.chmod(0o777 & ~_umask())
+            scratch.chmod(0o777 & ~umask())
             _replace(place, scratch)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
@@ -81,9 +82,3 @@ def _writing(target: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise BadInput("--out", "", f"cannot write {target}: {error.strerror or error}") from None
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

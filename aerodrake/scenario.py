@@ -147,7 +147,19 @@ class Residual:
 
 
 @dataclass(frozen=True)
-class Mpc:
+class Weights:
+    """Diagonals of W_1, W_2,0, W_3 and W_4,0. Joint values: one, or one per joint."""
+
+    w_1: tuple[float, ...] = quantity((1e4, 1e4, 1e4), "1", 0.0, 1e8, length=3)
+    w_2_base: tuple[float, ...] = quantity((1e-4, 1e-4, 1e-4), "1", 0.0, 1e6, length=3)
+    w_2_joints: tuple[float, ...] = quantity((30.0,), "1", 0.0, 1e6)
+    w_3_base: tuple[float, ...] = quantity((400.0, 400.0, 400.0), "1", 1e-3, 1e6, length=3)
+    w_3_joints: tuple[float, ...] = quantity((400.0,), "1", 1e-3, 1e6)
+    w_4: tuple[float, ...] = quantity((1000.0, 1000.0, 1000.0), "1", 0.0, 1e6, length=3)
+
+
+@dataclass(frozen=True)
+class Mpc(Weights):
     """Horizon, weights and bounds of the MPC. Joint limits come from the robot."""
 
     horizon: int = quantity(15, "ticks", 2, 200)
@@ -155,13 +167,6 @@ class Mpc:
     k_e: tuple[float, ...] = quantity((3.0, 3.0, 3.0), "1/s", 0.0, 50.0, length=3)
     # The correction K_e e_E never asks for more than this: a far target is flown to, not lunged at.
     approach_speed_m_s: float = quantity(0.8, "m/s", 0.01, 100.0)
-    # Diagonals of W_1, W_2,0, W_3 and W_4,0. Joint values: one, or one per joint.
-    w_1: tuple[float, ...] = quantity((1e4, 1e4, 1e4), "1", 0.0, 1e8, length=3)
-    w_2_base: tuple[float, ...] = quantity((1e-4, 1e-4, 1e-4), "1", 0.0, 1e6, length=3)
-    w_2_joints: tuple[float, ...] = quantity((30.0,), "1", 0.0, 1e6)
-    w_3_base: tuple[float, ...] = quantity((400.0, 400.0, 400.0), "1", 1e-3, 1e6, length=3)
-    w_3_joints: tuple[float, ...] = quantity((400.0,), "1", 1e-3, 1e6)
-    w_4: tuple[float, ...] = quantity((1000.0, 1000.0, 1000.0), "1", 0.0, 1e6, length=3)
     # e_E along the horizon: predicted with the linearised p_E, or held as printed.
     error: str = choice("predicted", "frozen")
     # J_u xi_u': none, the base's own tilt predicted by flatness, or as measured and held.
@@ -186,18 +191,11 @@ class Clik:
 
 
 @dataclass(frozen=True)
-class Baseline:
-    """Weights of the integral model at its own best, found by diagrams/search_weights.py.
+class Baseline(Weights):
+    """Weights of the integral model at its own best, as `aerodrake compare` flies `integral_best`.
 
-    As those of `Mpc`; `aerodrake compare` flies them as the variant `integral_best`.
+    Found by diagrams/search_weights.py.
     """
-
-    w_1: tuple[float, ...] = quantity((1e4, 1e4, 1e4), "1", 0.0, 1e8, length=3)
-    w_2_base: tuple[float, ...] = quantity((1e-4, 1e-4, 1e-4), "1", 0.0, 1e6, length=3)
-    w_2_joints: tuple[float, ...] = quantity((30.0,), "1", 0.0, 1e6)
-    w_3_base: tuple[float, ...] = quantity((400.0, 400.0, 400.0), "1", 1e-3, 1e6, length=3)
-    w_3_joints: tuple[float, ...] = quantity((400.0,), "1", 1e-3, 1e6)
-    w_4: tuple[float, ...] = quantity((1000.0, 1000.0, 1000.0), "1", 0.0, 1e6, length=3)
 
 
 @dataclass(frozen=True)

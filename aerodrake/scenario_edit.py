@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 import yaml
 
 from aerodrake.errors import BadInput
+from aerodrake.files import write_whole
 
 
 def replace_numbers(path: Path, key: str, numbers: Sequence[float]) -> None:
@@ -27,18 +27,7 @@ def replace_numbers(path: Path, key: str, numbers: Sequence[float]) -> None:
     places = _places(path, text, key)
     for (start, end), number in reversed([*zip(places, numbers, strict=True)]):
         text = f"{text[:start]}{float(number)!r}{text[end:]}"
-    place = path.resolve()  # A link goes on leading to the file.
-    scratch = None
-    try:
-        with tempfile.NamedTemporaryFile(dir=place.parent, prefix=".", delete=False) as file:
-            scratch = Path(file.name)
-            file.write(text.encode("utf-8"))
-        scratch.chmod(place.stat().st_mode & 0o777)
-        os.replace(scratch, place)
-    except OSError as error:
-        if scratch is not None:
-            scratch.unlink(missing_ok=True)
-        raise BadInput(path, "", f"cannot be written: {error.strerror}") from None
+    write_whole(path, text.encode("utf-8"))
 
 
 def check_replaceable(path: Path, key: str) -> None:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from aerodrake.evaluation import METHODS, Evaluation
 from aerodrake.model.training import Trained
-from aerodrake.report import ACCENT, AXIS_COLORS, INK, REFERENCE
+from aerodrake.report import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE
 
 
 def training_table(evaluation: Evaluation) -> str:
@@ -51,18 +51,7 @@ def plot_training(
         title: Of the flight held out.
         path: Of the PNG.
     """
-    with rc_context(
-        {
-            "axes.edgecolor": "#adb5bd",
-            "axes.grid": True,
-            "axes.spines.right": False,
-            "axes.spines.top": False,
-            "font.size": 9,
-            "grid.color": "#e9ecef",
-            "legend.frameon": False,
-            "lines.linewidth": 1.2,
-        }
-    ):
+    with rc_context(STYLE):
         figure = Figure(figsize=(10, 9), layout="constrained")
         losses, *axes = figure.subplots(4, 1, height_ratios=[1.6, 1, 1, 1])
         epochs = 1 + np.arange(len(trained.training_loss))

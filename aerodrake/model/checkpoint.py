@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
-import os
-import zipfile
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -13,7 +10,7 @@ from typing import Any
 import torch
 
 from aerodrake.errors import BadInput
-from aerodrake.files import locate
+from aerodrake.files import is_stored_zip, locate, read_bounded, write_whole
 from aerodrake.fingerprint import plant_hash
 from aerodrake.model.residual_network import HIDDEN, ResidualNetwork, feature_names
 from aerodrake.scenario import Scenario
@@ -88,7 +85,6 @@ def save(path: Path, network: ResidualNetwork, metadata: Provenance) -> None:
     Raises:
         BadInput: if the file cannot be written.
     """
-    path = Path(path)
     content = io.BytesIO()
     torch.save(
         {
@@ -100,15 +96,7 @@ def save(path: Path, network: ResidualNetwork, metadata: Provenance) -> None:
         },
         content,
     )
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        temporary.write_bytes(content.getvalue())
-        os.replace(temporary, path)
-    except OSError as error:
-        raise BadInput(path, "", f"expected a writable file: {error.strerror}") from None
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
+    write_whole(path, content.getvalue())
 
 
 def load(path: Path, joints: int) -> tuple[ResidualNetwork, Provenance]:
@@ -149,17 +137,9 @@ def load(path: Path, joints: int) -> tuple[ResidualNetwork, Provenance]:
 def _read(path: Path) -> dict[str, Any]:
     """The checkpoint's mapping, its keys and plain types checked."""
     not_a_checkpoint = BadInput(path, "", "expected a checkpoint of aerodrake")
+    content = read_bounded(path, MAX_BYTES)
     try:
-        with open(path, "rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise BadInput(path, "", f"expected a readable file: {error.strerror}") from None
-    if len(content) > MAX_BYTES:
-        raise BadInput(path, "", f"expected a checkpoint of at most {MAX_BYTES} bytes")
-    try:
-        # torch stores and never compresses: what is small here stays small.
-        entries = zipfile.ZipFile(io.BytesIO(content)).infolist()
-        if any(entry.compress_type != zipfile.ZIP_STORED for entry in entries):
+        if not is_stored_zip(content):  # As torch writes it.
             raise ValueError("compressed")
         data = torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
     except Exception:  # What torch.load raises on a malformed file is not documented.
