@@ -18,8 +18,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command.
 
     Returns:
-        0 on success, 1 on a flight that did not complete, 2 on bad input,
-        130 if interrupted outside of the flight.
+        0 on success, 1 on a flight that did not complete or a variant that failed,
+        2 on bad input, 130 if interrupted outside of the flight.
     """
     arguments = make_parser().parse_args(argv)
     try:

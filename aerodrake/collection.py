@@ -64,6 +64,8 @@ def collect(
             missing.append(stage)
     for i, result in run_parallel(partial(_fly, scenario, model), missing, jobs):
         stage = missing[i]
+        if isinstance(result, BadInput):
+            raise result
         if isinstance(result, Exception):
             raise BadInput(
                 scenario.source, "", f"stage {stage.name} could not be flown: {result}"

@@ -44,6 +44,8 @@ HEADLINES = {
 """By key of `summary["error"]`, in the order in which they are preferred."""
 
 WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
+LEAST_ERROR_M = 1e-6
+"""Errors below are rounding, and their ratio says nothing."""
 PANEL_RATIO = 0.85
 """Height of a path's panel by its width."""
 
@@ -87,7 +89,7 @@ def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None
     error, arm = summary["error"], summary["arm"]
     rmse = summary["residual"]["prediction_rmse_m_s"]["with_network"]
     change = ""
-    if integral and error[key] is not None:
+    if error[key] is not None and integral is not None and integral > LEAST_ERROR_M:
         change = f"{100 * (error[key] / integral - 1):+.1f} %"
     room = arm["least_room_rad"]
     return [
@@ -207,7 +209,8 @@ def _errors(axes: Axes, logs: Mapping[str, FlightLog]) -> None:
     errors = np.concatenate([log.error_m[log.time_s > 0] for log in logs.values()])
     errors = errors[np.isfinite(errors)]
     if len(errors):
-        axes.set_ylim(bottom=max(1e3 * np.quantile(errors, 0.05), 1e-3))
+        low = max(1e3 * np.quantile(errors, 0.02), 1e-3)
+        axes.set_ylim(low, max(2e3 * errors.max(), 10 * low))
     axes.set(ylabel="end-effector error / mm", xlabel="reference time / s")
     axes.margins(x=0)
     axes.legend(loc="upper center", ncols=len(COLORS), bbox_to_anchor=(0.5, 1.12))

@@ -7,11 +7,13 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
 from tqdm import tqdm
 
 from aerodrake.collection import collect
 from aerodrake.errors import BadInput
 from aerodrake.evaluation import Evaluation, evaluate
+from aerodrake.files import write_whole
 from aerodrake.fingerprint import plant_hash, scenario_hash
 from aerodrake.model.checkpoint import Provenance, load, save
 from aerodrake.model.equivalent_model import EquivalentModel
@@ -86,6 +88,12 @@ def train_scenario(
             bar.update()
 
         trained = train(training, validation, gain, vehicle.joints, scenario.seed, config, advance)
+        if not np.isfinite(trained.validation_loss).any():
+            raise BadInput(
+                folder / STAGES,
+                "",
+                "expected samples to which a network can be fitted; its loss is not finite",
+            )
         held_out = [stage for stage in stages if stage.role == "held_out"]
         evaluation = evaluate(
             held_out,
@@ -114,13 +122,13 @@ def train_scenario(
         "validation_loss": trained.validation_loss.tolist(),
         **evaluation.as_mapping(),
     }
+    save(folder / CHECKPOINT, trained.network, provenance)
+    write_whole(folder / LOG, (json.dumps(log, indent=2, allow_nan=False) + "\n").encode())
     try:
-        (folder / LOG).write_text(json.dumps(log, indent=2) + "\n", encoding="utf-8")
         title = f"{scenario.name}: held-out flight {held_out[-1].twin or held_out[-1].name}"
         plot_training(trained, delta, targets / gain, model.dt, title, folder / FIGURE)
     except OSError as error:
         raise BadInput("--out", "", f"cannot write {folder}: {error.strerror}") from None
-    save(folder / CHECKPOINT, trained.network, provenance)
     if not quiet:
         print(training_table(evaluation))
     return evaluation
@@ -132,7 +140,7 @@ def _prepare(folder: Path, joints: int) -> None:
     try:
         if folder.exists():
             names = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
-            if names - known:
+            if names - known or (FIGURE in names) != (CHECKPOINT in names):
                 raise BadInput(
                     "--out", "", f"{folder} holds files that are not of an earlier training"
                 )
@@ -140,5 +148,8 @@ def _prepare(folder: Path, joints: int) -> None:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise BadInput("--out", "", f"cannot write {folder}: {reason}") from None
+    for name in (LOG, FIGURE):
+        if (folder / name).is_dir():
+            raise BadInput("--out", "", f"expected a file, but {folder / name} is a folder")
     if (folder / CHECKPOINT).exists():
         load(folder / CHECKPOINT, joints)

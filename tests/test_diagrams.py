@@ -72,7 +72,7 @@ def test_the_search_of_weights_finds_the_cheapest(scenario):
     search.__globals__["cost"] = lambda scenarios, decades: np.sum((decades - target) ** 2)
     cost, best = search(([scenario], 200))
     assert cost < 1e-3
-    found = [getattr(best.mpc, w)[0] / getattr(scenario.mpc, w)[0] for w in script["WEIGHTS"]]
+    found = [getattr(best.mpc, w)[0] / start for w, start in script["START"].items()]
     np.testing.assert_allclose(np.log10(found), target, atol=0.05)
     assert best.mpc.w_1 == scenario.mpc.w_1
 

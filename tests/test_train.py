@@ -1,5 +1,6 @@
 import dataclasses
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -118,3 +119,30 @@ def test_a_stage_that_cannot_be_flown_is_named_and_those_flown_are_kept(tmp_path
     for path in (tmp_path / "stages").iterdir():
         with np.load(path) as file:
             assert set(file.files) == {"features", "targets", "metadata"}
+
+
+def test_samples_that_cannot_be_fitted_leave_the_network_that_was_there(
+    trained, scenario, tmp_path, grounded
+):
+    folder = tmp_path / "copy"
+    shutil.copytree(trained[0], folder)
+    (stage,) = (folder / "stages").glob("one-*.npz")
+    with np.load(stage) as file:
+        arrays = dict(file)
+    arrays["targets"][3, 0] = 1e300
+    with stage.open("wb") as file:
+        np.savez(file, **arrays)
+    before = content(folder)
+    with (
+        pytest.raises(BadInput, match="stages: expected samples to which a network can be fitted"),
+        np.errstate(all="ignore"),
+    ):
+        train(folder, scenario)
+    assert content(folder) == before
+
+
+def test_a_figure_of_ones_own_is_not_replaced(scenario, tmp_path, grounded):
+    (tmp_path / "training.png").write_text("mine")
+    with pytest.raises(BadInput, match="holds files that are not of an earlier training"):
+        train(tmp_path, scenario)
+    assert (tmp_path / "training.png").read_text() == "mine"

@@ -30,12 +30,15 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.compare import OWN_VARIANT, compare, make_variants, notes
     from aerodrake.comparison_report import comparison_table, plot_comparison
     from aerodrake.flight_log import FlightLog
+    from aerodrake.model.checkpoint import provenance_notes
     from aerodrake.run_folder import COMPARISON_MARKERS, run_folder
+    from aerodrake.scenario_rules import warnings
     from aerodrake.summary import to_json
 
     say = (lambda line: None) if arguments.quiet else print
     variants = make_variants(scenario)
-    for note in notes(scenario):
+    joints = len(scenario.vehicle.working_rad)
+    for note in (*warnings(scenario), *provenance_notes(scenario, joints), *notes(scenario)):
         say(f"note: {note}")
     with run_folder(target, COMPARISON_MARKERS) as folder:
         with tqdm(

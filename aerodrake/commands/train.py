@@ -16,7 +16,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--seed", metavar="N", help="overrides the scenario's seed")
     command.add_argument("--quick", action="store_true", help="a few short stages")
     add_jobs(command)
-    add_output(command, "runs/train-SCENARIO; run again, it goes on there")
+    add_output(command, "runs/train-SCENARIO or runs/train-quick-SCENARIO, where it goes on")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -32,7 +32,8 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.stages import paper_stages, quick_stages
     from aerodrake.train import train_scenario
 
-    target = arguments.out or Path("runs", f"train-{scenario.name}")
+    kind = "train-quick" if arguments.quick else "train"
+    target = arguments.out or Path("runs", f"{kind}-{scenario.name}")
     stages = quick_stages() if arguments.quick else paper_stages()
     train_scenario(scenario, stages, Training(), target, arguments.jobs, arguments.quiet)
     if not arguments.quiet:

@@ -31,29 +31,30 @@ def fit_gain(error: Sequence[np.ndarray], velocity: Sequence[np.ndarray], block:
     """Fits one gain to several records, each with a constant of its own.
 
     Samples of one flight hang together, so that the usual standard error is far
-    too small. This one is the jackknife's over blocks of samples (H. R. Kuensch,
-    "The jackknife and the bootstrap for general stationary observations", 1989),
-    with Student's t. It covers noise, and also how the gain itself varies from
-    block to block, as over the frequencies of a chirp. White noise on p makes
-    the gain smaller, by its variance over that of p_d - p.
+    too small. This one is the jackknife's over blocks of time (H. R. Kuensch, "The
+    jackknife and the bootstrap for general stationary observations", 1989), with
+    Student's t. A block is left out of all records at once, since they may have
+    their excitation in common, and so their errors. It covers noise, and also how
+    the gain itself varies from block to block, as over the frequencies of a chirp.
+    White noise on p makes the gain smaller, by its variance over that of p_d - p.
 
     Args:
         error: Of each record, (T,) m, p_d - p.
         velocity: Of each record, (T,) m/s, or v - v_d where the base is told v_d.
-        block: Samples a block, longer than the residual's correlation; two
-            blocks or more in all, and what is left over joins the last of its record.
+        block: Samples a block, longer than the residual's correlation; each record
+            has two blocks or more, and what is left over joins its last.
     """
+    count = min(map(len, error)) // block
     blocks = []
     residual_power = power = 0.0
     centred = [(e - e.mean(), v - v.mean()) for e, v in zip(error, velocity, strict=True)]
     gain = sum(e @ v for e, v in centred) / sum(e @ e for e, _ in centred)
     for e, v in centred:
-        starts = np.arange(max(1, len(e) // block)) * block
+        starts = np.arange(count) * block
         blocks.append(np.add.reduceat(np.stack([e * v, e * e]), starts, axis=1))
         residual_power += ((v - gain * e) ** 2).sum()
         power += (v**2).sum()
-    parts = np.hstack(blocks)
-    count = parts.shape[1]
+    parts = np.sum(blocks, axis=0)
     without = np.divide(*(parts.sum(axis=1, keepdims=True) - parts))
     deviation = np.sqrt((count - 1) / count * ((without - without.mean()) ** 2).sum())
     reach = student.ppf((1 + LEVEL) / 2, count - 1) * deviation

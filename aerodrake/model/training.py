@@ -113,7 +113,7 @@ def train(
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, config.epochs * steps)
     generator = torch.Generator().manual_seed(seed)
     losses: list[tuple[float, float]] = []
-    best = 0, math.inf, network.state_dict()
+    best = 0, math.inf, copy.deepcopy(network.state_dict())
     for epoch in range(config.epochs):
         total = 0.0
         for rows in torch.randperm(len(features), generator=generator).split(config.batch):
