@@ -141,5 +141,5 @@ def test_a_file_beyond_all_measure_is_not_read(path, monkeypatch):
 
 
 def test_what_cannot_be_written_is_bad_input(tmp_path, samples):
-    with pytest.raises(BadInput, match="writable"):
+    with pytest.raises(BadInput, match="cannot be written"):
         save_samples(tmp_path / "none" / "x.npz", samples, METADATA)
