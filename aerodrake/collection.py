@@ -51,9 +51,10 @@ def collect(
             stage cannot be flown.
     """
     flights: dict[str, Flight] = {}
+    files = {stage.name: describe(scenario, stage) for stage in stages}
     missing = []
     for stage in stages:
-        metadata = describe(scenario, stage)
+        metadata = files[stage.name]
         path = place(folder, metadata)
         if path.exists():
             samples = round(stage.duration_s / model.dt) - 1
@@ -70,7 +71,7 @@ def collect(
             raise BadInput(
                 scenario.source, "", f"stage {stage.name} could not be flown: {result}"
             ) from result
-        metadata = describe(scenario, stage)
+        metadata = files[stage.name]
         save_samples(place(folder, metadata), result, metadata)
         flights[stage.name] = result
         progress(stage)

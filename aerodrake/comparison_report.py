@@ -27,6 +27,9 @@ from aerodrake.report import (
 )
 from aerodrake.scenario import Scenario
 
+FILES = ("comparison.json", "comparison.png")
+"""What a comparison leaves behind, beside a folder for each variant."""
+
 COLORS = {
     "integral": "#495057",
     "integral_best": "#adb5bd",

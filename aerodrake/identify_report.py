@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from aerodrake.identify import AxisIdentification, Identification, Record
 from aerodrake.model.identification import LEVEL
 from aerodrake.report import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE
 from aerodrake.scenario_file import save_scenario
+from aerodrake.summary import rounded, to_json
 
 FILES = ("identification.json", "identification.png", "scenario.yaml")
 """What an identification leaves behind."""
@@ -51,10 +51,10 @@ def as_figures(identification: Identification, command: str) -> dict[str, Any]:
         "level": LEVEL,
         "axes": {
             name: {
-                "k_b": _figure(axis.fit.gain),
-                "interval": [_figure(bound) for bound in axis.fit.interval],
-                "r2": _figure(axis.fit.r2),
-                "k_b_by_arm": {arm: _figure(gain) for arm, gain in axis.gains.items()},
+                "k_b": rounded(axis.fit.gain),
+                "interval": [rounded(bound) for bound in axis.fit.interval],
+                "r2": rounded(axis.fit.r2),
+                "k_b_by_arm": {arm: rounded(gain) for arm, gain in axis.gains.items()},
             }
             for name, axis in identification.axes.items()
         },
@@ -70,8 +70,7 @@ def write(identification: Identification, command: str, folder: Path) -> None:
         folder: One that exists.
     """
     figures = as_figures(identification, command)
-    text = json.dumps(figures, indent=2, allow_nan=False) + "\n"
-    (folder / "identification.json").write_text(text, encoding="utf-8")
+    (folder / "identification.json").write_text(to_json(figures), encoding="utf-8")
     plot_identification(identification, folder / "identification.png")
     save_scenario(identification.identified_scenario, folder)
 
@@ -169,8 +168,3 @@ def _fitted(axis: AxisIdentification, record: Record) -> np.ndarray:
     """(T,) m/s, K_B (p_d - p) and the record's own constant."""
     error = record.p_d - record.p
     return axis.fit.gain * (error - error.mean()) + record.v.mean()
-
-
-def _figure(value: float) -> float:
-    """Twelve digits at most."""
-    return float(f"{value:.12g}")

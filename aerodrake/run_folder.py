@@ -15,9 +15,6 @@ from aerodrake.files import umask
 MARKERS = ("summary.json", "log.npz", "scenario.yaml")
 """What tells an earlier run, which may be replaced, from a person's own folder."""
 
-COMPARISON_MARKERS = ("comparison.json", "comparison.png")
-"""Those of a comparison."""
-
 
 @contextmanager
 def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]:

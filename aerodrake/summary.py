@@ -54,24 +54,24 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         "scenario": scenario.name,
         "seed": scenario.seed,
         "version": version("aerodrake"),
-        "simulated_s": _figure(simulated_s),
-        "wall_s": _figure(log.wall_s),
-        "real_time_factor": _figure(simulated_s / log.wall_s),
+        "simulated_s": rounded(simulated_s),
+        "wall_s": rounded(log.wall_s),
+        "real_time_factor": rounded(simulated_s / log.wall_s),
         "exit_reason": log.exit_reason,
         "exit_cause": log.exit_cause,
         "error": _errors(log.error_m, log.time_s, lap, scenario.allocation.d_h_m),
         "base_error": _errors(log.base_error_m, log.time_s, lap, scenario.allocation.d_h_m),
         "mpc": {
             "ticks": len(ticks),
-            "median_ms": _figure(np.median(ticks)) if len(ticks) else None,
-            "p99_ms": _figure(np.percentile(ticks, 99)) if len(ticks) else None,
+            "median_ms": rounded(np.median(ticks)) if len(ticks) else None,
+            "p99_ms": rounded(np.percentile(ticks, 99)) if len(ticks) else None,
             "unconstrained": int((statuses == QpStatus.UNCONSTRAINED).sum()),
             "solver_fallbacks": int((statuses == QpStatus.FAILED).sum()),
             "missed": max(0, math.ceil(round(simulated_s / period_s, 6)) - len(ticks)),
             "overruns": int((ticks > 1e3 * period_s).sum()),
         },
         "modes": {
-            mode.label: _figure(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode
+            mode.label: rounded(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode
         },
         "arm": _arm(scenario, log),
         "residual": {
@@ -85,7 +85,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
 
 
 def to_json(summary: dict[str, Any]) -> str:
-    """The summary as strict JSON (no NaN), with its keys in order."""
+    """Figures as strict JSON (no NaN), with their keys in order."""
     return json.dumps(summary, indent=2, allow_nan=False) + "\n"
 
 
@@ -96,11 +96,11 @@ def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
     room = np.minimum(q - vehicle.lower, vehicle.upper - q)
     outside = np.count_nonzero(d_o[:-1] > scenario.allocation.d_h_m)
     return {
-        "farthest_reach_m": _figure(farthest_reach(vehicle)),
+        "farthest_reach_m": rounded(farthest_reach(vehicle)),
         "d_edge_m": scenario.allocation.d_edge_m,
-        "farthest_d_o_m": _figure(d_o.max()) if len(d_o) else None,
-        "outside_s": _figure(outside * scenario.rates.flight_period_s),
-        "least_room_rad": _figure(room.min()) if len(d_o) else None,
+        "farthest_d_o_m": rounded(d_o.max()) if len(d_o) else None,
+        "outside_s": rounded(outside * scenario.rates.flight_period_s),
+        "least_room_rad": rounded(room.min()) if len(d_o) else None,
     }
 
 
@@ -117,22 +117,22 @@ def _errors(
     return {
         "mean_m": _mean(error[flown]),
         "rms_m": _rms(error[flown]),
-        "max_m": _figure(error[flown].max()) if flown.any() else None,
+        "max_m": rounded(error[flown].max()) if flown.any() else None,
         "lap_mean_m": _mean(error[on_lap]),
         "settled_mean_m": _mean(error[settled]),
-        "approach_s": _figure(time_s[near[0]]) if len(near) else None,
+        "approach_s": rounded(time_s[near[0]]) if len(near) else None,
     }
 
 
 def _mean(values: np.ndarray) -> float | None:
-    return _figure(values.mean()) if len(values) else None
+    return rounded(values.mean()) if len(values) else None
 
 
 def _rms(values: np.ndarray) -> float | None:
     """Root of the mean squared length of the rows."""
-    return _figure(math.sqrt((values**2).sum() / len(values))) if len(values) else None
+    return rounded(math.sqrt((values**2).sum() / len(values))) if len(values) else None
 
 
-def _figure(value: float) -> float | None:
-    """Twelve digits at most; null for what is not finite."""
+def rounded(value: float) -> float | None:
+    """A figure as JSON files have it: twelve digits at most, null for what is not finite."""
     return float(f"{value:.12g}") if math.isfinite(value) else None

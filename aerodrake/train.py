@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
@@ -22,8 +21,9 @@ from aerodrake.model.training import Training, train
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Scenario
 from aerodrake.stages import Stage
+from aerodrake.summary import to_json
 from aerodrake.threads import single_thread
-from aerodrake.training_report import plot_training, training_table
+from aerodrake.training_report import plot_training
 
 CHECKPOINT, LOG, FIGURE, STAGES = "network.pt", "training.json", "training.png", "stages"
 
@@ -123,14 +123,12 @@ def train_scenario(
         **evaluation.as_mapping(),
     }
     save(folder / CHECKPOINT, trained.network, provenance)
-    write_whole(folder / LOG, (json.dumps(log, indent=2, allow_nan=False) + "\n").encode())
+    write_whole(folder / LOG, to_json(log).encode())
     try:
         title = f"{scenario.name}: held-out flight {held_out[-1].twin or held_out[-1].name}"
         plot_training(trained, delta, targets / gain, model.dt, title, folder / FIGURE)
     except OSError as error:
         raise BadInput("--out", "", f"cannot write {folder}: {error.strerror}") from None
-    if not quiet:
-        print(training_table(evaluation))
     return evaluation
 
 

@@ -28,10 +28,10 @@ def main(arguments: argparse.Namespace) -> int:
     target = arguments.out or new_folder(f"{scenario.name}-comparison")
 
     from aerodrake.compare import OWN_VARIANT, compare, make_variants, notes
-    from aerodrake.comparison_report import comparison_table, plot_comparison
+    from aerodrake.comparison_report import FILES, comparison_table, plot_comparison
     from aerodrake.flight_log import FlightLog
     from aerodrake.model.checkpoint import provenance_notes
-    from aerodrake.run_folder import COMPARISON_MARKERS, run_folder
+    from aerodrake.run_folder import run_folder
     from aerodrake.scenario_rules import warnings
     from aerodrake.summary import to_json
 
@@ -40,7 +40,7 @@ def main(arguments: argparse.Namespace) -> int:
     joints = len(scenario.vehicle.working_rad)
     for note in (*warnings(scenario), *provenance_notes(scenario, joints), *notes(scenario)):
         say(f"note: {note}")
-    with run_folder(target, COMPARISON_MARKERS) as folder:
+    with run_folder(target, FILES) as folder:
         with tqdm(
             total=len(variants), desc=scenario.name, unit="variant", disable=arguments.quiet
         ) as bar:

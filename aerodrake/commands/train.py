@@ -31,11 +31,15 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.model.training import Training
     from aerodrake.stages import paper_stages, quick_stages
     from aerodrake.train import train_scenario
+    from aerodrake.training_report import training_table
 
     kind = "train-quick" if arguments.quick else "train"
     target = arguments.out or Path("runs", f"{kind}-{scenario.name}")
     stages = quick_stages() if arguments.quick else paper_stages()
-    train_scenario(scenario, stages, Training(), target, arguments.jobs, arguments.quiet)
+    evaluation = train_scenario(
+        scenario, stages, Training(), target, arguments.jobs, arguments.quiet
+    )
     if not arguments.quiet:
+        print(training_table(evaluation))
         print(f"\n{target}: network.pt, training.json, training.png, stages")
     return 0
