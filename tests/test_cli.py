@@ -341,10 +341,16 @@ def test_version_and_help(capsys):
 
 def test_train_takes_the_scenario_and_options_it_is_given(tmp_path, monkeypatch, capsys):
     from aerodrake import train
-    from aerodrake.stages import paper_stages, quick_stages
+    from aerodrake.evaluation import METHODS, Evaluation
+    from aerodrake.stages import Stage, paper_stages, quick_stages
 
     asked = []
-    monkeypatch.setattr(train, "train_scenario", lambda *arguments: asked.append(arguments))
+
+    def train_scenario(*arguments):
+        asked.append(arguments)
+        return Evaluation([Stage("calm", "held_out", 1.0, 5.0, 0.0)], [dict.fromkeys(METHODS, 1.0)])
+
+    monkeypatch.setattr(train, "train_scenario", train_scenario)
     monkeypatch.chdir(tmp_path)
     assert main(["train", "--seed", "4", "--jobs", "3"]) == 0
     assert "train-clover_paper: network.pt" in capsys.readouterr().out
