@@ -53,13 +53,15 @@ class Vehicle:
 
 @dataclass(frozen=True)
 class Sensors:
-    """Standard deviation of white noise, one draw per sample and axis."""
+    """Standard deviations of white noise, one draw per sample and axis; and what comes late."""
 
     position_noise_m: float = quantity(0.0, "m", 0.0, 1.0)
     velocity_noise_m_s: float = quantity(0.0, "m/s", 0.0, 1.0)
     attitude_noise_rad: float = quantity(0.0, "rad", 0.0, 0.2)
     rate_noise_rad_s: float = quantity(0.0, "rad/s", 0.0, 1.0)
     joint_noise_rad: float = quantity(0.0, "rad", 0.0, 0.2)
+    # Of the base's attitude, position and velocities; joints are never late.
+    base_delay_s: float = quantity(0.0, "s", 0.0, 0.5)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,8 @@ def check(scenario: Scenario, source: object) -> None:
         BadInput: where keys contradict each other.
     """
     for field in dataclasses.fields(scenario.rates):
-        _check_period(scenario, source, f"rates.{field.name}", getattr(scenario.rates, field.name))
+        _check_steps(scenario, source, f"rates.{field.name}", getattr(scenario.rates, field.name))
+    _check_steps(scenario, source, "sensors.base_delay_s", scenario.sensors.base_delay_s)
     for key in ("sensor_period_s", "flight_period_s"):
         ticks = scenario.rates.mpc_period_s / getattr(scenario.rates, key)
         if abs(ticks - round(ticks)) > 1e-6:
@@ -81,13 +82,13 @@ def check(scenario: Scenario, source: object) -> None:
             raise BadInput(source, f"allocation.{key}", message)
 
 
-def _check_period(scenario: Scenario, source: object, key: str, period: float) -> None:
+def _check_steps(scenario: Scenario, source: object, key: str, time: float) -> None:
     step = scenario.rates.plant_step_s
-    if abs(period / step - round(period / step)) > 1e-6:
+    if abs(time / step - round(time / step)) > 1e-6:
         raise BadInput(
             source,
             key,
-            f"expected a multiple of rates.plant_step_s ({step:g} s), got {period:g} s",
+            f"expected a multiple of rates.plant_step_s ({step:g} s), got {time:g} s",
         )
 
 

@@ -7,9 +7,10 @@ setpoint integrator. They meet in four signals: `state` and `saturated` one way,
 `base_setpoint` and `joint_setpoint` the other.
 
     event                           period, offset (defaults)     kind
-    plant, rotors                   1 ms                          discrete
-    sensors, sensor_noise,
-    gust_noise                      10 ms                         unrestricted, so first
+    plant, rotors,
+    base_delay (if any)              1 ms                         discrete
+    sensors                         10 ms, before 0.25 ms         discrete
+    sensor_noise, gust_noise        10 ms                         unrestricted
     air, wind_force (if any wind)   10 ms                         discrete
     mpc or clik, residual_estimator,
     weight_allocator,
@@ -17,10 +18,12 @@ setpoint integrator. They meet in four signals: `state` and `saturated` one way,
     flight_controller               10 ms, after 0.5 ms           discrete
     arm_controller                   5 ms, after 0.5 ms           discrete
 
-The low-level controllers run half a plant step after a sample: late enough to
-see what the MPC commanded at it, in time for the plant's next step, and never
-at an instant whose order with the plant's would be a matter of rounding. What
-the coordinator learns of them at a sample is of their command before.
+A sample is taken a quarter of a plant step before its instant, when the plant's
+state is that of the instant already: all that happens there sees it. The
+low-level controllers run half a plant step after: late enough to see what the
+MPC commanded, in time for the plant's next step. Neither is ever at an instant
+whose order with others would be a matter of rounding. What the coordinator
+learns of the low-level controllers at a sample is of their command before.
 """
 
 from __future__ import annotations
@@ -29,7 +32,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from pydrake.common import RandomDistribution, RandomGenerator
+from pydrake.common import RandomGenerator
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
@@ -48,6 +51,7 @@ from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.thrust_allocation import ThrustAllocation
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
 from aerodrake.scenario import Scenario
+from aerodrake.sensors import make_sensors
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.flight_controller import FlightController
@@ -56,7 +60,6 @@ from aerodrake.systems.mpc import MpcSystem
 from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from aerodrake.systems.rotors import make_propellers, make_rotors
-from aerodrake.systems.sensors import SensorSystem, noise_size
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.wind import make_wind
@@ -97,15 +100,8 @@ def make_station(scenario: Scenario) -> Diagram:
     propellers = builder.AddNamedSystem(
         "propellers", make_propellers(rotor, vehicle.rotors, base.index())
     )
-    sensors = builder.AddNamedSystem(
-        "sensors",
-        SensorSystem(scenario.sensors, vehicle.joints, rates.sensor_period_s, vehicle.trim_state),
-    )
-    sensor_noise = builder.AddNamedSystem(
-        "sensor_noise",
-        RandomSource(
-            RandomDistribution.kGaussian, noise_size(vehicle.joints), rates.sensor_period_s
-        ),
+    sensors = builder.AddSystem(
+        make_sensors(scenario.sensors, rates, vehicle.joints, vehicle.trim_state)
     )
     wind = builder.AddSystem(
         make_wind(scenario.wind, vehicle.joints, base.index(), rates.sensor_period_s)
@@ -141,7 +137,6 @@ def make_station(scenario: Scenario) -> Diagram:
     connect(forces.get_output_port(), plant.get_applied_spatial_force_input_port())
     connect(arm_controller.GetOutputPort("joint_torque"), plant.get_actuation_input_port())
     connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
-    connect(sensor_noise.get_output_port(), sensors.GetInputPort("noise"))
     connect(sensors.GetOutputPort("state"), flight_controller.GetInputPort("state"))
     connect(sensors.GetOutputPort("state"), arm_controller.GetInputPort("state"))
 

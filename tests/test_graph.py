@@ -62,7 +62,9 @@ def test_names_are_those_of_the_wiring_page(closed_loop, systems):
     sides = [closed_loop.GetSubsystemByName(name) for name in ("station", "coordinator")]
     inner = [system.get_name() for side in sides for system in side.GetSystems()]
     in_wind = ["gust_noise", "air", "wind_force"]
-    assert set(systems) == {"closed_loop", "station", "coordinator", *inner, *in_wind}
+    in_sensors = ["sensor_noise", "sampler"]
+    opened = {"closed_loop", "station", "coordinator", *inner, *in_wind, *in_sensors}
+    assert set(systems) == opened
     assert {"plant", "mpc", "sensors", "wind"} <= set(inner)
     assert systems["closed_loop"] is closed_loop
 

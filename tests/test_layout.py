@@ -29,7 +29,7 @@ STOREYS = {
     ),
     1: ("model",),
     2: ("systems",),
-    3: ("station", "open_loop", "wind"),
+    3: ("station", "open_loop", "sensors", "wind"),
     4: (
         "simulate",
         "flight_log",

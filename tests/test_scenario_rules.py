@@ -45,6 +45,11 @@ def hover_with(changes: dict[str, object]) -> Scenario:
             {"rates.flight_period_s": 0.005},
             "rates.flight_period_s: expected rates.sensor_period_s (0.01 s) or more",
         ),
+        (
+            {"sensors.base_delay_s": 0.0105},
+            "sensors.base_delay_s: expected a multiple of rates.plant_step_s (0.001 s), "
+            "got 0.0105 s",
+        ),
         ({"name": "../elsewhere"}, "name: expected a name that can be a folder's"),
         ({"flight.interface": "position"}, "model.kind: velocity_aware expects"),
         ({"mpc.tilt": "flatness"}, "mpc.tilt: flatness expects model.kind paper or exact"),
@@ -77,6 +82,7 @@ def test_combinations_that_go_together(kind):
             "rates.plant_step_s": 0.0005,
             "rates.sensor_period_s": 0.005,
             "rates.mpc_period_s": 0.03,
+            "sensors.base_delay_s": 0.0105,
         }
     )
     assert scenario.flight == Flight(interface="position")

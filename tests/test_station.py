@@ -327,7 +327,7 @@ def test_the_sensors_noise_is_the_same_in_any_wind(scenario):
     draws = []
     for wind in (Wind(), Wind(velocity_m_s=(2.0, 0.0, 0.0), gust_m_s=(1.0, 1.0, 1.0))):
         station = make_station(replace(noisy, wind=wind))
-        noise = station.GetSubsystemByName("sensor_noise")
+        noise = station.GetSubsystemByName("sensors").GetSubsystemByName("sensor_noise")
         context = noise.GetMyContextFromRoot(make_context(station, 3))
         draws.append(noise.get_output_port().Eval(context))
     np.testing.assert_array_equal(*draws)

@@ -97,12 +97,12 @@ def second(scenario) -> Recorder:
         (WeightAllocator, 50, 0),
         (ResidualEstimator, 50, 0),
         (SetpointIntegrator, 50, 0),
-        (SensorSystem, 100, 0),
+        (SensorSystem, 100, 0.00975),
         (WindForce, 100, 0),
     ],
 )
 def test_events_of_a_second(second, kind, rate, offset):
-    """At t = 0 the first, at t = 1 s not yet."""
+    """At t = 0 the first, at t = 1 s not yet. A sample is taken just before its instant."""
     np.testing.assert_allclose(second.times[kind], offset + np.arange(rate) / rate, atol=1e-9)
 
 
@@ -123,16 +123,16 @@ def test_events_of_one_instant_are_at_the_very_same_time(second):
     assert np.diff(np.unique(second.instants)).min() > 1e-6
 
 
-def test_only_the_sensors_come_before_the_discrete_updates(second):
-    """The unrestricted updates of a second are its samples."""
+def test_only_the_noise_comes_before_the_discrete_updates(second):
+    """The unrestricted updates of a second are its draws."""
     assert second.simulator.get_num_unrestricted_updates() == 100
 
 
 def test_the_wind_sees_the_base_of_its_instant(second):
-    """As the sensors do, which come before it."""
+    """As the sensors do, a quarter of a step before."""
     seen, sampled = (second.seen[kind, "true_state"] for kind in (WindForce, SensorSystem))
     assert len(np.unique(seen, axis=0)) == 100
-    np.testing.assert_array_equal(seen, sampled)
+    np.testing.assert_array_equal(seen[1:], sampled[:-1])
 
 
 def test_steps_of_the_plant_call_no_python_for_the_wind(scenario, monkeypatch):
@@ -187,7 +187,7 @@ def test_from_a_change_of_the_state_to_thrust_and_torque_in_half_a_step(scenario
     station = recorder.diagram.GetSubsystemByName("station")
     plant = station.GetSubsystemByName("plant")
     t = 0.1
-    recorder.simulator.AdvanceTo(t)  # The updates at t are still to come.
+    recorder.simulator.AdvanceTo(t - 0.0005)  # Between two steps of the plant.
     trim = {port: recorder.output(port) for port in ("state", "thrust_command", "joint_torque")}
 
     plant_context = plant.GetMyMutableContextFromRoot(recorder.context)
@@ -200,8 +200,9 @@ def test_from_a_change_of_the_state_to_thrust_and_torque_in_half_a_step(scenario
         return [port for port in trim if np.any(np.abs(recorder.output(port) - trim[port]) > 1e-4)]
 
     assert changed() == []
-    recorder.simulator.AdvanceTo(t + 0.0004)
-    assert changed() == ["state"]
+    for time in (t, t + 0.0004):
+        recorder.simulator.AdvanceTo(time)
+        assert changed() == ["state"]
     recorder.simulator.AdvanceTo(t + 0.0006)
     assert changed() == ["state", "thrust_command", "joint_torque"]
     assert np.all(recorder.output("thrust_command") > trim["thrust_command"])

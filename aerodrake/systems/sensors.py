@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RollPitchYaw, RotationMatrix
-from pydrake.systems.framework import Context, LeafSystem, State
+from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Sensors
@@ -43,35 +45,42 @@ class SensorSystem(LeafSystem):
     """Samples the state and holds it: exact by default, noisy if the scenario says so.
 
     Ports:
-        in `true_state` (13 + 2 n): the plant's state.
+        in `true_state` (13 + 2 n): the plant's state, of which the arm's is sampled.
+        in `late_state` (13 + 2 n): the same or an earlier one, of which the base's is.
         in `noise` (12 + n): standard normal draws, new at each sample.
         out `state` (13 + 2 n): the last sample.
     State:
         the last sample.
     Rate:
-        `period`, by an *unrestricted* update: these run before the discrete
-        updates of the same instant, so that a controller that ticks together
-        with the sensors sees the new sample and not one that is a period old.
+        `period`, after `offset`, by a discrete update.
 
     Args:
         config: Standard deviations of the noise.
         joints: n.
         period: s.
+        offset: s, when the first sample is taken. With a little less than the
+            period a sample is there when all else happens that is due at its
+            multiples; what was `initial` is the sample at time 0.
         initial: (13 + 2 n,) the sample before the first.
     """
 
-    def __init__(self, config: Sensors, joints: int, period: float, initial: np.ndarray):
+    def __init__(
+        self, config: Sensors, joints: int, period: float, offset: float, initial: np.ndarray
+    ):
         super().__init__()
         self._config = config
-        self._is_exact = config == Sensors()
-        self._true_state = self.DeclareVectorInputPort("true_state", VehicleState.size(joints))
+        self._is_exact = dataclasses.replace(config, base_delay_s=0.0) == Sensors()
+        size = VehicleState.size(joints)
+        self._true_state = self.DeclareVectorInputPort("true_state", size)
+        self._late_state = self.DeclareVectorInputPort("late_state", size)
         self._noise = self.DeclareVectorInputPort("noise", noise_size(joints))
-        self._sample_index = self.DeclareDiscreteState(initial)
-        self.DeclareStateOutputPort("state", self._sample_index)
-        self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._sample)
+        self.DeclareStateOutputPort("state", self.DeclareDiscreteState(initial))
+        self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._sample)
 
-    def _sample(self, context: Context, state: State) -> None:
-        x = self._true_state.Eval(context)
+    def _sample(self, context: Context, discrete: DiscreteValues) -> None:
+        arm = VehicleState.from_vector(self._true_state.Eval(context))
+        base = VehicleState.from_vector(self._late_state.Eval(context))
+        x = dataclasses.replace(base, q=arm.q, qdot=arm.qdot).to_vector()
         if not self._is_exact:
             x = disturbed(self._config, x, self._noise.Eval(context))
-        state.get_mutable_discrete_state(self._sample_index).SetFromVector(x)
+        discrete.set_value(x)

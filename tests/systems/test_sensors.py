@@ -1,4 +1,4 @@
-"""Sensors: no latency, exact by default, and noise of the asked size that follows the seed."""
+"""Sensors: when they sample what, exact by default, and noise of the asked size by the seed."""
 
 from dataclasses import replace
 
@@ -26,7 +26,7 @@ from aerodrake.systems.sensors import SensorSystem, noise_size
 
 JOINTS = 6
 SIZE = VehicleState.size(JOINTS)
-PERIOD = 0.01
+PERIOD, OFFSET = 0.01, 0.009
 NOISY = Sensors(
     position_noise_m=0.01,
     velocity_noise_m_s=0.2,
@@ -54,12 +54,13 @@ def truth() -> np.ndarray:
 def make_noisy(config: Sensors) -> tuple[Diagram, VectorLogSink]:
     """Sensors that look at a vehicle at rest, and a log of what they say."""
     builder = DiagramBuilder()
-    sensors = builder.AddSystem(SensorSystem(config, JOINTS, PERIOD, np.zeros(SIZE)))
+    sensors = builder.AddSystem(SensorSystem(config, JOINTS, PERIOD, OFFSET, np.zeros(SIZE)))
     source = builder.AddSystem(ConstantVectorSource(truth()))
     noise = builder.AddSystem(
         RandomSource(RandomDistribution.kGaussian, noise_size(JOINTS), PERIOD)
     )
-    builder.Connect(source.get_output_port(), sensors.GetInputPort("true_state"))
+    for port in ("true_state", "late_state"):
+        builder.Connect(source.get_output_port(), sensors.GetInputPort(port))
     builder.Connect(noise.get_output_port(), sensors.GetInputPort("noise"))
     log = LogVectorOutput(sensors.GetOutputPort("state"), builder, PERIOD)
     return builder.Build(), log
@@ -70,7 +71,7 @@ def measure(config: Sensors, samples: int, seed: int = 0) -> np.ndarray:
     diagram, log = make_noisy(config)
     context = make_context(diagram, seed)
     Simulator(diagram, context).AdvanceTo(samples * PERIOD)
-    return log.FindLog(context).data().T[1:]  # Logged before the update of that instant.
+    return log.FindLog(context).data().T[1:]  # At time 0 there was none yet.
 
 
 def turns(states: np.ndarray) -> np.ndarray:
@@ -81,31 +82,46 @@ def turns(states: np.ndarray) -> np.ndarray:
 
 
 def test_exact_by_default_without_a_look_at_the_noise():
-    sensors = SensorSystem(Sensors(), JOINTS, PERIOD, np.zeros(SIZE))
+    sensors = SensorSystem(Sensors(base_delay_s=0.1), JOINTS, PERIOD, OFFSET, np.zeros(SIZE))
     simulator = Simulator(sensors)
     context = simulator.get_mutable_context()
     x = np.linspace(-1, 2, SIZE)
     sensors.GetInputPort("true_state").FixValue(context, x)
+    sensors.GetInputPort("late_state").FixValue(context, x)
+    simulator.AdvanceTo(OFFSET)
     np.testing.assert_array_equal(sensors.GetOutputPort("state").Eval(context), np.zeros(SIZE))
-    simulator.AdvanceTo(PERIOD / 2)
+    simulator.AdvanceTo(PERIOD)
     np.testing.assert_array_equal(sensors.GetOutputPort("state").Eval(context), x)
 
 
+def test_the_arm_is_sampled_from_the_true_state_and_the_base_from_the_late_one():
+    sensors = SensorSystem(Sensors(), JOINTS, PERIOD, OFFSET, np.zeros(SIZE))
+    simulator = Simulator(sensors)
+    context = simulator.get_mutable_context()
+    sensors.GetInputPort("true_state").FixValue(context, np.full(SIZE, 1.0))
+    sensors.GetInputPort("late_state").FixValue(context, np.full(SIZE, 2.0))
+    simulator.AdvanceTo(PERIOD)
+    n = JOINTS
+    expected = np.repeat([2.0, 1.0, 2.0, 1.0], [7, n, 6, n])
+    np.testing.assert_array_equal(sensors.GetOutputPort("state").Eval(context), expected)
+
+
 def test_a_consumer_of_the_same_instant_sees_the_new_sample():
-    """Drake's own sample-and-hold after the sensors adds nothing, after itself a period."""
+    """Drake's own sample-and-hold after the sensors adds little, after itself a period."""
     builder = DiagramBuilder()
     ramp = PiecewisePolynomial.FirstOrderHold([0, 10], np.outer(np.ones(SIZE), [0, 10]))
     source = builder.AddSystem(TrajectorySource(ramp))
-    sensors = builder.AddSystem(SensorSystem(Sensors(), JOINTS, PERIOD, np.zeros(SIZE)))
+    sensors = builder.AddSystem(SensorSystem(Sensors(), JOINTS, PERIOD, OFFSET, np.zeros(SIZE)))
     first = builder.AddSystem(ZeroOrderHold(PERIOD, SIZE))
     second = builder.AddSystem(ZeroOrderHold(PERIOD, SIZE))
-    builder.Connect(source.get_output_port(), sensors.GetInputPort("true_state"))
+    for port in ("true_state", "late_state"):
+        builder.Connect(source.get_output_port(), sensors.GetInputPort(port))
     builder.Connect(sensors.GetOutputPort("state"), first.get_input_port())
     builder.Connect(first.get_output_port(), second.get_input_port())
     diagram = builder.Build()
     simulator = Simulator(diagram)
     context = simulator.get_context()
-    for time, sampled in ((0.0950, 0.09), (0.0999, 0.09), (0.1001, 0.10), (0.1099, 0.10)):
+    for time, sampled in ((0.0950, 0.089), (0.0989, 0.089), (0.1001, 0.099), (0.1089, 0.099)):
         simulator.AdvanceTo(time)
         for system, expected in ((sensors, sampled), (first, sampled), (second, sampled - PERIOD)):
             seen = system.get_output_port().Eval(system.GetMyContextFromRoot(context))
@@ -113,7 +129,8 @@ def test_a_consumer_of_the_same_instant_sees_the_new_sample():
 
 
 def test_no_feedthrough():
-    assert not SensorSystem(NOISY, JOINTS, PERIOD, truth()).HasAnyDirectFeedthrough()
+    sensors = SensorSystem(NOISY, JOINTS, PERIOD, OFFSET, truth())
+    assert not sensors.HasAnyDirectFeedthrough()
 
 
 def test_noise_is_white_and_of_the_asked_size_on_every_axis():
@@ -163,6 +180,9 @@ def test_the_seed_reaches_the_noise_of_a_station(scenario, vehicle):
         folded = np.concatenate([vehicle.working, np.zeros(2 * vehicle.joints)])
         station.GetInputPort("base_setpoint").FixValue(context, hover)
         station.GetInputPort("joint_setpoint").FixValue(context, folded)
+        np.testing.assert_array_equal(
+            station.GetOutputPort("state").Eval(context), vehicle.trim_state
+        )
         Simulator(station, context).AdvanceTo(0.025)
         seen.append(station.GetOutputPort("state").Eval(context))
     np.testing.assert_array_equal(seen[0], seen[1])

@@ -1,0 +1,59 @@
+"""The sensors as a diagram: samples of the state, their noise, and what is late about them."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydrake.common import RandomDistribution
+from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.primitives import AffineSystem, DiscreteTimeDelay, RandomSource
+
+from aerodrake.scenario import Rates, Sensors
+from aerodrake.systems.sensors import SensorSystem, noise_size
+
+
+def make_sensors(config: Sensors, rates: Rates, joints: int, trim_state: np.ndarray) -> Diagram:
+    """Samples for all who look at the vehicle: exact and at once, unless the scenario says more.
+
+    A sample is taken a quarter of a plant step before each multiple of the
+    period. The plant's state is that of the multiple itself by then; and
+    whatever is due there sees the sample, whichever kind of update it has.
+
+    Input: `true_state` (13 + 2 n).
+    Output: `state` (13 + 2 n), the last sample; `trim_state` before the first.
+
+    Args:
+        config: Noise and delay.
+        rates: Of samples, and of the plant, whose steps the delay counts.
+        joints: n.
+        trim_state: (13 + 2 n,) the state before time 0.
+    """
+    period, step = rates.sensor_period_s, rates.plant_step_s
+    builder = DiagramBuilder()
+    sensor_noise = builder.AddNamedSystem(
+        "sensor_noise", RandomSource(RandomDistribution.kGaussian, noise_size(joints), period)
+    )
+    sampler = builder.AddNamedSystem(
+        "sampler", SensorSystem(config, joints, period, period - step / 4, trim_state)
+    )
+    builder.ExportInput(sampler.GetInputPort("true_state"), "true_state")
+    builder.Connect(sensor_noise.get_output_port(), sampler.GetInputPort("noise"))
+    steps = round(config.base_delay_s / step)
+    if steps:
+        # What is delayed is the deviation from trim, since a delay begins with zeros.
+        same = np.eye(len(trim_state))
+        deviation = builder.AddNamedSystem("deviation", AffineSystem(D=same, y0=-trim_state))
+        # What it holds after an update is the state before it, which is one step's delay.
+        delay = builder.AddNamedSystem(
+            "base_delay", DiscreteTimeDelay(step, steps - 1, len(trim_state))
+        )
+        late_state = builder.AddNamedSystem("late_state", AffineSystem(D=same, y0=trim_state))
+        builder.Connect(deviation.get_output_port(), delay.get_input_port())
+        builder.Connect(delay.get_output_port(), late_state.get_input_port())
+        builder.Connect(late_state.get_output_port(), sampler.GetInputPort("late_state"))
+        builder.ConnectInput("true_state", deviation.get_input_port())
+    else:
+        builder.ConnectInput("true_state", sampler.GetInputPort("late_state"))
+    builder.ExportOutput(sampler.GetOutputPort("state"), "state")
+    diagram = builder.Build()
+    diagram.set_name("sensors")
+    return diagram
