@@ -87,6 +87,7 @@ def describe(scenario: Scenario, stage: Stage) -> dict[str, Any]:
         "version": version("aerodrake"),
         "stage": {**motion, **{k: as_mapping(motion[k]) for k in ("base", "wind", "payload")}},
         "sensors": as_mapping(scenario.sensors),
+        "mismatch": as_mapping(scenario.mismatch),
         "learning_space_m": list(scenario.allocation.learning_space_m),
         "flight_interface": scenario.flight.interface,
         "plant_hash": plant_hash(scenario),

@@ -11,7 +11,7 @@ from aerodrake.scenario import Scenario
 from aerodrake.schema import as_mapping
 
 PLANT_SECTIONS = ("vehicle", "flight", "arm", "rates", "model")
-"""What decides the residual velocity, apart from noise and weather."""
+"""What decides the residual velocity, apart from noise, weather and what is off the model."""
 
 
 def scenario_hash(scenario: Scenario) -> str:

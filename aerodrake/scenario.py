@@ -89,6 +89,19 @@ class Payload:
 
 
 @dataclass(frozen=True)
+class Mismatch:
+    """How the plant is off the model that all controllers have: factors, 1 for none."""
+
+    # Of every link's mass, and of its inertia about its own centre of mass.
+    mass_scale: float = quantity(1.0, "1", 0.5, 2.0)
+    inertia_scale: float = quantity(1.0, "1", 0.5, 2.0)
+    # Of both time constants of the rotors.
+    rotor_lag_scale: float = quantity(1.0, "1", 0.2, 5.0)
+    # Of how far each rotor's commanded thrust is from its trim: the loop gain.
+    thrust_scale: float = quantity(1.0, "1", 0.1, 5.0)
+
+
+@dataclass(frozen=True)
 class Flight:
     """ESO-based flight controller; gains are per unit mass and inertia."""
 
@@ -236,6 +249,7 @@ class Scenario:
     sensors: Sensors = Sensors()
     wind: Wind = Wind()
     payload: Payload = Payload()
+    mismatch: Mismatch = Mismatch()
     flight: Flight = Flight()
     arm: Arm = Arm()
     model: Model = Model()

@@ -81,7 +81,7 @@ def make_station(scenario: Scenario) -> Diagram:
     plant = builder.AddNamedSystem("plant", MultibodyPlant(rates.plant_step_s))
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, scenario.vehicle.robot)
+    add_robot(plant, scenario.vehicle.robot, scenario.mismatch)
     add_payload(plant, scenario.payload.mass_kg)
     add_ground(plant)
     plant.SetUseSampledOutputPorts(False)  # With them a step would be an unrestricted update.
@@ -93,6 +93,7 @@ def make_station(scenario: Scenario) -> Diagram:
         "rotors",
         make_rotors(
             rotor,
+            scenario.mismatch,
             ThrustAllocation.make(vehicle, rotor).allocate(vehicle.trim_wrench),
             rates.plant_step_s,
         ),

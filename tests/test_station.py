@@ -12,7 +12,7 @@ from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.vehicle import TOOL_FRAME, add_robot
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.reference_kinds import MovingTarget
-from aerodrake.scenario import Payload, Scenario, Sensors, Wind
+from aerodrake.scenario import Mismatch, Payload, Scenario, Sensors, Wind
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context, make_coordinator, make_station
 
@@ -331,6 +331,23 @@ def test_the_sensors_noise_is_the_same_in_any_wind(scenario):
         context = noise.GetMyContextFromRoot(make_context(station, 3))
         draws.append(noise.get_output_port().Eval(context))
     np.testing.assert_array_equal(*draws)
+
+
+def test_the_plant_of_a_default_context_is_off_by_the_mismatch(scenario, vehicle):
+    station = make_station(replace(scenario, mismatch=Mismatch(mass_scale=1.2)))
+    plant = station.GetSubsystemByName("plant")
+    context = plant.GetMyContextFromRoot(station.CreateDefaultContext())
+    assert plant.CalcTotalMass(context) == pytest.approx(1.2 * vehicle.mass)
+
+
+def test_a_heavier_plant_is_lifted_and_the_controllers_call_it_a_disturbance(vehicle):
+    heavy = Mismatch(mass_scale=1.05, inertia_scale=1.05, rotor_lag_scale=1.2, thrust_scale=1.1)
+    log = Flight(Scenario(settle_s=0.0, duration=8.0, mismatch=heavy)).fly()
+    assert log["thrust_n"][-1].sum() == pytest.approx(1.05 * vehicle.mass * 9.81, abs=1e-3)
+    commanded = (1 + 0.05 / 1.1) * vehicle.mass * 9.81
+    assert log["thrust_command_n"][-1].sum() == pytest.approx(commanded, abs=1e-3)
+    assert log["disturbance_m_s2"][-1][2] == pytest.approx(-0.05 / 1.1 * 9.81, abs=1e-3)
+    assert log.error_m[-1] < 1e-3
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,9 @@ from pydrake.multibody.tree import RevoluteJoint
 
 from aerodrake.errors import BadInput
 from aerodrake.files import locate
+from aerodrake.model.mismatch import EXACT, is_exact, mismatched_urdf
 from aerodrake.model.vehicle_state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
-from aerodrake.scenario import Scenario
+from aerodrake.scenario import Mismatch, Scenario
 
 BASE_FRAME = "base"
 TOOL_FRAME = "tool"
@@ -25,12 +26,13 @@ GRAVITY = 9.81
 """m/s^2, Drake's default."""
 
 
-def add_robot(plant: MultibodyPlant, robot: str) -> None:
+def add_robot(plant: MultibodyPlant, robot: str, mismatch: Mismatch = EXACT) -> None:
     """Parses a robot into an unfinalised plant.
 
     Args:
         plant: Where the robot goes.
         robot: A `package://aerodrake/...` URI, or the path of a URDF.
+        mismatch: How its links are off what is written there.
 
     Raises:
         BadInput: if the file is missing, is no robot description, or lacks
@@ -38,11 +40,14 @@ def add_robot(plant: MultibodyPlant, robot: str) -> None:
     """
     parser = Parser(plant)
     parser.package_map().AddPackageXml(str(resources.files("aerodrake") / "package.xml"))
-    path = str(locate(robot))
+    path = locate(robot)
     if not os.path.isfile(path):
         raise BadInput(robot, "", "expected the path of a URDF; there is no such file")
     try:
-        parser.AddModels(path)
+        if is_exact(mismatch):
+            parser.AddModels(str(path))
+        else:
+            parser.AddModelsFromString(mismatched_urdf(path, mismatch), "urdf")
     except RuntimeError as error:
         raise BadInput(robot, "", f"cannot be parsed: {error}") from None
     for frame in (BASE_FRAME, TOOL_FRAME):

@@ -10,10 +10,12 @@ from pydrake.symbolic import Variable, exp, if_then_else, max, min
 from pydrake.systems.primitives import SymbolicVectorSystem
 
 from aerodrake.model.vehicle import Rotors
-from aerodrake.scenario import Rotor
+from aerodrake.scenario import Mismatch, Rotor
 
 
-def make_rotors(config: Rotor, trim: np.ndarray, period: float) -> SymbolicVectorSystem:
+def make_rotors(
+    config: Rotor, mismatch: Mismatch, trim: np.ndarray, period: float
+) -> SymbolicVectorSystem:
     """Thrust limits and first-order lag of each rotor, exactly discretised.
 
     Ports:
@@ -27,16 +29,21 @@ def make_rotors(config: Rotor, trim: np.ndarray, period: float) -> SymbolicVecto
 
     Args:
         config: Limits and time constants.
+        mismatch: Factors on the time constants, and on the command's deviation
+            from trim; the limits are those of the thrust that comes of it.
         trim: (k,) N, thrusts in trim.
         period: s, the plant's step.
     """
     state = [Variable(f"df{i}") for i in range(len(trim))]
     command = [Variable(f"c{i}") for i in range(len(trim))]
-    up = 1 - exp(-period / config.lag_up_s)
-    down = 1 - exp(-period / config.lag_down_s)
+    up, down = (
+        1 - exp(-period / (mismatch.rotor_lag_scale * lag))
+        for lag in (config.lag_up_s, config.lag_down_s)
+    )
     dynamics = []
     for x, c, f0 in zip(state, command, trim, strict=True):
-        gap = min(max(c, config.min_thrust_n), config.max_thrust_n) - (f0 + x)
+        wanted = c + (mismatch.thrust_scale - 1) * (c - f0)  # Just c where the scale is 1.
+        gap = min(max(wanted, config.min_thrust_n), config.max_thrust_n) - (f0 + x)
         dynamics.append(x + if_then_else(gap > 0, up, down) * gap)
     output = [f0 + x for x, f0 in zip(state, trim, strict=True)]
     return SymbolicVectorSystem(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.scenario import Rotor
+from aerodrake.scenario import Mismatch, Rotor
 from aerodrake.systems.rotors import make_rotors
 
 CONFIG = Rotor(min_thrust_n=1.0, max_thrust_n=18.0, lag_up_s=0.0125, lag_down_s=0.025)
@@ -12,9 +12,9 @@ TRIM = np.array([9.0, 10.0, 8.0, 9.5])
 PERIOD = 0.001
 
 
-def fly(command, duration: float, period: float = PERIOD) -> np.ndarray:
+def fly(command, duration: float, period: float = PERIOD, **mismatch: float) -> np.ndarray:
     """(k,) N, thrusts after `duration` s of a constant command, from trim."""
-    rotors = make_rotors(CONFIG, TRIM, period)
+    rotors = make_rotors(CONFIG, Mismatch(**mismatch), TRIM, period)
     simulator = Simulator(rotors)
     context = simulator.get_mutable_context()
     rotors.get_input_port().FixValue(context, command)
@@ -23,7 +23,7 @@ def fly(command, duration: float, period: float = PERIOD) -> np.ndarray:
 
 
 def test_the_default_context_is_trim_and_stays_there():
-    rotors = make_rotors(CONFIG, TRIM, PERIOD)
+    rotors = make_rotors(CONFIG, Mismatch(), TRIM, PERIOD)
     np.testing.assert_array_equal(
         rotors.get_output_port().Eval(rotors.CreateDefaultContext()), TRIM
     )
@@ -48,8 +48,31 @@ def test_commands_beyond_the_limits_lag_towards_the_limits():
     np.testing.assert_allclose(fly(command, 1.0), limit, rtol=1e-9)
 
 
+@pytest.mark.parametrize("scale", [0.2, 1.2, 5.0])
+def test_rotors_slower_or_faster_than_their_model(scale):
+    command = np.array([12.0, 6.0, 8.5, 2.0])
+    tau = scale * np.array([0.0125, 0.025, 0.0125, 0.025])
+    expected = command + (TRIM - command) * np.exp(-0.02 / tau)
+    np.testing.assert_allclose(fly(command, 0.02, rotor_lag_scale=scale), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("scale", [0.1, 0.8, 1.5])
+def test_thrust_deviates_from_trim_by_a_factor(scale):
+    """And is in trim where trim is asked for."""
+    deviation = np.array([3.0, -4.0, 0.0, -1.0])
+    tau = np.array([0.0125, 0.025, 0.0125, 0.025])
+    expected = TRIM + scale * deviation * (1 - np.exp(-0.02 / tau))
+    flown = fly(TRIM + deviation, 0.02, thrust_scale=scale)
+    np.testing.assert_allclose(flown, expected, rtol=1e-12)
+
+
+def test_thrust_beyond_the_limits_is_not_had_by_any_factor():
+    flown = fly(TRIM + [5.0, -5.0, 1.0, -1.0], 1.0, thrust_scale=5.0)
+    np.testing.assert_allclose(flown, [18.0, 1.0, 13.0, 4.5], rtol=1e-9)
+
+
 def test_rate_and_feedthrough():
-    rotors = make_rotors(CONFIG, TRIM, PERIOD)
+    rotors = make_rotors(CONFIG, Mismatch(), TRIM, PERIOD)
     timing = rotors.GetUniquePeriodicDiscreteUpdateAttribute()
     assert (timing.period_sec(), timing.offset_sec()) == (PERIOD, 0)
     assert not rotors.HasAnyDirectFeedthrough()
