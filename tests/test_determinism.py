@@ -11,14 +11,14 @@ from pydrake.systems.analysis import Simulator
 
 import aerodrake
 from aerodrake.reference_kinds import Clover
-from aerodrake.scenario import Mpc, Payload, Residual, Scenario, Sensors, Wind
+from aerodrake.scenario import Mismatch, Mpc, Payload, Residual, Scenario, Sensors, Wind
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.threads import single_thread
 
 
 def noisy(seed: int = 7) -> Scenario:
-    """Short, with all that could differ: noise, gusts, learning, motion, a solver that iterates."""
+    """Short, with all that could differ: noise, delay, gusts, learning, a solver that iterates."""
     return Scenario(
         duration=0.8,
         settle_s=0.2,
@@ -32,9 +32,13 @@ def noisy(seed: int = 7) -> Scenario:
             attitude_noise_rad=1e-3,
             rate_noise_rad_s=1e-2,
             joint_noise_rad=1e-4,
+            base_delay_s=0.003,
         ),
         wind=Wind(velocity_m_s=(0.5, 0.0, 0.0), gust_m_s=(0.2, 0.2, 0.2)),
         payload=Payload(mass_kg=0.1),
+        mismatch=Mismatch(
+            mass_scale=1.05, inertia_scale=0.9, rotor_lag_scale=1.2, thrust_scale=1.1
+        ),
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.reference_kinds import MovingTarget
-from aerodrake.scenario import Wind
+from aerodrake.scenario import Rates, Wind
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.flight_controller import FlightController
@@ -161,6 +161,16 @@ def test_controllers_and_mpc_act_on_the_same_sample(second):
         np.testing.assert_array_equal(seen[::events], sampled, err_msg=kind.__name__)
     # The second of two torques between samples is from the same one, too.
     np.testing.assert_array_equal(second.seen[ArmController, "state"][1::4], sampled)
+
+
+def test_controllers_act_on_the_newest_sample_even_if_one_is_taken_at_every_step(scenario):
+    rates = Rates(*[0.005] * 4, mpc_period_s=0.020)
+    recorder = make_moving(replace(scenario, rates=rates))
+    recorder.simulator.AdvanceTo(0.2)
+    sampled = recorder.seen[SensorSystem, "true_state"]
+    assert len(np.unique(sampled, axis=0)) == len(sampled) == 40
+    for kind in (FlightController, ArmController):
+        np.testing.assert_array_equal(recorder.seen[kind, "state"][1:], sampled[:-1])
 
 
 def test_commands_of_the_mpc_reach_the_controllers_half_a_step_later(scenario):
