@@ -21,7 +21,7 @@ from aerodrake.scenario import Scenario
 from aerodrake.schema import as_mapping
 from aerodrake.stages import Stage, fly_stage
 
-FORMAT = 1
+FORMAT = 2
 """Version of the files and of how stages are flown."""
 
 
@@ -104,4 +104,11 @@ def place(folder: Path, metadata: dict[str, Any]) -> Path:
 
 def _fly(scenario: Scenario, model: EquivalentModel, stage: Stage) -> Flight:
     flown = fly_stage(scenario, stage)
-    return residual_samples(model, flown.state, flown.base_setpoint, flown.joint_setpoint)
+    return residual_samples(
+        model,
+        flown.state,
+        flown.base_setpoint,
+        flown.joint_setpoint,
+        flown.specific_thrust,
+        flown.disturbance,
+    )

@@ -239,9 +239,7 @@ def residuals(log: FlightLog, scenario: Scenario) -> tuple[np.ndarray, np.ndarra
     should have been, the difference of the two is what it was.
     """
     period = scenario.rates.mpc_period_s
-    model = EquivalentModel.make(
-        scenario.model.kind, np.array(scenario.model.k_b), period, log["q_rad"].shape[1]
-    )
+    model = EquivalentModel.of(scenario, log["q_rad"].shape[1])
     gain = model.C[model.base_velocity].diagonal()
     # Logs run several times a tick, and show the tick k from the sample after it on.
     stride = round(period / scenario.rates.flight_period_s)

@@ -22,12 +22,16 @@ class Excitation:
     Attributes:
         time_s: (T,) 0, period, 2 period, ...
         state: (T, 13 + 2 n) as measured at these times.
+        specific_thrust: (T, 1) m/s^2, as the flight controller tells it then.
+        disturbance: (T, 6) m/s^2 and rad/s^2, likewise.
         base_setpoint: (T, 9) p_d, v_d and the a_d held from then on.
         joint_setpoint: (T, 3 n) likewise.
     """
 
     time_s: np.ndarray
     state: np.ndarray
+    specific_thrust: np.ndarray
+    disturbance: np.ndarray
     base_setpoint: np.ndarray
     joint_setpoint: np.ndarray
 
@@ -54,14 +58,15 @@ def excite(
     context = make_context(diagram, scenario.seed)
     simulator = Simulator(diagram, context)
     ticks = period * np.arange(round(base.end_time() / period) + 1)
-    state = diagram.GetOutputPort("state")
-    states = []
+    ports = [diagram.GetOutputPort(port) for port in ("state", "specific_thrust", "disturbance")]
+    rows: list[list[np.ndarray]] = []
     with single_thread():
         for tick in ticks:
             simulator.AdvanceTo(tick + step / 4)  # Just after its sample was taken.
-            states.append(state.Eval(context).copy())
+            rows.append([port.Eval(context).copy() for port in ports])
             progress(tick)
-    return Excitation(ticks, np.array(states), _setpoint(base, ticks), _setpoint(joints, ticks))
+    measured = map(np.array, zip(*rows, strict=True))
+    return Excitation(ticks, *measured, _setpoint(base, ticks), _setpoint(joints, ticks))
 
 
 def _setpoint(motion: Trajectory, ticks: np.ndarray) -> np.ndarray:

@@ -119,6 +119,8 @@ class Flight:
     attitude_eso_rad_s: float = quantity(15.0, "rad/s", 0.1, 100.0)
     # Of omega_d, the rate at which the desired attitude turns.
     rate_filter_s: float = quantity(0.03, "s", 0.0, 1.0)
+    # What moving the arm takes, by inverse dynamics. Without, the observers find it out.
+    feedforward: str = choice("whole_body", "none")
     max_tilt_rad: float = quantity(0.6, "rad", 0.05, 1.2)
 
 
@@ -136,7 +138,8 @@ class Arm:
 class Model:
     """The equivalent model of the base under its flight controller."""
 
-    kind: str = choice("velocity_aware", "paper", "exact", "integral")
+    # flight: the closed loop as its gains make it. The others know of it K_B alone.
+    kind: str = choice("flight", "velocity_aware", "paper", "exact", "integral")
     # K_B for the flight interface and gains of this scenario. The default is for theirs.
     # Identified: aerodrake identify hover
     k_b: tuple[float, ...] = quantity((1.71, 1.71, 1.71), "1/s", 0.01, 50.0, length=3)
@@ -167,25 +170,29 @@ class Weights:
 
     w_1: tuple[float, ...] = quantity((1e4, 1e4, 1e4), "1", 0.0, 1e8, length=3)
     w_2_base: tuple[float, ...] = quantity((1e-4, 1e-4, 1e-4), "1", 0.0, 1e6, length=3)
-    w_2_joints: tuple[float, ...] = quantity((30.0,), "1", 0.0, 1e6)
-    w_3_base: tuple[float, ...] = quantity((400.0, 400.0, 400.0), "1", 1e-3, 1e6, length=3)
-    w_3_joints: tuple[float, ...] = quantity((400.0,), "1", 1e-3, 1e6)
-    w_4: tuple[float, ...] = quantity((1000.0, 1000.0, 1000.0), "1", 0.0, 1e6, length=3)
+    w_2_joints: tuple[float, ...] = quantity((1.0,), "1", 0.0, 1e6)
+    w_3_base: tuple[float, ...] = quantity((30.0, 30.0, 30.0), "1", 1e-3, 1e6, length=3)
+    w_3_joints: tuple[float, ...] = quantity((10.0,), "1", 1e-3, 1e6)
+    w_4: tuple[float, ...] = quantity((300.0, 300.0, 300.0), "1", 0.0, 1e6, length=3)
 
 
 @dataclass(frozen=True)
 class Mpc(Weights):
     """Horizon, weights and bounds of the MPC. Joint limits come from the robot."""
 
-    horizon: int = quantity(15, "ticks", 2, 200)
+    horizon: int = quantity(15, "stages", 2, 200)
+    # How far they reach: stages last longer the further away they are, one tick at least.
+    span_ticks: int = quantity(52, "ticks", 1, 1000)
     # K_e of the desired end-effector velocity.
-    k_e: tuple[float, ...] = quantity((3.0, 3.0, 3.0), "1/s", 0.0, 50.0, length=3)
+    k_e: tuple[float, ...] = quantity((12.0, 12.0, 12.0), "1/s", 0.0, 50.0, length=3)
     # The correction K_e e_E never asks for more than this: a far target is flown to, not lunged at.
     approach_speed_m_s: float = quantity(0.8, "m/s", 0.01, 100.0)
     # e_E along the horizon: predicted with the linearised p_E, or held as printed.
     error: str = choice("predicted", "frozen")
+    # W_5 on changes of the base's acceleration from one stage to the next.
+    w_5: tuple[float, ...] = quantity((300.0, 300.0, 300.0), "1", 0.0, 1e6, length=3)
     # J_u xi_u': none, the base's own tilt predicted by flatness, or as measured and held.
-    tilt: str = choice("none", "flatness", "held")
+    tilt: str = choice("flatness", "none", "held")
     base_velocity_m_s: tuple[float, ...] = quantity((1.5, 1.5, 1.5), "m/s", 0.01, 20.0, length=3)
     base_acceleration_m_s2: tuple[float, ...] = quantity(
         (2.5, 2.5, 2.5), "m/s^2", 0.1, 20.0, length=3

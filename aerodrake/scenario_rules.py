@@ -58,13 +58,6 @@ def check(scenario: Scenario, source: object) -> None:
             "velocity_aware expects flight.interface trajectory, since a base that is "
             f"not told v_d cannot follow it; got '{scenario.flight.interface}'",
         )
-    if scenario.model.kind not in ("paper", "exact") and scenario.mpc.tilt == "flatness":
-        raise BadInput(
-            source,
-            "mpc.tilt",
-            "flatness expects model.kind paper or exact, whose base velocity is smooth; "
-            f"got '{scenario.model.kind}'",
-        )
     allocation = scenario.allocation
     for key in ("k_q", "k_m"):
         if scenario.controller == "clik" and getattr(allocation, key) == 0:

@@ -3,8 +3,8 @@
 The *station* is what hardware would replace: plant, rotors, wind, sensors and
 the low-level controllers. The *coordinator* is what runs on a companion computer:
 reference, kinematics, weight allocator, residual estimator, MPC (or CLIK) and
-setpoint integrator. They meet in four signals: `state` and `saturated` one way,
-`base_setpoint` and `joint_setpoint` the other.
+setpoint integrator. They meet in six signals: `state`, `specific_thrust`,
+`disturbance` and `saturated` one way, `base_setpoint` and `joint_setpoint` the other.
 
     event                           period, offset (defaults)     kind
     plant, rotors,
@@ -12,7 +12,8 @@ setpoint integrator. They meet in four signals: `state` and `saturated` one way,
     sensors                         10 ms, before 0.25 ms         discrete
     sensor_noise, gust_noise        10 ms                         unrestricted
     air, wind_force (if any wind)   10 ms                         discrete
-    mpc or clik, residual_estimator,
+    mpc or clik, equivalent_state,
+    residual_estimator,
     weight_allocator,
     setpoint_integrator             20 ms                         discrete
     flight_controller               10 ms, after 0.5 ms           discrete
@@ -42,6 +43,7 @@ from pydrake.trajectories import PiecewisePolynomial
 from aerodrake.model.checkpoint import network_for
 from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.horizon import stage_ticks
 from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
@@ -54,6 +56,7 @@ from aerodrake.scenario import Scenario
 from aerodrake.sensors import make_sensors
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.clik import ClikSystem
+from aerodrake.systems.equivalent_state import EquivalentState
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.kinematics import KinematicsSystem
 from aerodrake.systems.mpc import MpcSystem
@@ -70,9 +73,9 @@ def make_station(scenario: Scenario) -> Diagram:
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
     Outputs: `state` (13 + 2 n), as measured; `true_state`; `thrust` and
-    `thrust_command` (k) N; `joint_torque` (n) N m; `disturbance` (6) and `saturated`
-    (1), of the flight controller; `wind_force` (3) N on the base, in the world;
-    `query_object`, geometry for visualizers.
+    `thrust_command` (k) N; `joint_torque` (n) N m; `specific_thrust` (1), `disturbance`
+    (6) and `saturated` (1), of the flight controller; `wind_force` (3) N on the base,
+    in the world; `query_object`, geometry for visualizers.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
@@ -143,12 +146,13 @@ def make_station(scenario: Scenario) -> Diagram:
 
     builder.ExportInput(flight_controller.GetInputPort("base_setpoint"), "base_setpoint")
     builder.ExportInput(arm_controller.GetInputPort("joint_setpoint"), "joint_setpoint")
+    builder.ConnectInput("joint_setpoint", flight_controller.GetInputPort("joint_setpoint"))
     builder.ExportOutput(plant.get_state_output_port(), "true_state")
     builder.ExportOutput(rotors.get_output_port(), "thrust")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     for system, ports in (
         (sensors, ("state",)),
-        (flight_controller, ("thrust_command", "disturbance", "saturated")),
+        (flight_controller, ("thrust_command", "specific_thrust", "disturbance", "saturated")),
         (arm_controller, ("joint_torque",)),
         (wind, ("wind_force",)),
     ):
@@ -160,7 +164,8 @@ def make_station(scenario: Scenario) -> Diagram:
 def make_coordinator(scenario: Scenario) -> Diagram:
     """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
-    Inputs: `state` (13 + 2 n), as measured; `saturated` (1), of the flight controller.
+    Inputs: `state` (13 + 2 n), as measured; `specific_thrust` (1), `disturbance` (6) and
+    `saturated` (1), of the flight controller.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n); `reference` (6), `weights`
     (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (2), `delta` (3),
     `prediction_error` (3), `nominal_prediction_error` (3).
@@ -168,7 +173,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     period = scenario.rates.mpc_period_s
     vehicle = Vehicle.load(scenario)
     n = vehicle.joints
-    model = EquivalentModel.make(scenario.model.kind, scenario.model.k_b, period, n)
+    model = EquivalentModel.of(scenario, n)
     limits = SetpointLimits.make(scenario.mpc, vehicle)
     builder = DiagramBuilder()
 
@@ -177,8 +182,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         ReferenceSystem(
             make_reference(scenario.reference, vehicle.p_E),
             scenario.settle_s,
-            period,
-            scenario.mpc.horizon,
+            period * np.append(0, np.cumsum(stage_ticks(scenario.mpc))),
         ),
     )
     kinematics = builder.AddNamedSystem(
@@ -187,6 +191,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     weight_allocator = builder.AddNamedSystem(
         "weight_allocator", WeightAllocator(scenario.allocation, period)
     )
+    equivalent_state = builder.AddNamedSystem("equivalent_state", EquivalentState(model))
     residual_estimator = builder.AddNamedSystem(
         "residual_estimator",
         ResidualEstimator(network_for(scenario, n), model, scenario.residual),
@@ -220,19 +225,23 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     connect(reference, "reference", kinematics)
     connect(reference, "horizon", controller)
     connect(reference, "d_g", weight_allocator)
+    connect(equivalent_state, "x_0", controller)
+    connect(equivalent_state, "x_0", residual_estimator)
     connect(kinematics, "distances", weight_allocator)
     connect(kinematics, "end_effector", controller)
     connect(weight_allocator, "weights", controller)
     connect(residual_estimator, "delta", controller)
     connect(controller, "u", setpoint_integrator)
     builder.Connect(enable.get_output_port(), setpoint_integrator.GetInputPort("enable"))
-    for consumer in (controller, residual_estimator):
+    for consumer in (controller, residual_estimator, equivalent_state):
         connect(setpoint_integrator, "base_setpoint", consumer)
         connect(setpoint_integrator, "joint_setpoint", consumer)
 
     builder.ExportInput(kinematics.GetInputPort("state"), "state")
-    builder.ConnectInput("state", controller.GetInputPort("state"))
-    builder.ConnectInput("state", residual_estimator.GetInputPort("state"))
+    for consumer in (controller, residual_estimator, equivalent_state):
+        builder.ConnectInput("state", consumer.GetInputPort("state"))
+    for port in ("disturbance", "specific_thrust"):
+        builder.ExportInput(equivalent_state.GetInputPort(port), port)
     builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")
     for system, ports in (
         (setpoint_integrator, ("base_setpoint", "joint_setpoint")),
@@ -254,7 +263,7 @@ def make_closed_loop(scenario: Scenario) -> Diagram:
     builder = DiagramBuilder()
     station = builder.AddSystem(make_station(scenario))
     coordinator = builder.AddSystem(make_coordinator(scenario))
-    for port in ("state", "saturated"):
+    for port in ("state", "specific_thrust", "disturbance", "saturated"):
         builder.Connect(station.GetOutputPort(port), coordinator.GetInputPort(port))
     for port in ("base_setpoint", "joint_setpoint"):
         builder.Connect(coordinator.GetOutputPort(port), station.GetInputPort(port))

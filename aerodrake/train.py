@@ -59,11 +59,9 @@ def train_scenario(
         raise BadInput(
             scenario.source,
             "model.kind",
-            "expected paper, exact or velocity_aware; the integral model has no residual",
+            "expected flight, velocity_aware, paper or exact; the integral model has no residual",
         )
-    model = EquivalentModel.make(
-        scenario.model.kind, scenario.model.k_b, scenario.rates.mpc_period_s, vehicle.joints
-    )
+    model = EquivalentModel.of(scenario, vehicle.joints)
     gain = model.C[model.base_velocity].diagonal()
     _prepare(folder, vehicle.joints)
 

@@ -2,85 +2,59 @@
 
 One linear, time-invariant model x+ = A x + B u + C Delta (paper, eq. 5), with
 
-    x = [p_Bx, p_Bx', p_Bx,d, p_Bx,d', p_By, ..., q_1, q_1', ..., q_n, q_n'],
+    x = [p_Bx, p_Bx', p_Bx,d, p_Bx,d', ..., p_By, ..., q_1, q_1', ..., q_n, q_n'],
     u = [p_Bx,d'', p_By,d'', p_Bz,d'', q_1'', ..., q_n''],
 
 and Delta the residual velocity of the base. The joints are double integrators
-of the command; the four kinds differ in how the base answers its setpoint.
+of the command; the kinds differ in how an axis of the base answers its setpoint,
+and in the states this takes.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag
 
-BASE_STATES = 4
-"""States per base axis: position, velocity, and those of the setpoint."""
+from aerodrake.model.axis_models import AXIS_MODELS, AxisModel
+from aerodrake.model.flight_axis import HIDDEN_STATES, flight_axis
+from aerodrake.model.vehicle import GRAVITY
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario import Scenario
 
-AxisModel = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""A (4, 4), B (4,) and C (4,) of one base axis."""
 
+@dataclass(frozen=True)
+class Thrust:
+    """What accelerates the base.
 
-def paper_axis(k: float, dt: float) -> AxisModel:
-    """p' = k (p_d - p) + Delta by semi-implicit Euler, as the paper prints it.
-
-    Its A_1 has `k delta^2` for k delta_t squared. The second column of A is
-    zero: measured velocity does not propagate and acts through Delta alone.
+    Attributes:
+        b: (3,) m/s^2, by thrust along the measured attitude, and gravity.
+        r: (3,) m/s^3, how fast b turns with the base; none along z, where it
+            changes with the size of thrust.
+        d: (3,) m/s^2, by all else, as the flight controller has it.
     """
-    A = np.array(
-        [
-            [1 - k * dt, 0, k * dt, k * dt**2],
-            [-k, 0, k, k * dt],
-            [0, 0, 1, dt],
-            [0, 0, 0, 1],
-        ]
-    )
-    B = np.array([k * dt**3 / 2, k * dt**2 / 2, dt**2 / 2, dt])
-    return A, B, np.array([dt, 1, 0, 0])
 
+    b: np.ndarray
+    r: np.ndarray
+    d: np.ndarray
 
-def exact_axis(k: float, dt: float) -> AxisModel:
-    """p' = k (p_d - p) + Delta (paper, eq. 3), exact for u and Delta held over dt."""
-    E = math.exp(-k * dt)
-    g = (1 - E) / k
-    setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
-    p = np.array([E, 0, 1 - E, dt - g])
-    p_u = dt**2 / 2 - dt / k + g / k
-    A = np.vstack([p, k * (setpoint[0] - p), setpoint])
-    B = np.array([p_u, k * (input_[0] - p_u), *input_])
-    return A, B, np.array([g, E, 0, 0])
+    @classmethod
+    def make(cls, state: VehicleState, specific_thrust: float, disturbance: np.ndarray) -> Thrust:
+        """From the measured state and what the flight controller tells.
 
-
-def velocity_aware_axis(k: float, dt: float) -> AxisModel:
-    """p' = v_d + k (p_d - p) + Delta, exact for u and Delta held over dt.
-
-    The base of a flight controller that is told p_d, v_d and a_d.
-    """
-    E = math.exp(-k * dt)
-    setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
-    p = setpoint[0] + np.array([E, 0, -E, 0])
-    A = np.vstack([p, setpoint[1] + k * (setpoint[0] - p), setpoint])
-    B = np.array([input_[0], input_[1], *input_])
-    return A, B, np.array([(1 - E) / k, E, 0, 0])
-
-
-def integral_axis(k: float, dt: float) -> AxisModel:
-    """The baseline that believes the command: the base is where it was sent."""
-    setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
-    return np.vstack([setpoint, setpoint]), np.array([*input_, *input_]), np.zeros(4)
-
-
-AXIS_MODELS: dict[str, Callable[[float, float], AxisModel]] = {
-    "paper": paper_axis,
-    "exact": exact_axis,
-    "velocity_aware": velocity_aware_axis,
-    "integral": integral_axis,
-}
+        Args:
+            state: Attitude and rates.
+            specific_thrust: m/s^2, collective thrust over mass.
+            disturbance: (3+,) m/s^2, d first.
+        """
+        axis = state.R_B[:, 2]
+        b = specific_thrust * axis
+        b[2] -= GRAVITY
+        r = specific_thrust * np.cross(state.omega_W, axis)
+        r[2] = 0.0
+        return cls(b, r, disturbance[:3])
 
 
 @dataclass(frozen=True)
@@ -88,11 +62,12 @@ class EquivalentModel:
     """x+ = A x + B u + C Delta, and where each quantity stands in x.
 
     Attributes:
-        A: (nx, nx), nx = 12 + 2 n.
+        A: (nx, nx), nx = 3 m + 2 n for m states per axis of the base.
         B: (nx, 3 + n).
         C: (nx, 3), the paper's C restricted to its non-zero columns.
         dt: s, period.
-        k_b: (3,) 1/s, diagonal of K_B.
+        axis_states: Names of the m states of an axis.
+        acceleration: (3, nx), the acceleration that tilts the base, by x.
         believes_command: whether x_0 takes the base from the setpoint.
     """
 
@@ -100,12 +75,26 @@ class EquivalentModel:
     B: np.ndarray
     C: np.ndarray
     dt: float
-    k_b: np.ndarray
+    axis_states: tuple[str, ...]
+    acceleration: np.ndarray
     believes_command: bool
 
     @classmethod
+    def of(cls, scenario: Scenario, joints: int) -> EquivalentModel:
+        """The model that the scenario names, at its MPC's rate, for n `joints`."""
+        config, rates = scenario.model, scenario.rates
+        if config.kind != "flight":
+            return cls.make(config.kind, np.array(config.k_b), rates.mpc_period_s, joints)
+        rotor, period = scenario.vehicle.rotor, rates.flight_period_s
+        axes = [
+            flight_axis(axis, scenario.flight, rotor, period, rates.mpc_period_s)
+            for axis in range(3)
+        ]
+        return cls._assemble(axes, rates.mpc_period_s, joints, believes_command=False)
+
+    @classmethod
     def make(cls, kind: str, k_b: np.ndarray, dt: float, joints: int) -> EquivalentModel:
-        """Assembles the model of three base axes and `joints` joints.
+        """One of the models with K_B alone.
 
         Args:
             kind: A key of `AXIS_MODELS`.
@@ -114,46 +103,66 @@ class EquivalentModel:
             joints: n.
         """
         axes = [AXIS_MODELS[kind](k, dt) for k in k_b]
-        A = block_diag(*(a for a, _, _ in axes), *[np.array([[1, dt], [0, 1]])] * joints)
-        B = block_diag(*(b[:, None] for _, b, _ in axes), *[np.array([[dt**2 / 2], [dt]])] * joints)
-        C = np.zeros((len(A), 3))
-        C[: 3 * BASE_STATES] = block_diag(*(c[:, None] for _, _, c in axes))
-        return cls(A, B, C, dt, np.asarray(k_b, dtype=float), kind == "integral")
+        return cls._assemble(axes, dt, joints, believes_command=kind == "integral")
+
+    @classmethod
+    def _assemble(
+        cls, axes: list[AxisModel], dt: float, joints: int, believes_command: bool
+    ) -> EquivalentModel:
+        joint = np.array([[1, dt], [0, 1]]), np.array([[dt**2 / 2], [dt]])
+        A = block_diag(*(axis.A for axis in axes), *[joint[0]] * joints)
+        B = block_diag(*(axis.B[:, None] for axis in axes), *[joint[1]] * joints)
+        C, acceleration = np.zeros((len(A), 3)), np.zeros((3, len(A)))
+        base = 3 * len(axes[0].states)
+        C[:base] = block_diag(*(axis.C[:, None] for axis in axes))
+        acceleration[:, :base] = block_diag(*(axis.acceleration for axis in axes))
+        return cls(A, B, C, dt, axes[0].states, acceleration, believes_command)
 
     @cached_property
     def joints(self) -> int:
         """n."""
         return self.B.shape[1] - 3
 
+    def base_state(self, name: str) -> np.ndarray:
+        """(3,) indices in x of a state that each axis of the base has."""
+        m = len(self.axis_states)
+        return m * np.arange(3) + self.axis_states.index(name)
+
     @cached_property
     def base_position(self) -> np.ndarray:
         """(3,) indices of p_B in x."""
-        return BASE_STATES * np.arange(3)
+        return self.base_state("p")
 
     @cached_property
     def base_velocity(self) -> np.ndarray:
         """(3,) indices of p_B' in x."""
-        return self.base_position + 1
+        return self.base_state("v")
 
     @cached_property
     def setpoint_position(self) -> np.ndarray:
         """(3,) indices of p_B,d in x."""
-        return self.base_position + 2
+        return self.base_state("p_d")
 
     @cached_property
     def setpoint_velocity(self) -> np.ndarray:
         """(3,) indices of p_B,d' in x."""
-        return self.base_position + 3
+        return self.base_state("v_d")
 
     @cached_property
     def joint_position(self) -> np.ndarray:
         """(n,) indices of q in x."""
-        return 3 * BASE_STATES + 2 * np.arange(self.joints)
+        return 3 * len(self.axis_states) + 2 * np.arange(self.joints)
 
     @cached_property
     def joint_velocity(self) -> np.ndarray:
         """(n,) indices of q' in x."""
         return self.joint_position + 1
+
+    @cached_property
+    def hidden(self) -> np.ndarray:
+        """Indices of what nobody measures; none in the models with K_B alone."""
+        names = [name for name in HIDDEN_STATES if name in self.axis_states]
+        return np.array([i for name in names for i in self.base_state(name)], dtype=int)
 
     def initial_state(
         self,
@@ -161,27 +170,40 @@ class EquivalentModel:
         v_B: np.ndarray,
         base_setpoint: np.ndarray,
         joint_setpoint: np.ndarray,
+        thrust: Thrust | None = None,
+        last: np.ndarray | None = None,
     ) -> np.ndarray:
         """x_0 from measurement and command.
 
         The arm is where it is commanded (paper, section II-B), and so is the
-        base of the integral model.
+        base of the integral model. Hidden states are where the last x leads
+        under the acceleration that was commanded since.
 
         Args:
             p_B: (3,) m, measured.
             v_B: (3,) m/s, measured.
-            base_setpoint: (6+,) [p_d, v_d, ...] in m, m/s.
-            joint_setpoint: (2 n+,) [q_d, q_d', ...] in rad, rad/s.
+            base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2, or (6,) of them
+                where there is no `last`.
+            joint_setpoint: (3 n,) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2, or
+                (2 n,) alike.
+            thrust: Where the model has states of it; without, they are zero.
+            last: (nx,) x_0 of the tick before; without, hidden states are zero.
         """
         n = self.joints
         p_d, v_d = base_setpoint[:3], base_setpoint[3:6]
-        x = np.empty(len(self.A))
+        x = np.zeros(len(self.A))
         x[self.base_position] = p_d if self.believes_command else p_B
         x[self.base_velocity] = v_d if self.believes_command else v_B
         x[self.setpoint_position] = p_d
         x[self.setpoint_velocity] = v_d
         x[self.joint_position] = joint_setpoint[:n]
         x[self.joint_velocity] = joint_setpoint[n : 2 * n]
+        if thrust is not None and "b" in self.axis_states:
+            for name, value in (("b", thrust.b), ("r", thrust.r), ("d", thrust.d)):
+                x[self.base_state(name)] = value
+        if last is not None and len(self.hidden):
+            u = np.concatenate([base_setpoint[6:], joint_setpoint[2 * n :]])
+            x[self.hidden] = self.A[self.hidden] @ last + self.B[self.hidden] @ u
         return x
 
     def predict(self, x: np.ndarray, u: np.ndarray, delta: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.horizon import stage_ticks
 from aerodrake.model.kinematics import EndEffector
 from aerodrake.model.prediction import Prediction
 from aerodrake.model.setpoint import SetpointLimits
@@ -20,6 +21,7 @@ class MpcInputs:
 
     Attributes:
         x_0: (nx,) state of the equivalent model.
+        u_last: (3 + n,) m/s^2 and rad/s^2, the input until now.
         end_effector: Kinematics at the measured state.
         xi_u_rates: (2,) rad/s, measured roll and pitch rates.
         yaw_rate: rad/s, measured.
@@ -29,6 +31,7 @@ class MpcInputs:
     """
 
     x_0: np.ndarray
+    u_last: np.ndarray
     end_effector: EndEffector
     xi_u_rates: np.ndarray
     yaw_rate: float
@@ -64,15 +67,20 @@ class MpcFormulation:
         J_2 = | s_k |^2                                                    W_2
         J_3 = | u_k |^2                                                    W_3
         J_4 = | p_EB,k - p_O |^2                                           W_4
+        J_5 = | p_B,d,k'' - p_B,d,k-1'' |^2                                W_5
 
-    summed over the stages 1 ... N (J_3: 0 ... N-1, since u_N moves nothing).
+    summed over the stages 1 ... N (J_3: 0 ... N-1, since u_N moves nothing), all
+    but J_5 times the ticks that a stage lasts. J_5, which is not the paper's,
+    starts from the acceleration until now: its steps make the base turn faster
+    than rotors can, and turn the end-effector with it.
     e_E,k is predicted with the same linearisation, or frozen at e_E,0 as the
     paper prints it; K_e is scaled down while e_E,0 is so large that the
     correction would exceed `config.approach_speed_m_s`. Roll and pitch follow
     by `config.tilt`: `none`; `held`, their measured rates over the whole
-    horizon; or `flatness`: the thrust axis tilts as the model's own base
-    acceleration a wants it, which moves the end-effector by T a,
-    T = -[r]x [z]x / g.
+    horizon; or `flatness`: the thrust axis tilts with the model's acceleration a
+    of the base, which moves the end-effector by T a, T = -[r]x [z]x / g, and at
+    T (a_k - a_{k-1}) / (t_k - t_{k-1}) on its way to a stage. So does nothing in
+    models without such an acceleration.
 
     Args:
         config: Weights and bounds.
@@ -94,28 +102,31 @@ class MpcFormulation:
         w_2_joints = vehicle.per_joint(config.w_2_joints, "mpc.w_2_joints")
         w_3_joints = vehicle.per_joint(config.w_3_joints, "mpc.w_3_joints")
         N, m = config.horizon, 3 + model.joints
-        self.prediction = Prediction(model, N)
+        self.stage_ticks = ticks = stage_ticks(config)
+        self.prediction = Prediction(model, ticks)
+        self._ticks = np.repeat(ticks, 3)
         self.scale = np.tile(limits.acceleration, N)
         # Everything below is per scaled input z.
         self._Gamma = self.prediction.Gamma * self.scale
         self._speeds = np.concatenate([model.base_velocity, model.joint_velocity])
         self._places = np.concatenate([model.base_position, model.joint_position])
-        # (3, nx), the equivalent model's own base acceleration, a = k (v_d - v).
-        self._acceleration = np.zeros((3, len(model.A)))
-        self._acceleration[range(3), model.setpoint_velocity] = model.k_b
-        self._acceleration[range(3), model.base_velocity] = -model.k_b
+        # (N, 3, N m), how fast the acceleration that tilts the base changes up to each stage.
+        self._stage_s = model.dt * ticks[:, None]
+        accelerations = model.acceleration @ self._Gamma
+        self._swing = np.diff(accelerations, axis=0, prepend=0.0) / self._stage_s[:, :, None]
         # J_2's shares of base and joints, which the allocator weighs anew each tick.
         self._base_rows = self._Gamma[:, model.base_velocity].reshape(3 * N, -1)
         self._joint_rows = self._Gamma[:, model.joint_velocity].reshape(model.joints * N, -1)
-        self._w_2_base = np.tile(config.w_2_base, N)
-        self._w_2_joints = np.tile(w_2_joints, N)
+        self._w_2_base = np.tile(config.w_2_base, N) * self._ticks
+        self._w_2_joints = np.tile(w_2_joints, N) * np.repeat(ticks, model.joints)
         self._H_base = self._base_rows.T @ (self._w_2_base[:, None] * self._base_rows)
         self._H_joints = self._joint_rows.T @ (self._w_2_joints[:, None] * self._joint_rows)
-        self._H_input = np.diag(np.tile([*config.w_3_base, *w_3_joints], N) * self.scale**2)
-        # The input that leads to stage k, for rates that answer it at once.
-        self._arriving = np.zeros((N, m, N * m))
-        for k in range(N):
-            self._arriving[k, :, k * m : (k + 1) * m] = np.diag(limits.acceleration)
+        w_3 = np.tile([*config.w_3_base, *w_3_joints], N) * np.repeat(ticks, m)
+        w_5 = np.tile([*config.w_5, *np.zeros(model.joints)], N)
+        changes = np.eye(N * m) - np.eye(N * m, k=-m)
+        changes = changes * self.scale
+        self._H_input = np.diag(w_3 * self.scale**2) + changes.T @ (w_5[:, None] * changes)
+        self._g_last = -(w_5 * self.scale)[:m]
         self._form_rows()
 
     def _form_rows(self) -> None:
@@ -147,6 +158,7 @@ class MpcFormulation:
         """The program of one tick."""
         x_free = self.prediction.free(tick.x_0, tick.delta)
         H, g = self._H_input.copy(), np.zeros(len(self.scale))
+        g[: len(tick.u_last)] = self._g_last * tick.u_last
         places = self._places_matrix(tick)
         for rows, offset, weight in (
             self._tracking(tick, x_free, places),
@@ -188,7 +200,7 @@ class MpcFormulation:
         places = np.zeros((3, len(self.model.A)))
         places[:, self._places] = tick.end_effector.J_s
         if self.config.tilt == "flatness":
-            places += tilt_matrix(tick.end_effector.r) @ self._acceleration
+            places += tilt_matrix(tick.end_effector.r) @ self.model.acceleration
         return places
 
     def _tracking(
@@ -199,14 +211,9 @@ class MpcFormulation:
         K_e = correction_gain(config, tick)[:, None]
         speeds = np.zeros_like(places)
         speeds[:, self._speeds] = end_effector.J_s
-        inputs = np.zeros((3, 3 + model.joints))
         known = end_effector.J_yaw * tick.yaw_rate
         if config.tilt == "held":
             known = known + end_effector.J_u @ tick.xi_u_rates
-        elif config.tilt == "flatness":
-            T = tilt_matrix(end_effector.r)  # And a' = k (u - a).
-            speeds -= T @ (model.k_b[:, None] * self._acceleration)
-            inputs[:, :3] = T * model.k_b
 
         rows = speeds
         offset = known - tick.reference[1:, 3:]
@@ -218,9 +225,12 @@ class MpcFormulation:
         offset = offset + K_e[:, 0] * e + x_free @ rows.T
         stacked = rows @ self._Gamma
         if config.tilt == "flatness":
-            stacked = stacked + inputs @ self._arriving
+            T = tilt_matrix(end_effector.r)
+            a = np.vstack([tick.x_0, x_free]) @ model.acceleration.T
+            stacked = stacked + T @ self._swing
+            offset = offset + np.diff(a, axis=0) / self._stage_s @ T.T
         N = config.horizon
-        return stacked.reshape(3 * N, -1), offset.ravel(), np.tile(config.w_1, N)
+        return stacked.reshape(3 * N, -1), offset.ravel(), np.tile(config.w_1, N) * self._ticks
 
     def _centring(
         self, tick: MpcInputs, x_free: np.ndarray
@@ -231,7 +241,7 @@ class MpcFormulation:
         moved = x_free[:, joints] - tick.x_0[joints]
         offset = end_effector.p_EB - self._p_O + moved @ end_effector.J_B.T
         rows = end_effector.J_B @ self._Gamma[:, joints]
-        weight = np.tile(np.multiply(tick.w_d, self.config.w_4), N)
+        weight = np.tile(np.multiply(tick.w_d, self.config.w_4), N) * self._ticks
         return rows.reshape(3 * N, -1), offset.ravel(), weight
 
 

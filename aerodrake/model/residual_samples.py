@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.equivalent_model import EquivalentModel, Thrust
 from aerodrake.model.residual_network import feature_names, features
 from aerodrake.model.vehicle_state import VehicleState
 
@@ -14,6 +14,8 @@ def residual_samples(
     state: np.ndarray,
     base_setpoint: np.ndarray,
     joint_setpoint: np.ndarray,
+    specific_thrust: np.ndarray,
+    disturbance: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """What the residual estimator would have seen, at the ticks k = 1 ... T-2.
 
@@ -28,6 +30,8 @@ def residual_samples(
         base_setpoint: (T, 9) [p_d, v_d, a_d] in m, m/s, m/s^2, with the a_d that
             is held from the tick on.
         joint_setpoint: (T, 3 n) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2, alike.
+        specific_thrust: (T, 1) m/s^2, of the flight controller.
+        disturbance: (T, 6) of the flight controller, m/s^2 first.
 
     Returns:
         (T-2, 12 + 3 n) features, unscaled, and (T-2, 3) m/s, targets.
@@ -35,9 +39,17 @@ def residual_samples(
     n, samples = model.joints, len(state) - 2
     u = np.hstack([base_setpoint[:, 6:], joint_setpoint[:, 2 * n :]])
     seen, targets = np.empty((samples, len(feature_names(n)))), np.empty((samples, 3))
+    x = None
     for row, k in enumerate(range(1, samples + 1)):
         now, after = (VehicleState.from_vector(x) for x in state[k : k + 2])
-        x = model.initial_state(now.p_B, now.v_B, base_setpoint[k], joint_setpoint[k])
+        x = model.initial_state(
+            now.p_B,
+            now.v_B,
+            np.concatenate([base_setpoint[k, :6], u[k - 1, :3]]),
+            np.concatenate([joint_setpoint[k, : 2 * n], u[k - 1, 3:]]),
+            Thrust.make(now, specific_thrust[k, 0], disturbance[k]),
+            x,
+        )
         seen[row] = features(now, u[k - 1])
         targets[row] = after.v_B - model.predict(x, u[k], np.zeros(3))[model.base_velocity]
     return seen, targets

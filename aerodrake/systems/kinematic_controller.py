@@ -18,6 +18,7 @@ class KinematicController(LeafSystem):
 
     Ports:
         in `state` (13 + 2 n): measured state.
+        in `x_0` (nx): state of the equivalent model.
         in `end_effector` (abstract): `EndEffector` at that state.
         in `base_setpoint` (9), `joint_setpoint` (3 n): what is commanded now.
         in `horizon` (6 (N + 1)): p_Ed, p_Ed' now and at each stage.
@@ -42,10 +43,10 @@ class KinematicController(LeafSystem):
 
     def __init__(self, model: EquivalentModel, horizon: int):
         super().__init__()
-        self._model = model
         self.tick_ms: list[float] = []
         N, n = horizon, model.joints
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
+        self._x_0 = self.DeclareVectorInputPort("x_0", len(model.A))
         self._end_effector = self.DeclareAbstractInputPort(
             "end_effector", AbstractValue.Make(object())
         )
@@ -66,14 +67,12 @@ class KinematicController(LeafSystem):
         """What the tick at this Context is about."""
         state = VehicleState.from_vector(self._state.Eval(context))
         rates = state.rpy_rates
+        _, _, a_d = np.split(self._base_setpoint.Eval(context), 3)
+        _, _, qddot_d = np.split(self._joint_setpoint.Eval(context), 3)
         _, _, w_q, w_m, w_d = self._weights.Eval(context)
         return MpcInputs(
-            x_0=self._model.initial_state(
-                state.p_B,
-                state.v_B,
-                self._base_setpoint.Eval(context),
-                self._joint_setpoint.Eval(context),
-            ),
+            x_0=self._x_0.Eval(context),
+            u_last=np.concatenate([a_d, qddot_d]),
             end_effector=self._end_effector.Eval(context),
             xi_u_rates=rates[:2],
             yaw_rate=rates[2],

@@ -35,6 +35,10 @@ class MpcSystem(KinematicController):
         self._formulation = formulation
         self._qp = CondensedQp(formulation.A, formulation.config.max_iterations)
         self._inputs = 3 + formulation.model.joints
+        # Where the shifted plan finds each stage's input in the last one, by ticks.
+        ticks = formulation.stage_ticks
+        stages = np.append(np.repeat(np.arange(len(ticks)), ticks), len(ticks))
+        self._shift = stages[np.cumsum([1, *ticks[:-1]])]
         self._x_plan = self.DeclareDiscreteState(
             np.zeros(formulation.config.horizon * self._inputs)
         )
@@ -42,7 +46,8 @@ class MpcSystem(KinematicController):
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         tick = self.tick_inputs(context)
         last = context.get_discrete_state(self._x_plan).value()
-        shifted = np.concatenate([last[self._inputs :], np.zeros(self._inputs)])
+        last = np.append(last, np.zeros(self._inputs)).reshape(-1, self._inputs)
+        shifted = last[self._shift].ravel()
 
         start = time.perf_counter()
         program = self._formulation.form(tick)

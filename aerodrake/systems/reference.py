@@ -16,7 +16,7 @@ class ReferenceSystem(LeafSystem):
 
     Ports:
         out `reference` (6): p_E,d, p_E,d' in m and m/s, now.
-        out `horizon` (6 (N + 1)): the same at k `period_s` from now, k = 0 ... N;
+        out `horizon` (6 (N + 1)): the same now and at each stage of the horizon;
             row-major (N + 1, 6).
         out `d_g` (1): m, diameter of the target trajectory; inf for a moving target.
     State, rate:
@@ -25,18 +25,17 @@ class ReferenceSystem(LeafSystem):
     Args:
         curve: The motion over reference time.
         settle_s: s, hover before reference time 0.
-        period_s: s, between the stages of the horizon.
-        horizon: N, stages after the first.
+        stages_s: (N + 1,) s, from now to each stage, 0 first.
     """
 
-    def __init__(self, curve: ReferenceCurve, settle_s: float, period_s: float, horizon: int):
+    def __init__(self, curve: ReferenceCurve, settle_s: float, stages_s: np.ndarray):
         super().__init__()
         self._curve = curve
         self._settle_s = settle_s
-        self._stages = period_s * np.arange(horizon + 1)
+        self._stages = stages_s
         time = {self.time_ticket()}
         self.DeclareVectorOutputPort("reference", 6, self._calc_reference, time)
-        self.DeclareVectorOutputPort("horizon", 6 * (horizon + 1), self._calc_horizon, time)
+        self.DeclareVectorOutputPort("horizon", 6 * len(stages_s), self._calc_horizon, time)
         self.DeclareVectorOutputPort("d_g", 1, self._calc_d_g, {self.nothing_ticket()})
 
     def _calc_reference(self, context: Context, output: BasicVector) -> None:

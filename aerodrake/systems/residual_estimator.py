@@ -62,6 +62,7 @@ class ResidualEstimator(LeafSystem):
 
     Ports:
         in `state` (13 + 2 n): measured `VehicleState`.
+        in `x_0` (nx): state of the model at a tick.
         in `base_setpoint` (9): [p_d, v_d, a_d] in m, m/s, m/s^2, world frame.
         in `joint_setpoint` (3 n): [q_d, q_d', q_d''] in rad, rad/s, rad/s^2.
             The accelerations are u_{k-1} at a tick: the input applied up to it.
@@ -98,6 +99,7 @@ class ResidualEstimator(LeafSystem):
 
         n = model.joints
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
+        self._x_0 = self.DeclareVectorInputPort("x_0", len(model.A))
         self._base_setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * n)
         self._saturated = self.DeclareVectorInputPort("saturated", 1)
@@ -129,7 +131,7 @@ class ResidualEstimator(LeafSystem):
         base, arm = self._base_setpoint.Eval(context), self._joint_setpoint.Eval(context)
         saturated = self._saturated.Eval(context)
         u = np.concatenate([base[6:], arm[2 * self._model.joints :]])
-        x = self._model.initial_state(state.p_B, state.v_B, base, arm)
+        x = self._x_0.Eval(context).copy()
         inputs = features(state, u)
         phi = np.zeros(PHI_SIZE) if self._mode == "off" else self._network.phi(inputs)
         if not np.isfinite(np.concatenate([x, inputs, phi, saturated])).all():

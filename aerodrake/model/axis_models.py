@@ -1,0 +1,98 @@
+"""How one axis of the base answers its setpoint: x+ = A x + B u + C Delta.
+
+The states of an axis begin with position, velocity, and those of the setpoint,
+[p, p', p_d, p_d']; u is the acceleration of the setpoint.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+STATES = ("p", "v", "p_d", "v_d")
+
+
+class AxisModel(NamedTuple):
+    """One axis with m states.
+
+    Attributes:
+        A: (m, m).
+        B: (m,).
+        C: (m,), for a residual velocity.
+        states: Their m names, `STATES` first.
+        acceleration: (m,), how the acceleration that tilts the base follows from
+            them; zero where the model has none.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    states: tuple[str, ...]
+    acceleration: np.ndarray
+
+
+def paper_axis(k: float, dt: float) -> AxisModel:
+    """p' = k (p_d - p) + Delta by semi-implicit Euler, as the paper prints it.
+
+    Its A_1 has `k delta^2` for k delta_t squared. The second column of A is
+    zero: measured velocity does not propagate and acts through Delta alone.
+    """
+    A = np.array(
+        [
+            [1 - k * dt, 0, k * dt, k * dt**2],
+            [-k, 0, k, k * dt],
+            [0, 0, 1, dt],
+            [0, 0, 0, 1],
+        ]
+    )
+    B = np.array([k * dt**3 / 2, k * dt**2 / 2, dt**2 / 2, dt])
+    return _first_order(k, A, B, np.array([dt, 1, 0, 0]))
+
+
+def exact_axis(k: float, dt: float) -> AxisModel:
+    """p' = k (p_d - p) + Delta (paper, eq. 3), exact for u and Delta held over dt."""
+    E = math.exp(-k * dt)
+    g = (1 - E) / k
+    setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
+    p = np.array([E, 0, 1 - E, dt - g])
+    p_u = dt**2 / 2 - dt / k + g / k
+    A = np.vstack([p, k * (setpoint[0] - p), setpoint])
+    B = np.array([p_u, k * (input_[0] - p_u), *input_])
+    return _first_order(k, A, B, np.array([g, E, 0, 0]))
+
+
+def velocity_aware_axis(k: float, dt: float) -> AxisModel:
+    """p' = v_d + k (p_d - p) + Delta, exact for u and Delta held over dt.
+
+    The base of a flight controller that is told p_d, v_d and a_d.
+    """
+    E = math.exp(-k * dt)
+    setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
+    p = setpoint[0] + np.array([E, 0, -E, 0])
+    A = np.vstack([p, setpoint[1] + k * (setpoint[0] - p), setpoint])
+    B = np.array([input_[0], input_[1], *input_])
+    return AxisModel(A, B, np.array([(1 - E) / k, E, 0, 0]), STATES, np.zeros(4))
+
+
+def integral_axis(k: float, dt: float) -> AxisModel:
+    """The baseline that believes the command: the base is where it was sent."""
+    setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
+    A, B = np.vstack([setpoint, setpoint]), np.array([*input_, *input_])
+    return AxisModel(A, B, np.zeros(4), STATES, np.zeros(4))
+
+
+def _first_order(k: float, A: np.ndarray, B: np.ndarray, C: np.ndarray) -> AxisModel:
+    """With its own acceleration, p'' = k (p_d' - p')."""
+    return AxisModel(A, B, C, STATES, np.array([0, -k, 0, k]))
+
+
+AXIS_MODELS: dict[str, Callable[[float, float], AxisModel]] = {
+    "paper": paper_axis,
+    "exact": exact_axis,
+    "velocity_aware": velocity_aware_axis,
+    "integral": integral_axis,
+}
+"""By the scenario's `model.kind`: from k [1/s] and dt [s]."""
