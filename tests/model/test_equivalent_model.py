@@ -4,12 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from aerodrake.model.equivalent_model import (
-    AXIS_MODELS,
-    EquivalentModel,
-    exact_axis,
-    paper_axis,
-)
+from aerodrake.model.axis_models import AXIS_MODELS
+from aerodrake.model.equivalent_model import EquivalentModel
 
 K_B = np.array([6.67, 1.8, 2.38])
 JOINTS = 6
@@ -54,40 +50,6 @@ def test_solves_its_equation_under_held_input(kind, dt):
     np.testing.assert_allclose(after[model.joint_velocity], qdot, atol=1e-9)
 
 
-def test_paper_axis_is_as_printed():
-    """A_1, B_1 and C_1 below eq. 5, whose `k delta^2` reads k delta_t^2."""
-    A, B, C = paper_axis(3.0, 0.1)
-    np.testing.assert_allclose(
-        A, [[0.7, 0, 0.3, 0.03], [-3, 0, 3, 0.3], [0, 0, 1, 0.1], [0, 0, 0, 1]], atol=1e-15
-    )
-    np.testing.assert_allclose(B, [0.0015, 0.015, 0.005, 0.1], atol=1e-15)
-    np.testing.assert_allclose(C, [0.1, 1, 0, 0], atol=1e-15)
-
-
-def test_paper_axis_converges_to_exact_with_the_period():
-    """Over one second the gap to the exact form falls in proportion to the period."""
-
-    def after_one_second(axis, dt):
-        A, B, C = axis(2.0, dt)
-        x = np.array([0.1, 0.0, -0.2, 0.3])
-        for _ in range(round(1 / dt)):
-            x = A @ x + B * 0.5 + C * 0.2
-        return x
-
-    gaps = [
-        np.linalg.norm(after_one_second(paper_axis, dt) - after_one_second(exact_axis, dt))
-        for dt in (0.02, 0.01, 0.005)
-    ]
-    assert 0 < gaps[2] < gaps[1] < gaps[0] < 0.02
-    np.testing.assert_allclose(np.divide(gaps[:2], gaps[1:]), 2, rtol=0.05)
-
-
-@pytest.mark.parametrize("kind", AXIS_MODELS)
-def test_measured_velocity_does_not_propagate(kind):
-    model = EquivalentModel.make(kind, K_B, 0.02, JOINTS)
-    assert np.all(model.A[:, model.base_velocity] == 0)
-
-
 @pytest.mark.parametrize("kind", AXIS_MODELS)
 @pytest.mark.parametrize("joints", [6, 4])
 def test_layout_of_state_input_and_residual(kind, joints):
@@ -102,11 +64,12 @@ def test_layout_of_state_input_and_residual(kind, joints):
     np.testing.assert_array_equal(model.joint_position, range(12, 12 + 2 * joints, 2))
     np.testing.assert_array_equal(np.sort(np.concatenate(everything)), range(12 + 2 * joints))
     for axis in range(3):
-        A, B, C = AXIS_MODELS[kind](K_B[axis], 0.02)
+        one = AXIS_MODELS[kind](K_B[axis], 0.02)
         block = slice(4 * axis, 4 * axis + 4)
-        np.testing.assert_array_equal(model.A[block, block], A)
-        np.testing.assert_array_equal(model.B[block, axis], B)
-        np.testing.assert_array_equal(model.C[block, axis], C)
+        np.testing.assert_array_equal(model.A[block, block], one.A)
+        np.testing.assert_array_equal(model.B[block, axis], one.B)
+        np.testing.assert_array_equal(model.C[block, axis], one.C)
+        np.testing.assert_array_equal(model.acceleration[axis, block], one.acceleration)
     assert np.count_nonzero(model.C) == (0 if kind == "integral" else 6)
     assert np.count_nonzero(model.B[12:]) == 2 * joints
 
