@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.horizon import stage_ticks
 from aerodrake.model.mpc import MpcInputs, correction_gain
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle import Vehicle
@@ -81,7 +82,7 @@ class InverseKinematics:
 
     def predict(self, tick: MpcInputs, velocity: np.ndarray) -> np.ndarray:
         """(N + 1, 3) m, p_E now and at each stage if base and joints moved at `velocity`."""
-        times = self.model.dt * np.arange(len(tick.reference))
+        times = self.model.dt * np.append(0, np.cumsum(stage_ticks(self.mpc)))
         return tick.end_effector.p_E + np.outer(times, tick.end_effector.J_s @ velocity)
 
     def _tracking(self, tick: MpcInputs) -> np.ndarray:
