@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.horizon import stage_ticks
 from aerodrake.model.mpc import MpcInputs, correction_gain
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle import Vehicle
@@ -65,6 +66,7 @@ class InverseKinematics:
     ):
         self.mpc, self.model = mpc, model
         self._config, self._limits, self._p_O = config, limits, vehicle.p_O
+        self._stages_s = model.dt * np.append(0, np.cumsum(stage_ticks(mpc)))
 
     def command(self, tick: MpcInputs) -> ClikCommand:
         """The command of one tick.
@@ -81,8 +83,7 @@ class InverseKinematics:
 
     def predict(self, tick: MpcInputs, velocity: np.ndarray) -> np.ndarray:
         """(N + 1, 3) m, p_E now and at each stage if base and joints moved at `velocity`."""
-        times = self.model.dt * np.arange(len(tick.reference))
-        return tick.end_effector.p_E + np.outer(times, tick.end_effector.J_s @ velocity)
+        return tick.end_effector.p_E + np.outer(self._stages_s, tick.end_effector.J_s @ velocity)
 
     def _tracking(self, tick: MpcInputs) -> np.ndarray:
         """(3 + n,), the weighted, damped inverse of v."""

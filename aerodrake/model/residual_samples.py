@@ -23,7 +23,8 @@ def residual_samples(
     The features of the sample k are those of the state measured at t_k and of
     u_{k-1}; its target is the velocity measured at t_{k+1} minus the one that the
     model predicts from x_k under u_k without Delta. The first and the last tick
-    have no sample of their own, for want of u_{k-1} and of the next velocity.
+    have no sample of their own, for want of u_{k-1} and of the next velocity; the
+    model's hidden states begin at the first tick all the same.
 
     Args:
         model: Whose residual it is; its period is that of the ticks.
@@ -42,8 +43,8 @@ def residual_samples(
     u = np.hstack([base_setpoint[:, 6:], joint_setpoint[:, 2 * n :]])
     seen, targets = np.empty((samples, len(feature_names(n)))), np.empty((samples, 3))
     x = None
-    for row, k in enumerate(range(1, samples + 1)):
-        now, after = (VehicleState.from_vector(x) for x in state[k : k + 2])
+    for k in range(samples + 1):
+        now, after = (VehicleState.from_vector(row) for row in state[k : k + 2])
         x = model.initial_state(
             now.p_B,
             now.v_B,
@@ -52,6 +53,8 @@ def residual_samples(
             Thrust.make(now, specific_thrust[k, 0], external_acceleration[k], disturbance[k]),
             x,
         )
-        seen[row] = features(now, u[k - 1])
-        targets[row] = after.v_B - model.predict(x, u[k], np.zeros(3))[model.base_velocity]
+        if k > 0:
+            seen[k - 1] = features(now, u[k - 1])
+            predicted = model.predict(x, u[k], np.zeros(3))
+            targets[k - 1] = after.v_B - predicted[model.base_velocity]
     return seen, targets

@@ -100,6 +100,7 @@ class FlightController(LeafSystem):
         self._position_eso = ExtendedStateObserver(2, config.position_eso_rad_s, period)
         self._attitude_eso = ExtendedStateObserver(1, config.attitude_eso_rad_s, period)
 
+        self._most_thrust = len(vehicle.rotors.names) * rotor.max_thrust_n / vehicle.mass
         trim = self._allocation.allocate(vehicle.trim_wrench)
         is_fed = config.feedforward == "whole_body"
         self._whole_body = WholeBody(vehicle.robot) if is_fed else None
@@ -164,7 +165,7 @@ class FlightController(LeafSystem):
         error = state.p_B - p_d
         integral = old(self._x_integral).value()
         u_v = position_law(config, error, state.v_B - v_d, a_d, position_eso[-1], integral)
-        reaction, torque = self._reaction(context, state, u_v)
+        reaction, torque = self._reaction(context, state, self._attainable(u_v))
         f = desired_thrust(u_v + reaction, config.max_tilt_rad)
         R_d = desired_attitude(f)
         R_d_last = old(self._x_R_d).value().reshape(3, 3)
@@ -209,13 +210,18 @@ class FlightController(LeafSystem):
         ):
             discrete.set_value(index, value)
 
+    def _attainable(self, u_v: np.ndarray) -> np.ndarray:
+        """(3,) m/s^2, as much of u_v as tilt and thrust allow."""
+        thrust = desired_thrust(u_v, self._config.max_tilt_rad)
+        return thrust * min(1.0, self._most_thrust / np.linalg.norm(thrust)) - GRAVITY * UP
+
     def _reaction(
-        self, context: Context, state: VehicleState, u_v: np.ndarray
+        self, context: Context, state: VehicleState, a_B: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """What base and arm take to move as commanded without turning, beyond a point mass.
 
         Returns:
-            (3,) m/s^2, force over mass beyond u_v and gravity, in the world, and
+            (3,) m/s^2, force over mass beyond a_B and gravity, in the world, and
             (3,) N m, torque in the base frame.
         """
         if self._whole_body is None:
@@ -223,8 +229,8 @@ class FlightController(LeafSystem):
             return np.zeros(3), np.cross(omega, self._vehicle.inertia @ omega)
         q_d, qdot_d, qddot_d = np.split(self._joint_setpoint.Eval(context), 3)
         # The commanded arm, since the measured one is noisier than its lag is long.
-        effort = self._whole_body.effort(replace(state, q=q_d, qdot=qdot_d), u_v, qddot_d)
-        return effort.force / self._vehicle.mass - u_v - GRAVITY * UP, effort.torque
+        effort = self._whole_body.effort(replace(state, q=q_d, qdot=qdot_d), a_B, qddot_d)
+        return effort.force / self._vehicle.mass - a_B - GRAVITY * UP, effort.torque
 
     def _calc_specific_thrust(self, context: Context, output: BasicVector) -> None:
         thrust = context.get_discrete_state(self._x_thrust).value()

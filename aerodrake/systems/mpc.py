@@ -19,7 +19,8 @@ class MpcSystem(KinematicController):
         those of every `KinematicController`; `status` is a `QpStatus`, and
         OSQP's iterations.
     State:
-        beside theirs, `plan` (N (3 + n), the scaled inputs of the last plan).
+        beside theirs, `plan` (T (3 + n), the scaled inputs of the last plan at each
+        of the T ticks of the horizon).
     Rate:
         the equivalent model's period.
 
@@ -35,27 +36,25 @@ class MpcSystem(KinematicController):
         self._formulation = formulation
         self._qp = CondensedQp(formulation.A, formulation.config.max_iterations)
         self._inputs = 3 + formulation.model.joints
-        # Where the shifted plan finds each stage's input in the last one, by ticks.
-        ticks = formulation.stage_ticks
-        stages = np.append(np.repeat(np.arange(len(ticks)), ticks), len(ticks))
-        self._shift = stages[np.cumsum([1, *ticks[:-1]])]
+        self._starts = np.cumsum([0, *formulation.stage_ticks[:-1]])  # Of the stages, in ticks.
         self._x_plan = self.DeclareDiscreteState(
-            np.zeros(formulation.config.horizon * self._inputs)
+            np.zeros(sum(formulation.stage_ticks) * self._inputs)
         )
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         tick = self.tick_inputs(context)
-        last = context.get_discrete_state(self._x_plan).value()
-        last = np.append(last, np.zeros(self._inputs)).reshape(-1, self._inputs)
-        shifted = last[self._shift].ravel()
-
         start = time.perf_counter()
         program = self._formulation.form(tick)
         result = self._qp.solve(program.H, program.g, program.lower, program.upper)
         self.tick_ms.append(1e3 * (time.perf_counter() - start))
 
-        plan = shifted if result.status is QpStatus.FAILED else result.z
-        U = self._formulation.scale * plan
+        if result.status is QpStatus.FAILED:
+            last = context.get_discrete_state(self._x_plan).value().reshape(-1, self._inputs)
+            plan = np.vstack([last[1:], np.zeros(self._inputs)])
+        else:
+            stages = result.z.reshape(-1, self._inputs)
+            plan = np.repeat(stages, self._formulation.stage_ticks, axis=0)
+        U = self._formulation.scale * plan[self._starts].ravel()
         prediction = self._formulation.predict(tick, program, U)
-        discrete.set_value(self._x_plan, plan)
+        discrete.set_value(self._x_plan, plan.ravel())
         self._command(discrete, U[: self._inputs], prediction, (result.status, result.iterations))

@@ -1,9 +1,13 @@
 """A short flight that brings the MPC's bounds into play, tick by tick."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
+from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.mpc import MpcInputs
 from aerodrake.reference_kinds import Clover
 from aerodrake.scenario import Mpc, Scenario
@@ -35,3 +39,19 @@ def ticks(tight_scenario) -> list[MpcInputs]:
         simulator.AdvanceTo(time)
         flown.append(mpc.tick_inputs(context))
     return flown
+
+
+@pytest.fixture(scope="session")
+def ticks_of(ticks, tight_scenario) -> Callable[[EquivalentModel], list[MpcInputs]]:
+    """The same, with x_0 in the layout of any model of that vehicle."""
+
+    def ticks_of(model: EquivalentModel) -> list[MpcInputs]:
+        flown = EquivalentModel.of(tight_scenario, model.joints)
+        from_flown = np.empty(len(model.A), dtype=int)
+        for name in model.axis_states:
+            from_flown[model.base_state(name)] = flown.base_state(name)
+        from_flown[model.joint_position] = flown.joint_position
+        from_flown[model.joint_velocity] = flown.joint_velocity
+        return [replace(tick, x_0=tick.x_0[from_flown]) for tick in ticks]
+
+    return ticks_of

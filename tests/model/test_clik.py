@@ -7,24 +7,29 @@ import pytest
 
 from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.horizon import stage_ticks
 from aerodrake.model.mpc import MpcInputs
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Clik, Mpc
 
-MPC = Mpc(k_e=(3.0, 2.0, 4.0))
+MPC = Mpc(k_e=(3.0, 2.0, 4.0), horizon=15, span_ticks=40)
 SLOW = Clik(damping=0.3, centring_1_s=0.0, bandwidth_1_s=2.0)
 
 
+def velocity_aware(vehicle: Vehicle) -> EquivalentModel:
+    return EquivalentModel.make("velocity_aware", np.ones(3), 0.02, vehicle.joints)
+
+
 def inverse(vehicle: Vehicle, config: Clik) -> InverseKinematics:
-    model = EquivalentModel.make("velocity_aware", np.ones(3), 0.02, vehicle.joints)
-    return InverseKinematics(config, MPC, model, SetpointLimits.make(MPC, vehicle), vehicle)
+    limits = SetpointLimits.make(MPC, vehicle)
+    return InverseKinematics(config, MPC, velocity_aware(vehicle), limits, vehicle)
 
 
 @pytest.fixture(params=[20, 60, 100])
-def tick(ticks, request) -> MpcInputs:
+def tick(ticks_of, vehicle, request) -> MpcInputs:
     """In motion, off the centre of the learning space."""
-    return ticks[request.param]
+    return ticks_of(velocity_aware(vehicle))[request.param]
 
 
 def wanted(tick: MpcInputs) -> np.ndarray:
@@ -98,5 +103,7 @@ def test_prediction_goes_on_as_wanted(tick, vehicle):
     places = ours.predict(tick, velocity)
     assert places.shape == (MPC.horizon + 1, 3)
     np.testing.assert_array_equal(places[0], tick.end_effector.p_E)
-    expected = np.tile(0.02 * tick.end_effector.J_s @ velocity, (MPC.horizon, 1))
+    durations = 0.02 * stage_ticks(MPC)
+    assert durations.sum() == pytest.approx(0.8)
+    expected = np.outer(durations, tick.end_effector.J_s @ velocity)
     np.testing.assert_allclose(np.diff(places, axis=0), expected, atol=1e-12)

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 
-from aerodrake.model.equivalent_model import (
-    AXIS_MODELS,
-    EquivalentModel,
-    exact_axis,
-    paper_axis,
-)
+from aerodrake.model.axis_models import AXIS_MODELS
+from aerodrake.model.equivalent_model import EquivalentModel, Thrust
+from aerodrake.model.flight_axis import flight_axis
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario import Flight, Model, Rates, Scenario
 
 K_B = np.array([6.67, 1.8, 2.38])
 JOINTS = 6
@@ -54,40 +54,6 @@ def test_solves_its_equation_under_held_input(kind, dt):
     np.testing.assert_allclose(after[model.joint_velocity], qdot, atol=1e-9)
 
 
-def test_paper_axis_is_as_printed():
-    """A_1, B_1 and C_1 below eq. 5, whose `k delta^2` reads k delta_t^2."""
-    A, B, C = paper_axis(3.0, 0.1)
-    np.testing.assert_allclose(
-        A, [[0.7, 0, 0.3, 0.03], [-3, 0, 3, 0.3], [0, 0, 1, 0.1], [0, 0, 0, 1]], atol=1e-15
-    )
-    np.testing.assert_allclose(B, [0.0015, 0.015, 0.005, 0.1], atol=1e-15)
-    np.testing.assert_allclose(C, [0.1, 1, 0, 0], atol=1e-15)
-
-
-def test_paper_axis_converges_to_exact_with_the_period():
-    """Over one second the gap to the exact form falls in proportion to the period."""
-
-    def after_one_second(axis, dt):
-        A, B, C = axis(2.0, dt)
-        x = np.array([0.1, 0.0, -0.2, 0.3])
-        for _ in range(round(1 / dt)):
-            x = A @ x + B * 0.5 + C * 0.2
-        return x
-
-    gaps = [
-        np.linalg.norm(after_one_second(paper_axis, dt) - after_one_second(exact_axis, dt))
-        for dt in (0.02, 0.01, 0.005)
-    ]
-    assert 0 < gaps[2] < gaps[1] < gaps[0] < 0.02
-    np.testing.assert_allclose(np.divide(gaps[:2], gaps[1:]), 2, rtol=0.05)
-
-
-@pytest.mark.parametrize("kind", AXIS_MODELS)
-def test_measured_velocity_does_not_propagate(kind):
-    model = EquivalentModel.make(kind, K_B, 0.02, JOINTS)
-    assert np.all(model.A[:, model.base_velocity] == 0)
-
-
 @pytest.mark.parametrize("kind", AXIS_MODELS)
 @pytest.mark.parametrize("joints", [6, 4])
 def test_layout_of_state_input_and_residual(kind, joints):
@@ -102,11 +68,12 @@ def test_layout_of_state_input_and_residual(kind, joints):
     np.testing.assert_array_equal(model.joint_position, range(12, 12 + 2 * joints, 2))
     np.testing.assert_array_equal(np.sort(np.concatenate(everything)), range(12 + 2 * joints))
     for axis in range(3):
-        A, B, C = AXIS_MODELS[kind](K_B[axis], 0.02)
+        one = AXIS_MODELS[kind](K_B[axis], 0.02)
         block = slice(4 * axis, 4 * axis + 4)
-        np.testing.assert_array_equal(model.A[block, block], A)
-        np.testing.assert_array_equal(model.B[block, axis], B)
-        np.testing.assert_array_equal(model.C[block, axis], C)
+        np.testing.assert_array_equal(model.A[block, block], one.A)
+        np.testing.assert_array_equal(model.B[block, axis], one.B)
+        np.testing.assert_array_equal(model.C[block, axis], one.C)
+        np.testing.assert_array_equal(model.acceleration[axis, block], one.acceleration)
     assert np.count_nonzero(model.C) == (0 if kind == "integral" else 6)
     assert np.count_nonzero(model.B[12:]) == 2 * joints
 
@@ -124,3 +91,98 @@ def test_initial_state(kind):
     if kind == "integral":
         expected[0:2], expected[4:6], expected[8:10] = (1, 0.1), (2, 0.2), (3, 0.3)
     np.testing.assert_array_equal(x, expected)
+
+
+@pytest.fixture(scope="module")
+def flight() -> EquivalentModel:
+    return EquivalentModel.of(Scenario(), JOINTS)
+
+
+def test_kinds_by_k_b_are_made_at_the_mpcs_rate():
+    rates = Rates(mpc_period_s=0.04)
+    for kind in AXIS_MODELS:
+        scenario = Scenario(rates=rates, model=Model(kind=kind, k_b=tuple(K_B)))
+        one, other = EquivalentModel.of(scenario, 4), EquivalentModel.make(kind, K_B, 0.04, 4)
+        for name in ("A", "B", "C", "acceleration", "axis_states", "believes_command", "dt"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+        assert len(one.hidden) == 0
+
+
+def test_layout_of_the_flight_model():
+    scenario = Scenario(flight=Flight(rate_gain=(24.0, 22.0, 12.0)), rates=Rates(mpc_period_s=0.04))
+    model = EquivalentModel.of(scenario, 4)
+    names = ("p", "v", "p_d", "v_d", "b", "d", "r", "alpha", "w")
+    assert (model.axis_states, model.joints, model.dt) == (names, 4, 0.04)
+    assert model.A.shape == (27 + 8, 27 + 8) and model.B.shape == (27 + 8, 7)
+    np.testing.assert_array_equal(model.base_state("d"), [5, 14, 23])
+    np.testing.assert_array_equal(model.hidden, [7, 16, 25, 8, 17, 26])
+    np.testing.assert_array_equal(model.joint_position, [27, 29, 31, 33])
+    for axis in range(3):
+        one = flight_axis(axis, scenario.flight, scenario.vehicle.rotor, 0.01, 0.04)
+        block = slice(9 * axis, 9 * axis + 9)
+        np.testing.assert_array_equal(model.A[block, block], one.A)
+        np.testing.assert_array_equal(model.B[block, axis], one.B)
+        np.testing.assert_array_equal(model.C[block, axis], one.C)
+        np.testing.assert_array_equal(model.acceleration[axis, block], one.acceleration)
+    assert np.count_nonzero(model.acceleration) == 3
+
+
+def test_joints_are_double_integrators_beside_the_flight_model(flight):
+    x, u = np.zeros(len(flight.A)), np.zeros(3 + JOINTS)
+    x[flight.joint_position], x[flight.joint_velocity], u[3:] = 0.3, -0.4, 2.0
+    after = flight.predict(x, u, np.zeros(3))
+    np.testing.assert_allclose(after[flight.joint_position], 0.3 - 0.4 * 0.02 + 0.0002 * 2)
+    np.testing.assert_allclose(after[flight.joint_velocity], -0.4 + 0.02 * 2)
+    np.testing.assert_array_equal(after[:27], 0)
+
+
+def test_thrust_is_along_the_bases_axis_and_turns_with_it():
+    """b by the attitude, r by how it goes on when the base turns for a moment."""
+    state = VehicleState.from_vector(np.zeros(13 + 2 * JOINTS))
+    turned = Rotation.from_euler("zyx", [0.4, 0.2, -0.3])
+    state.quaternion[:] = np.roll(turned.as_quat(), 1)
+    state.omega_W[:] = 0.5, -0.7, 0.9
+    thrust = Thrust.make(state, 10.5, np.arange(6.0))
+
+    def b(turned):
+        return turned.apply([0, 0, 10.5]) - [0, 0, 9.81]
+
+    h = 1e-6
+    after, before = (Rotation.from_rotvec(s * h * state.omega_W) * turned for s in (1, -1))
+    np.testing.assert_allclose(thrust.b, b(turned), atol=1e-12)
+    slope = (b(after) - b(before)) / (2 * h)
+    assert abs(slope[2]) > 1
+    np.testing.assert_allclose(thrust.r, [*slope[:2], 0], atol=1e-7)
+    np.testing.assert_array_equal(thrust.d, [0, 1, 2])
+
+
+THRUST = Thrust(b=np.array([1.0, 2, 3]), r=np.array([4.0, 5, 0]), d=np.array([0.1, 0.2, 0.3]))
+BASE, ARM = np.arange(9.0), np.arange(3.0 * JOINTS)
+
+
+def test_flight_models_first_state_is_measured_but_for_what_is_hidden(flight):
+    x = flight.initial_state(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST)
+    for i in range(3):
+        measured = [1, 2, BASE[i], BASE[3 + i], THRUST.b[i], THRUST.d[i], THRUST.r[i], 0, 0]
+        np.testing.assert_array_equal(x[9 * i : 9 * i + 9], measured)
+    np.testing.assert_array_equal(x[flight.joint_position], ARM[:JOINTS])
+    np.testing.assert_array_equal(x[flight.joint_velocity], ARM[JOINTS : 2 * JOINTS])
+
+
+def test_hidden_states_go_on_from_the_last_ones_under_what_was_commanded_since(flight):
+    last = np.random.default_rng(0).normal(size=len(flight.A))
+    x = flight.initial_state(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST, last)
+    fresh = flight.initial_state(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST)
+    u = np.concatenate([BASE[6:], ARM[2 * JOINTS :]])
+    expected = flight.predict(last, u, np.zeros(3))
+    np.testing.assert_allclose(x[flight.hidden], expected[flight.hidden], atol=1e-12)
+    assert np.all(np.delete(x == fresh, flight.hidden)) and np.all(x[flight.hidden] != 0)
+
+
+@pytest.mark.parametrize("kind", AXIS_MODELS)
+def test_models_by_k_b_heed_neither_thrust_nor_the_tick_before(kind):
+    model = EquivalentModel.make(kind, K_B, 0.02, JOINTS)
+    p, v, last = np.ones(3), np.full(3, 2.0), np.full(len(model.A), 9.0)
+    np.testing.assert_array_equal(
+        model.initial_state(p, v, BASE, ARM, THRUST, last), model.initial_state(p, v, BASE, ARM)
+    )

@@ -34,16 +34,19 @@ def clik(parts) -> ClikSystem:
 
 
 @pytest.fixture
-def values(vehicle):
+def values(vehicle, parts):
     """At rest in trim, 5 cm from its target."""
     state, n = vehicle.trim_state, vehicle.joints
     end_effector = Kinematics(vehicle.robot).end_effector(VehicleState.from_vector(state))
     target = np.concatenate([end_effector.p_E + [0.05, 0, 0], np.zeros(3)])
+    base = np.concatenate([vehicle.p_B, np.zeros(6)])
+    arm = np.concatenate([vehicle.working, np.zeros(2 * n)])
     return {
         "state": state,
+        "x_0": parts[0].initial_state(state[4:7], np.zeros(3), base, arm),
         "end_effector": Value(end_effector),
-        "base_setpoint": np.concatenate([vehicle.p_B, np.zeros(6)]),
-        "joint_setpoint": np.concatenate([vehicle.working, np.zeros(2 * n)]),
+        "base_setpoint": base,
+        "joint_setpoint": arm,
         "horizon": np.tile(target, CONFIG.horizon + 1),
         "weights": np.array([1.0, 1.0, 1100.0, 9.9, 5.0]),
         "delta": np.zeros(3),
@@ -90,7 +93,7 @@ def test_a_bound_shows_in_the_status(clik, values):
     assert status[0] == QpStatus.SOLVED
 
 
-@pytest.mark.parametrize("port", ["state", "base_setpoint", "horizon", "weights"])
+@pytest.mark.parametrize("port", ["state", "x_0", "horizon", "weights"])
 def test_what_is_not_finite_commands_nothing_and_stays_nowhere(clik, values, port):
     context = clik.CreateDefaultContext()
     broken = values | {port: np.full(len(values[port]), np.nan)}

@@ -5,14 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.vehicle import GRAVITY
+from aerodrake.model.vehicle import GRAVITY, add_robot
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.station import make_context, make_station
 from aerodrake.systems.flight_controller import FlightController
 
 PERIOD, OFFSET = 0.01, 0.001
+FEEDFORWARDS = pytest.mark.parametrize("feedforward", ["whole_body", "none"])
 
 
 def make_controller(scenario, vehicle, **flight) -> FlightController:
@@ -29,6 +31,23 @@ def mixer(scenario, vehicle):
     )
 
 
+@pytest.fixture(scope="module")
+def centre(vehicle) -> np.ndarray:
+    """(3,) m, the centre of mass in trim, from the base's origin."""
+    plant = MultibodyPlant(0.0)
+    add_robot(plant, vehicle.robot)
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    plant.SetPositionsAndVelocities(context, vehicle.trim_state)
+    return plant.CalcCenterOfMassPositionInWorld(context) - vehicle.p_B
+
+
+def lever(vehicle, centre, feedforward: str, a_B) -> np.ndarray:
+    """(3,) N m, what the weight of the arm takes; if it is known, under an acceleration, too."""
+    known = np.asarray(a_B) if feedforward == "whole_body" else np.zeros(3)
+    return np.cross(centre, vehicle.mass * (known + [0, 0, GRAVITY]))
+
+
 @pytest.fixture
 def hover(vehicle) -> np.ndarray:
     return np.concatenate([vehicle.p_B, np.zeros(6)])
@@ -38,6 +57,10 @@ def tick(controller, context, state, setpoint) -> np.ndarray:
     """(k,) N, the command after an update."""
     controller.GetInputPort("state").FixValue(context, state)
     controller.GetInputPort("base_setpoint").FixValue(context, setpoint)
+    # The arm is told to stay where it is.
+    q = VehicleState.from_vector(state).q
+    folded = np.concatenate([q, np.zeros(2 * len(q))])
+    controller.GetInputPort("joint_setpoint").FixValue(context, folded)
     context.SetDiscreteState(controller.EvalUniquePeriodicDiscreteUpdate(context))
     return controller.GetOutputPort("thrust_command").Eval(context)
 
@@ -58,9 +81,12 @@ def test_ports_rate_and_feedthrough(scenario, vehicle):
     assert (timing.period_sec(), timing.offset_sec()) == (PERIOD, OFFSET)
 
 
+@FEEDFORWARDS
 @pytest.mark.parametrize("interface", ["trajectory", "position"])
-def test_trim_is_kept_forever(scenario, vehicle, mixer, hover, interface):
-    controller = make_controller(scenario, vehicle, interface=interface, integral_gain=(1, 1, 1))
+def test_trim_is_kept_forever(scenario, vehicle, mixer, hover, interface, feedforward):
+    controller = make_controller(
+        scenario, vehicle, interface=interface, feedforward=feedforward, integral_gain=(1, 1, 1)
+    )
     context = controller.CreateDefaultContext()
     trim = controller.GetOutputPort("thrust_command").Eval(context).copy()
     np.testing.assert_allclose(mixer @ trim, vehicle.trim_wrench, atol=1e-12)
@@ -70,18 +96,25 @@ def test_trim_is_kept_forever(scenario, vehicle, mixer, hover, interface):
         assert controller.GetOutputPort("saturated").Eval(context) == 0
 
 
-def test_height_error_by_hand(scenario, vehicle, mixer, hover):
-    """m (g + k_p e) more or less, and no torque beyond that of trim."""
-    controller = make_controller(scenario, vehicle, position_gain=(9, 9, 7))
+@FEEDFORWARDS
+def test_height_error_by_hand(scenario, vehicle, mixer, hover, centre, feedforward):
+    """m (g + k_p e) more or less, and no torque beyond that of the arm's weight."""
+    controller = make_controller(
+        scenario, vehicle, position_gain=(9, 9, 7), feedforward=feedforward
+    )
     hover[2] += 0.2
     wrench = mixer @ first_command(controller, vehicle.trim_state, hover)
-    expected = [vehicle.mass * (GRAVITY + 7 * 0.2), *vehicle.trim_wrench[1:]]
+    torque = lever(vehicle, centre, feedforward, [0, 0, 7 * 0.2])
+    expected = [vehicle.mass * (GRAVITY + 7 * 0.2), *torque]
     np.testing.assert_allclose(wrench, expected, atol=1e-10)
 
 
+@FEEDFORWARDS
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("rate_filter_s", [0.0, 0.04])
-def test_horizontal_error_by_hand(scenario, vehicle, mixer, hover, axis, rate_filter_s):
+def test_horizontal_error_by_hand(
+    scenario, vehicle, mixer, hover, centre, axis, rate_filter_s, feedforward
+):
     """The thrust axis turns towards the setpoint, and its filtered rate is fed forward."""
     controller = make_controller(
         scenario,
@@ -90,13 +123,15 @@ def test_horizontal_error_by_hand(scenario, vehicle, mixer, hover, axis, rate_fi
         attitude_gain=(144, 144, 36),
         rate_gain=(24, 24, 12),
         rate_filter_s=rate_filter_s,
+        feedforward=feedforward,
     )
     step = 1e-4
     hover[axis] += step
     angle = math.atan(9 * step / GRAVITY)
     turn = 144 * math.sin(angle) + 24 * angle / (PERIOD + rate_filter_s)
     torque = vehicle.inertia @ ([0, turn, 0] if axis == 0 else [-turn, 0, 0])
-    wrench = [vehicle.mass * GRAVITY, *(vehicle.trim_wrench[1:] + torque)]
+    torque = torque + lever(vehicle, centre, feedforward, 9 * step * np.eye(3)[axis])
+    wrench = [vehicle.mass * GRAVITY, *torque]
     command = first_command(controller, vehicle.trim_state, hover)
     np.testing.assert_allclose(mixer @ command, wrench, rtol=1e-8, atol=1e-10)
 
@@ -203,27 +238,31 @@ def test_a_constant_force_is_estimated_and_taken_out(scenario, vehicle, hover):
     np.testing.assert_allclose(flight.output("disturbance")[:3], force / vehicle.mass, atol=1e-4)
 
 
-def test_a_constant_torque_is_estimated_and_taken_out(scenario, vehicle, hover):
-    flight = Flight(scenario, vehicle)
+@FEEDFORWARDS
+def test_a_constant_torque_is_estimated_and_taken_out(scenario, vehicle, hover, feedforward):
+    flight = Flight(scenario, vehicle, feedforward=feedforward)
     torque = np.array([0.3, -0.2, 0.1])
     flight.push([*torque, 0, 0, 0])
     p_B = flight.advance(hover, 6.0)
     np.testing.assert_allclose(p_B[-1], vehicle.p_B, atol=1e-5)
-    # In hover the rotors balance the push and the weight of the arm.
-    expected = np.linalg.solve(vehicle.inertia, torque - vehicle.trim_wrench[1:])
+    # In hover the rotors balance the push and the weight of the arm, which may be known.
+    unknown = torque - (feedforward == "none") * vehicle.trim_wrench[1:]
+    expected = np.linalg.solve(vehicle.inertia, unknown)
     np.testing.assert_allclose(flight.output("disturbance")[3:], expected, atol=1e-4)
     np.testing.assert_allclose(flight.output("disturbance")[:3], 0, atol=1e-4)
 
 
+@FEEDFORWARDS
 @pytest.mark.parametrize("away", [(1000, 0, 0), (0, 0, 1000)])
-def test_a_setpoint_out_of_reach_does_not_wind_up(scenario, vehicle, hover, away):
+def test_a_setpoint_out_of_reach_does_not_wind_up(scenario, vehicle, hover, away, feedforward):
     """With an integral it comes back as it does without one, and the ESO stays sober."""
     scenario = replace(scenario, vehicle=replace(scenario.vehicle, base_position_m=(0, 0, 50)))
     hover[2] = 50
     far = hover + np.concatenate([away, np.zeros(6)])
     lowest, highest = [], []
     for gain in (0.0, 2.0):
-        flight = Flight(scenario, replace(vehicle, p_B=hover[:3]), integral_gain=(gain,) * 3)
+        gains = {"integral_gain": (gain,) * 3, "feedforward": feedforward}
+        flight = Flight(scenario, replace(vehicle, p_B=hover[:3]), **gains)
         out = flight.advance(far, 1.5)
         assert np.abs(flight.output("disturbance")[:3]).max() < 3.0
         back = flight.advance(hover, 10.0)

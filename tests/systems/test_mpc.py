@@ -34,10 +34,11 @@ CONFIG = Mpc(
 WEIGHTS = [0.7, 1.0, 500.0, 20.0, 7.0]
 
 
-@pytest.fixture(scope="module")
-def formulation(vehicle) -> MpcFormulation:
+@pytest.fixture(scope="module", params=[N, 20], ids=["stages of one tick", "longer stages"])
+def formulation(vehicle, request) -> MpcFormulation:
+    config = replace(CONFIG, span_ticks=request.param)
     model = EquivalentModel.make("exact", np.array([1.8, 2.0, 2.4]), DT, vehicle.joints)
-    return MpcFormulation(CONFIG, model, SetpointLimits.make(CONFIG, vehicle), vehicle)
+    return MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +51,16 @@ def mpc(formulation) -> MpcSystem:
     return MpcSystem(formulation)
 
 
+def first_state(state, base, arm) -> np.ndarray:
+    """(nx,), each quantity taken from its port's layout."""
+    n = len(arm) // 3
+    x_0 = np.empty(12 + 2 * n)
+    for i in range(3):
+        x_0[4 * i : 4 * i + 4] = state[4 + i], state[7 + n + 3 + i], base[i], base[3 + i]
+    x_0[12::2], x_0[13::2] = arm[:n], arm[n : 2 * n]
+    return x_0
+
+
 @pytest.fixture
 def values(vehicle, kinematics):
     """Of the input ports: near trim, and no two numbers alike."""
@@ -59,12 +70,14 @@ def values(vehicle, kinematics):
     horizon = 1e-2 * rng.normal(size=(N + 1, 6))
     horizon[:, :3] += end_effector.p_E
     n = vehicle.joints
+    base = np.concatenate([vehicle.p_B, np.zeros(6)]) + 1e-2 * rng.normal(size=9)
+    arm = np.concatenate([vehicle.working, np.zeros(2 * n)]) + 1e-2 * rng.normal(size=3 * n)
     return {
         "state": state,
         "end_effector": Value(end_effector),
-        "base_setpoint": np.concatenate([vehicle.p_B, np.zeros(6)]) + 1e-2 * rng.normal(size=9),
-        "joint_setpoint": np.concatenate([vehicle.working, np.zeros(2 * n)])
-        + 1e-2 * rng.normal(size=3 * n),
+        "x_0": first_state(state, base, arm),
+        "base_setpoint": base,
+        "joint_setpoint": arm,
         "horizon": horizon.ravel(),
         "weights": np.array(WEIGHTS),
         "delta": 1e-2 * rng.normal(size=3),
@@ -83,23 +96,20 @@ def tick(mpc, context, values) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def plan(mpc, formulation, context) -> np.ndarray:
-    """(N, 3 + n) accelerations."""
-    U = formulation.scale * context.get_discrete_state(3).value()
-    return U.reshape(N, -1)
+    """(T, 3 + n) accelerations at each tick of the horizon."""
+    m = 3 + formulation.model.joints
+    z = context.get_discrete_state(3).value().reshape(-1, m)
+    assert len(z) == sum(formulation.stage_ticks)
+    return formulation.scale[:m] * z
 
 
-def by_hand(formulation, values) -> tuple[np.ndarray, np.ndarray]:
-    """(x_0, (N, 3 + n) the unconstrained optimum), each quantity taken from its port's layout."""
-    state, n = values["state"], formulation.model.joints
-    base, arm = values["base_setpoint"], values["joint_setpoint"]
-    x_0 = np.empty(12 + 2 * n)
-    for i in range(3):
-        x_0[4 * i : 4 * i + 4] = state[4 + i], state[7 + n + 3 + i], base[i], base[3 + i]
-    x_0[12::2], x_0[13::2] = arm[:n], arm[n : 2 * n]
-    rates = VehicleState.from_vector(state).rpy_rates
+def by_hand(formulation, values) -> np.ndarray:
+    """(N, 3 + n), the unconstrained optimum, each quantity taken from its port's layout."""
+    rates = VehicleState.from_vector(values["state"]).rpy_rates
     program = formulation.form(
         MpcInputs(
-            x_0=x_0,
+            x_0=values["x_0"],
+            u_last=np.concatenate([values["base_setpoint"][6:], values["joint_setpoint"][12:]]),
             end_effector=values["end_effector"].get_value(),
             xi_u_rates=rates[:2],
             yaw_rate=rates[2],
@@ -112,13 +122,13 @@ def by_hand(formulation, values) -> tuple[np.ndarray, np.ndarray]:
     )
     z = np.linalg.solve(program.H, -program.g)
     assert np.abs(z).max() < 1  # Or it would be no optimum.
-    return x_0, (formulation.scale * z).reshape(N, -1)
+    return (formulation.scale * z).reshape(N, -1)
 
 
 def test_first_tick_by_hand(mpc, formulation, values):
     context = mpc.CreateDefaultContext()
     u, _, status = tick(mpc, context, values)
-    _, expected = by_hand(formulation, values)
+    expected = np.repeat(by_hand(formulation, values), formulation.stage_ticks, axis=0)
     np.testing.assert_allclose(plan(mpc, formulation, context), expected, rtol=1e-8, atol=1e-9)
     np.testing.assert_array_equal(u, plan(mpc, formulation, context)[0])
     assert tuple(status) == (QpStatus.UNCONSTRAINED, 0)
@@ -127,12 +137,13 @@ def test_first_tick_by_hand(mpc, formulation, values):
 def test_prediction_is_the_models_from_where_the_end_effector_is(mpc, formulation, values):
     context = mpc.CreateDefaultContext()
     _, prediction, _ = tick(mpc, context, values)
-    x_0, expected_plan = by_hand(formulation, values)
+    x_0, expected_plan = values["x_0"], by_hand(formulation, values)
     end_effector, model = values["end_effector"].get_value(), formulation.model
     x, places = x_0, [0, 4, 8, *range(12, len(x_0), 2)]
     np.testing.assert_allclose(prediction[0], end_effector.p_E, atol=1e-14)
     for k in range(N):
-        x = model.predict(x, expected_plan[k], values["delta"])
+        for _ in range(formulation.stage_ticks[k]):
+            x = model.predict(x, expected_plan[k], values["delta"])
         moved = end_effector.J_s @ (x - x_0)[places]
         np.testing.assert_allclose(prediction[k + 1], end_effector.p_E + moved, atol=1e-10)
 
@@ -143,16 +154,17 @@ def test_nothing_feeds_through(mpc):
     assert (timing.period_sec(), timing.offset_sec()) == (DT, 0)
 
 
-@pytest.mark.parametrize("port", ["state", "base_setpoint", "horizon", "weights", "delta"])
+@pytest.mark.parametrize("port", ["state", "x_0", "base_setpoint", "horizon", "weights", "delta"])
 def test_a_program_that_fails_leaves_the_shifted_plan(mpc, formulation, values, port):
     context = mpc.CreateDefaultContext()
     tick(mpc, context, values)
     first = plan(mpc, formulation, context).copy()
 
     broken = values | {port: np.full(len(values[port]), np.nan)}
-    for k in range(1, N + 2):
+    T = len(first)
+    for k in range(1, T + 2):
         u, _, status = tick(mpc, context, broken)
-        np.testing.assert_array_equal(u, first[k] if k < N else np.zeros_like(u))
+        np.testing.assert_array_equal(u, first[k] if k < T else np.zeros_like(u))
         assert status[0] == QpStatus.FAILED
 
     # Nothing of it stays once the inputs are back.
@@ -161,6 +173,23 @@ def test_a_program_that_fails_leaves_the_shifted_plan(mpc, formulation, values, 
     assert status[0] == QpStatus.UNCONSTRAINED
     np.testing.assert_array_equal(u, fresh)
     np.testing.assert_array_equal(prediction, fresh_prediction)
+
+
+def test_what_a_shifted_plan_is_believed_to_do(mpc, formulation, values):
+    """A stage of several ticks is predicted with the plan's input at its start."""
+    context = mpc.CreateDefaultContext()
+    tick(mpc, context, values)
+    first = plan(mpc, formulation, context).copy()
+    broken = values | {"weights": np.full(5, np.nan)}
+    _, prediction, _ = tick(mpc, context, broken)
+    shifted = np.vstack([first[1:], np.zeros_like(first[:1])])
+    at, model, x = values["end_effector"].get_value(), formulation.model, values["x_0"]
+    starts = np.cumsum([0, *formulation.stage_ticks[:-1]])
+    for k, ticks in enumerate(formulation.stage_ticks):
+        for _ in range(ticks):
+            x = model.predict(x, shifted[starts[k]], values["delta"])
+        moved = at.J_s @ (x - values["x_0"])[[0, 4, 8, *range(12, len(x), 2)]]
+        np.testing.assert_allclose(prediction[k + 1], at.p_E + moved, atol=1e-10)
 
 
 def test_a_target_that_runs_away_is_solved_within_bounds(mpc, formulation, values, vehicle):

@@ -10,12 +10,12 @@ from aerodrake.reference_kinds import Clover, Hover, MovingTarget
 from aerodrake.systems.reference import ReferenceSystem
 
 START = np.array([0.0, 0.2, 1.2])
-SETTLE_S, PERIOD_S, HORIZON = 3.0, 0.02, 15
+SETTLE_S, STAGES_S = 3.0, np.array([0.0, 0.02, 0.04, 0.1, 0.24])
 
 
 def make_system(config=None):
     curve = make_reference(config or Clover(), START)
-    return curve, ReferenceSystem(curve, SETTLE_S, PERIOD_S, HORIZON)
+    return curve, ReferenceSystem(curve, SETTLE_S, STAGES_S)
 
 
 def port(system, context, name):
@@ -28,7 +28,7 @@ def test_ports_and_state():
         system.get_output_port(i).get_name(): system.get_output_port(i).size()
         for i in range(system.num_output_ports())
     }
-    assert sizes == {"reference": 6, "horizon": 6 * (HORIZON + 1), "d_g": 1}
+    assert sizes == {"reference": 6, "horizon": 6 * 5, "d_g": 1}
     assert system.num_input_ports() == 0
     assert system.CreateDefaultContext().is_stateless()
     assert not system.HasAnyDirectFeedthrough()
@@ -43,9 +43,9 @@ def test_outputs_are_those_of_the_curve_at_reference_time():
             port(system, context, "reference"),
             np.concatenate(curve.evaluate(np.array([t - SETTLE_S])), axis=None),
         )
-        horizon = port(system, context, "horizon").reshape(HORIZON + 1, 6)
-        for k, row in enumerate(horizon):
-            p, v = curve.evaluate(np.array([t - SETTLE_S + k * PERIOD_S]))
+        horizon = port(system, context, "horizon").reshape(5, 6)
+        for ahead, row in zip(STAGES_S, horizon, strict=True):
+            p, v = curve.evaluate(np.array([t - SETTLE_S + ahead]))
             np.testing.assert_allclose(row, [*p[0], *v[0]], atol=1e-12)
 
 
