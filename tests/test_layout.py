@@ -43,6 +43,7 @@ STOREYS = {
         "flight_folder",
         "compare",
         "comparison_report",
+        "margin_search",
         "identify",
         "identify_report",
         "stages",
