@@ -44,6 +44,8 @@ STOREYS = {
         "compare",
         "comparison_report",
         "margin_search",
+        "margins",
+        "margins_report",
         "identify",
         "identify_report",
         "stages",
