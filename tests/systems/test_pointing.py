@@ -70,6 +70,7 @@ def test_the_mpc_turns_the_tool_as_asked(vehicle):
         coordinator.GetInputPort("state").FixValue(context, vehicle.trim_state)
         coordinator.GetInputPort("specific_thrust").FixValue(context, [9.81])
         coordinator.GetInputPort("disturbance").FixValue(context, np.zeros(6))
+        coordinator.GetInputPort("external_acceleration").FixValue(context, np.zeros(3))
         coordinator.GetInputPort("saturated").FixValue(context, [0.0])
         inner = mpc.GetMyMutableContextFromRoot(context)
         inner.SetDiscreteState(mpc.EvalUniquePeriodicDiscreteUpdate(inner))
