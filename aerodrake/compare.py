@@ -17,7 +17,7 @@ from aerodrake.scenario_rules import check
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop
 
-INTERFACE_MODELS = {"position": "paper", "trajectory": "velocity_aware"}
+INTERFACE_MODELS = {"position": "paper", "trajectory": "flight"}
 """The modified model of each flight interface, where the scenario names none."""
 
 
