@@ -110,5 +110,6 @@ def _fly(scenario: Scenario, model: EquivalentModel, stage: Stage) -> Flight:
         flown.base_setpoint,
         flown.joint_setpoint,
         flown.specific_thrust,
+        flown.external_acceleration,
         flown.disturbance,
     )

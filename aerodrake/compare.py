@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from aerodrake.errors import BadInput, nearest
 from aerodrake.flight_folder import fly_into
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.processes import run_parallel
@@ -77,16 +78,29 @@ OWN_VARIANT = {"off": "modified", "offline": "modified+offline", "online": "modi
 """Which variant is the scenario by the paper's method, by its residual's mode."""
 
 
-def make_variants(scenario: Scenario) -> dict[str, Scenario]:
-    """Every variant of a scenario, by name.
+def make_variant(scenario: Scenario, name: str) -> Scenario:
+    """One variant of a scenario, unchecked."""
+    return VARIANTS[name](_proposed(scenario))
+
+
+def make_variants(scenario: Scenario, names: Sequence[str] = ()) -> dict[str, Scenario]:
+    """Variants of a scenario, by name, in the order of `VARIANTS`.
+
+    Args:
+        scenario: Whose variants they are.
+        names: Which of them; none for all.
 
     Raises:
-        BadInput: if one cannot be flown.
+        BadInput: if one is unknown, or cannot be flown.
     """
+    for name in names:
+        if name not in VARIANTS:
+            raise BadInput("--variant", "", f"no such variant '{name}'; {nearest(name, VARIANTS)}")
     vehicle = Vehicle.load(scenario)
     for name in ("w_2_joints", "w_3_joints"):
         vehicle.per_joint(getattr(scenario.baseline, name), f"baseline.{name}")
-    variants = {name: make(_proposed(scenario)) for name, make in VARIANTS.items()}
+    chosen = [name for name in VARIANTS if name in names or not names]
+    variants = {name: make_variant(scenario, name) for name in chosen}
     for name, variant in variants.items():
         check(variant, f"{scenario.source} as {name}")
         make_closed_loop(variant)  # Reads the files it names; said now, not by a process.
@@ -128,7 +142,7 @@ def compare(
         name = names[index]
         if isinstance(outcome, Exception):
             shutil.rmtree(folder / name, ignore_errors=True)
-            outcome = {"exit_reason": "failed", "exit_cause": _one_line(outcome)}
+            outcome = failure(outcome)
         outcomes[name] = outcome
         progress(name)
     return {name: outcomes[name] for name in names}
@@ -142,6 +156,8 @@ def _fly(flight: tuple[Scenario, Path]) -> dict[str, Any]:
     return summary
 
 
-def _one_line(error: Exception) -> str:
+def failure(error: Exception) -> dict[str, str]:
+    """What stands for the summary of a flight whose process raised or died."""
     lines = str(error).splitlines() or [""]
-    return f"{type(error).__name__}: {lines[0]}".removesuffix(": ")
+    cause = f"{type(error).__name__}: {lines[0]}".removesuffix(": ")
+    return {"exit_reason": "failed", "exit_cause": cause}

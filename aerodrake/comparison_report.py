@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from aerodrake.flight_log import FlightLog
+from aerodrake.margin_search import LEAST_ERROR_M
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle import Vehicle
@@ -47,8 +48,6 @@ HEADLINES = {
 """By key of `summary["error"]`, in the order in which they are preferred."""
 
 WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
-LEAST_ERROR_M = 1e-6
-"""Errors below are rounding, and their ratio says nothing."""
 PANEL_RATIO = 0.85
 """Height of a path's panel by its width."""
 

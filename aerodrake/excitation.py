@@ -23,7 +23,8 @@ class Excitation:
         time_s: (T,) 0, period, 2 period, ...
         state: (T, 13 + 2 n) as measured at these times.
         specific_thrust: (T, 1) m/s^2, as the flight controller tells it then.
-        disturbance: (T, 6) m/s^2 and rad/s^2, likewise.
+        external_acceleration: (T, 3) m/s^2, as the state filter tells it then.
+        disturbance: (T, 6) m/s^2 and rad/s^2, of the flight controller.
         base_setpoint: (T, 9) p_d, v_d and the a_d held from then on.
         joint_setpoint: (T, 3 n) likewise.
     """
@@ -31,6 +32,7 @@ class Excitation:
     time_s: np.ndarray
     state: np.ndarray
     specific_thrust: np.ndarray
+    external_acceleration: np.ndarray
     disturbance: np.ndarray
     base_setpoint: np.ndarray
     joint_setpoint: np.ndarray
@@ -58,7 +60,8 @@ def excite(
     context = make_context(diagram, scenario.seed)
     simulator = Simulator(diagram, context)
     ticks = period * np.arange(round(base.end_time() / period) + 1)
-    ports = [diagram.GetOutputPort(port) for port in ("state", "specific_thrust", "disturbance")]
+    names = ("state", "specific_thrust", "external_acceleration", "disturbance")
+    ports = [diagram.GetOutputPort(name) for name in names]
     rows: list[list[np.ndarray]] = []
     with single_thread():
         for tick in ticks:

@@ -18,7 +18,7 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
         ("v_B_m_s", "3"),
         ("qdot_rad_s", "n"),
     ),
-    "state": (
+    "sample": (
         ("measured_quaternion", "4"),
         ("measured_p_B_m", "3"),
         ("measured_q_rad", "n"),
@@ -26,6 +26,16 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
         ("measured_v_B_m_s", "3"),
         ("measured_qdot_rad_s", "n"),
     ),
+    "state": (
+        ("estimated_quaternion", "4"),
+        ("estimated_p_B_m", "3"),
+        ("estimated_q_rad", "n"),
+        ("estimated_omega_W_rad_s", "3"),
+        ("estimated_v_B_m_s", "3"),
+        ("estimated_qdot_rad_s", "n"),
+    ),
+    "external_acceleration": (("external_acceleration_m_s2", "3"),),
+    "specific_thrust": (("specific_thrust_m_s2", "1"),),
     "reference": (("p_Ed_m", "3"), ("v_Ed_m_s", "3")),
     "base_setpoint": (("p_Bd_m", "3"), ("v_Bd_m_s", "3"), ("a_Bd_m_s2", "3")),
     "joint_setpoint": (("q_d_rad", "n"), ("qdot_d_rad_s", "n"), ("qddot_d_rad_s2", "n")),

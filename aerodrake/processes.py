@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import TypeVar
 
 from pebble import ProcessPool
@@ -24,16 +24,21 @@ def run_parallel(
 
     Args:
         function: Importable by name; it and the items are sent to the processes.
-        items: What to call it with.
+        items: What to call it with. Whoever takes the results may append to them.
         jobs: How many processes at a time.
     """
     context = multiprocessing.get_context("spawn")
     pool = ProcessPool(max_workers=jobs, max_tasks=1, context=context)
     try:
-        futures = {pool.schedule(function, args=[item]): i for i, item in enumerate(items)}
-        for future in as_completed(futures):
+        running: dict[Future, int] = {}
+        sent = 0
+        while sent < len(items) or running:
+            for index in range(sent, len(items)):
+                running[pool.schedule(function, args=[items[index]])] = index
+            sent = len(items)
+            future = next(iter(wait(running, return_when=FIRST_COMPLETED).done))
             error = future.exception()
-            yield futures[future], future.result() if error is None else error
+            yield running.pop(future), future.result() if error is None else error
     finally:
         pool.stop()
         pool.join()

@@ -65,6 +65,28 @@ class Sensors:
 
 
 @dataclass(frozen=True)
+class Filter:
+    """Kalman filters that make the state of the samples, and tell what disturbs the base.
+
+    Exact samples that are not late pass as they are; the disturbance is told nevertheless.
+    """
+
+    kind: str = choice("kalman", "none")
+    # How late the base's samples are believed to be: so far the state is predicted.
+    delay_s: float = quantity(0.0, "s", 0.0, 0.5)
+    # What the noise of the samples is taken for. Little trust in velocity is trust in the model
+    # where samples are later than they are believed to be.
+    position_noise_m: float = quantity(0.002, "m", 1e-6, 1.0)
+    velocity_noise_m_s: float = quantity(0.1, "m/s", 1e-6, 10.0)
+    attitude_noise_rad: float = quantity(0.0035, "rad", 1e-6, 0.2)
+    rate_noise_rad_s: float = quantity(0.01, "rad/s", 1e-6, 10.0)
+    joint_noise_rad: float = quantity(0.0009, "rad", 1e-6, 0.2)
+    # How fast disturbances of the base's motion and rotation change, per square root of a second.
+    disturbance_m_s3: float = quantity(0.5, "m/s^2/sqrt(s)", 1e-3, 1e3)
+    disturbance_rad_s3: float = quantity(3.0, "rad/s^2/sqrt(s)", 1e-3, 1e4)
+
+
+@dataclass(frozen=True)
 class Wind:
     """Moving air, and the force it exerts at the base's origin, in the world frame.
 
@@ -172,8 +194,8 @@ class Weights:
     w_2_base: tuple[float, ...] = quantity((1e-4, 1e-4, 1e-4), "1", 0.0, 1e6, length=3)
     w_2_joints: tuple[float, ...] = quantity((1.0,), "1", 0.0, 1e6)
     w_3_base: tuple[float, ...] = quantity((30.0, 30.0, 30.0), "1", 1e-3, 1e6, length=3)
-    w_3_joints: tuple[float, ...] = quantity((10.0,), "1", 1e-3, 1e6)
-    w_4: tuple[float, ...] = quantity((300.0, 300.0, 300.0), "1", 0.0, 1e6, length=3)
+    w_3_joints: tuple[float, ...] = quantity((3.0,), "1", 1e-3, 1e6)
+    w_4: tuple[float, ...] = quantity((3000.0, 3000.0, 3000.0), "1", 0.0, 1e6, length=3)
 
 
 @dataclass(frozen=True)
@@ -182,15 +204,15 @@ class Mpc(Weights):
 
     horizon: int = quantity(15, "stages", 2, 200)
     # How far they reach: stages last longer the further away they are, one tick at least.
-    span_ticks: int = quantity(52, "ticks", 1, 1000)
+    span_ticks: int = quantity(100, "ticks", 1, 1000)
     # K_e of the desired end-effector velocity.
-    k_e: tuple[float, ...] = quantity((12.0, 12.0, 12.0), "1/s", 0.0, 50.0, length=3)
+    k_e: tuple[float, ...] = quantity((16.0, 16.0, 16.0), "1/s", 0.0, 50.0, length=3)
     # The correction K_e e_E never asks for more than this: a far target is flown to, not lunged at.
     approach_speed_m_s: float = quantity(0.8, "m/s", 0.01, 100.0)
     # e_E along the horizon: predicted with the linearised p_E, or held as printed.
     error: str = choice("predicted", "frozen")
     # W_5 on changes of the base's acceleration from one stage to the next.
-    w_5: tuple[float, ...] = quantity((300.0, 300.0, 300.0), "1", 0.0, 1e6, length=3)
+    w_5: tuple[float, ...] = quantity((1000.0, 1000.0, 1000.0), "1", 0.0, 1e6, length=3)
     # J_u xi_u': none, the base's own tilt predicted by flatness, or as measured and held.
     tilt: str = choice("flatness", "none", "held")
     base_velocity_m_s: tuple[float, ...] = quantity((1.5, 1.5, 1.5), "m/s", 0.01, 20.0, length=3)
@@ -254,6 +276,7 @@ class Scenario:
     reference: Reference = Hover()
     vehicle: Vehicle = Vehicle()
     sensors: Sensors = Sensors()
+    filter: Filter = Filter()
     wind: Wind = Wind()
     payload: Payload = Payload()
     mismatch: Mismatch = Mismatch()

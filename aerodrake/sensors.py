@@ -7,26 +7,39 @@ from pydrake.common import RandomDistribution
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import AffineSystem, DiscreteTimeDelay, RandomSource
 
-from aerodrake.scenario import Rates, Sensors
-from aerodrake.systems.sensors import SensorSystem, noise_size
+from aerodrake.model.state_filter import StateFilter
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario import Filter, Rates, Sensors
+from aerodrake.systems.sensors import SensorSystem, is_exact, noise_size
+from aerodrake.systems.state_filter import StateFilterSystem
 
 
-def make_sensors(config: Sensors, rates: Rates, joints: int, trim_state: np.ndarray) -> Diagram:
-    """Samples for all who look at the vehicle: exact and at once, unless the scenario says more.
+def make_sensors(
+    config: Sensors,
+    state_filter: Filter,
+    rates: Rates,
+    trim_state: np.ndarray,
+    trim_acceleration: np.ndarray,
+) -> Diagram:
+    """The state for all who look at the vehicle: exact and at once, unless the scenario says more.
 
     A sample is taken a quarter of a plant step before each multiple of the
     period. The plant's state is that of the multiple itself by then; and
     whatever is due there sees the sample, whichever kind of update it has.
 
-    Input: `true_state` (13 + 2 n).
-    Output: `state` (13 + 2 n), the last sample; `trim_state` before the first.
+    Inputs: `true_state` (13 + 2 n); `acceleration` (6) and `reaction` (3) of the flight
+    controller, for the filter.
+    Outputs: `sample` (13 + 2 n), the last one, and `state` (13 + 2 n), what the filter
+    makes of it, `trim_state` before the first; `external_acceleration` (3).
 
     Args:
         config: Noise and delay.
+        state_filter: Of the samples.
         rates: Of samples, and of the plant, whose steps the delay counts.
-        joints: n.
         trim_state: (13 + 2 n,) the state before time 0.
+        trim_acceleration: (6,) as the flight controller believes then.
     """
+    joints = len(VehicleState.from_vector(trim_state).q)
     period, step = rates.sensor_period_s, rates.plant_step_s
     builder = DiagramBuilder()
     sensor_noise = builder.AddNamedSystem(
@@ -53,7 +66,24 @@ def make_sensors(config: Sensors, rates: Rates, joints: int, trim_state: np.ndar
         builder.ConnectInput("true_state", deviation.get_input_port())
     else:
         builder.ConnectInput("true_state", sampler.GetInputPort("late_state"))
-    builder.ExportOutput(sampler.GetOutputPort("state"), "state")
+    is_exact_now = is_exact(config) and state_filter.delay_s == 0
+    filtered = builder.AddNamedSystem(
+        "state_filter",
+        StateFilterSystem(
+            StateFilter(state_filter, period),
+            state_filter.kind == "none" or is_exact_now,
+            joints,
+            period,
+            trim_state,
+            trim_acceleration,
+        ),
+    )
+    builder.Connect(sampler.GetOutputPort("state"), filtered.GetInputPort("sample"))
+    for port in ("acceleration", "reaction"):
+        builder.ExportInput(filtered.GetInputPort(port), port)
+    builder.ExportOutput(sampler.GetOutputPort("state"), "sample")
+    for port in ("state", "external_acceleration"):
+        builder.ExportOutput(filtered.GetOutputPort(port), port)
     diagram = builder.Build()
     diagram.set_name("sensors")
     return diagram

@@ -37,8 +37,7 @@ from pydrake.common import RandomGenerator
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
-from pydrake.systems.primitives import AffineSystem, RandomSource, TrajectorySource
-from pydrake.trajectories import PiecewisePolynomial
+from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.model.checkpoint import network_for
 from aerodrake.model.clik import InverseKinematics
@@ -104,9 +103,6 @@ def make_station(scenario: Scenario) -> Diagram:
     propellers = builder.AddNamedSystem(
         "propellers", make_propellers(rotor, vehicle.rotors, base.index())
     )
-    sensors = builder.AddSystem(
-        make_sensors(scenario.sensors, rates, vehicle.joints, vehicle.trim_state)
-    )
     wind = builder.AddSystem(
         make_wind(scenario.wind, vehicle.joints, base.index(), rates.sensor_period_s)
     )
@@ -116,6 +112,15 @@ def make_station(scenario: Scenario) -> Diagram:
         FlightController(
             scenario.flight, rotor, vehicle, rates.flight_period_s, offset=rates.plant_step_s / 2
         ),
+    )
+    sensors = builder.AddSystem(
+        make_sensors(
+            scenario.sensors,
+            scenario.filter,
+            rates,
+            vehicle.trim_state,
+            flight_controller.trim_acceleration,
+        )
     )
     arm_controller = builder.AddNamedSystem(
         "arm_controller",
@@ -141,6 +146,8 @@ def make_station(scenario: Scenario) -> Diagram:
     connect(forces.get_output_port(), plant.get_applied_spatial_force_input_port())
     connect(arm_controller.GetOutputPort("joint_torque"), plant.get_actuation_input_port())
     connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
+    for port in ("acceleration", "reaction"):
+        connect(flight_controller.GetOutputPort(port), sensors.GetInputPort(port))
     connect(sensors.GetOutputPort("state"), flight_controller.GetInputPort("state"))
     connect(sensors.GetOutputPort("state"), arm_controller.GetInputPort("state"))
 
@@ -151,7 +158,7 @@ def make_station(scenario: Scenario) -> Diagram:
     builder.ExportOutput(rotors.get_output_port(), "thrust")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     for system, ports in (
-        (sensors, ("state",)),
+        (sensors, ("sample", "state", "external_acceleration")),
         (flight_controller, ("thrust_command", "specific_thrust", "disturbance", "saturated")),
         (arm_controller, ("joint_torque",)),
         (wind, ("wind_force",)),
@@ -181,6 +188,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         "reference",
         ReferenceSystem(
             make_reference(scenario.reference, vehicle.p_E),
+            vehicle.p_E,
             scenario.settle_s,
             period * np.append(0, np.cumsum(stage_ticks(scenario.mpc))),
         ),
@@ -207,15 +215,6 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         "setpoint_integrator",
         SetpointIntegrator(limits, np.concatenate([vehicle.p_B, vehicle.working]), period),
     )
-    # Hovers on its setpoints in trim until reference time 0.
-    enable = builder.AddNamedSystem(
-        "enable",
-        TrajectorySource(
-            PiecewisePolynomial.ZeroOrderHold(
-                [-1.0, scenario.settle_s, scenario.settle_s + 1.0], [[0.0, 1.0, 1.0]]
-            )
-        ),
-    )
 
     def connect(source: Any, source_port: str, target: Any, target_port: str = "") -> None:
         builder.Connect(
@@ -232,7 +231,6 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     connect(weight_allocator, "weights", controller)
     connect(residual_estimator, "delta", controller)
     connect(controller, "u", setpoint_integrator)
-    builder.Connect(enable.get_output_port(), setpoint_integrator.GetInputPort("enable"))
     for consumer in (controller, residual_estimator, equivalent_state):
         connect(setpoint_integrator, "base_setpoint", consumer)
         connect(setpoint_integrator, "joint_setpoint", consumer)
@@ -240,7 +238,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     builder.ExportInput(kinematics.GetInputPort("state"), "state")
     for consumer in (controller, residual_estimator, equivalent_state):
         builder.ConnectInput("state", consumer.GetInputPort("state"))
-    for port in ("disturbance", "specific_thrust"):
+    for port in ("external_acceleration", "specific_thrust", "disturbance"):
         builder.ExportInput(equivalent_state.GetInputPort(port), port)
     builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")
     for system, ports in (
@@ -263,7 +261,7 @@ def make_closed_loop(scenario: Scenario) -> Diagram:
     builder = DiagramBuilder()
     station = builder.AddSystem(make_station(scenario))
     coordinator = builder.AddSystem(make_coordinator(scenario))
-    for port in ("state", "specific_thrust", "disturbance", "saturated"):
+    for port in ("state", "external_acceleration", "specific_thrust", "disturbance", "saturated"):
         builder.Connect(station.GetOutputPort(port), coordinator.GetInputPort(port))
     for port in ("base_setpoint", "joint_setpoint"):
         builder.Connect(coordinator.GetOutputPort(port), station.GetInputPort(port))

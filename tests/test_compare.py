@@ -230,6 +230,22 @@ def test_the_command(tmp_path, monkeypatch, capfd):
     assert read() == first
 
 
+def test_variants_that_are_not_asked_for_are_not_flown(tmp_path, monkeypatch, capsys):
+    """Not even the scenario's own, and none of them need be fit to be flown."""
+    monkeypatch.setattr(module, "run_parallel", in_this_process)
+    flown = ["--variant", "fixed_weights", "--variant", "integral", "--variant", "integral"]
+    settings = ["--set", "duration=0.1", "--set", "settle_s=0", "--set", "allocation.k_m=0"]
+    out = tmp_path / "out"
+    assert main(["compare", "hover", *settings, *flown, "--out", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"^integral +0.00", said, re.MULTILINE) and "modified " not in said
+    variants = json.loads((out / "comparison.json").read_text())["variants"]
+    assert list(variants) == ["integral", "fixed_weights"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        *("comparison.json", "comparison.png", "fixed_weights", "integral")
+    ]
+
+
 def test_lost_is_an_ending(tmp_path, monkeypatch, capsys):
     """Rotors that do not carry it: it falls, in every variant."""
     monkeypatch.setattr(module, "VARIANTS", {"modified": VARIANTS["modified"]})
@@ -268,6 +284,8 @@ def test_failed_is_none(tmp_path, monkeypatch, capsys):
     ("options", "said"),
     [
         (["clovr"], "did you mean 'clover'?"),
+        (["hover", "--variant", "clic"], "--variant: no such variant 'clic'; did you mean 'clik'?"),
+        (["hover", "--margins", "--variant", "clic"], "did you mean 'clik'?"),
         (["hover", "--set", "controler=clik"], "--set: controler: unknown key"),
         (["hover", "--set", "controller=pid"], "controller: unknown value 'pid'"),
         (["hover", "--set", "allocation.kind=none"], "allocation.kind: unknown value"),

@@ -55,6 +55,19 @@ def test_results_come_with_their_items_each_from_a_process_of_its_own():
     assert len(pids) == 3 and os.getpid() not in pids
 
 
+def test_items_may_follow_from_results():
+    """Of numbers below 8, three more."""
+    items = [2, 5]
+    results = []
+    for index, result in run_parallel(refuse_odd, items, jobs=2):
+        results.append((items[index], str(result)))
+        if items[index] < 8:
+            items.append(items[index] + 3)
+    assert sorted(results) == [
+        (2, "2"), (5, "5 is odd"), (5, "5 is odd"), (8, "8"), (8, "8")
+    ]  # fmt: skip
+
+
 def test_nothing_to_do():
     assert list(run_parallel(square, [], jobs=2)) == []
 

@@ -12,6 +12,18 @@ HELP = "fly all variants"
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Declares its arguments."""
     add_scenario(command)
+    command.add_argument(
+        "--variant",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="flies this one; may be given again; default: all",
+    )
+    command.add_argument(
+        "--margins",
+        action="store_true",
+        help="find the delay, loop gain and payload at which each doubles its error and is lost",
+    )
     add_jobs(command)
     add_output(
         command, "runs/SCENARIO-comparison-TIME; an earlier one there is replaced as a whole"
@@ -27,24 +39,28 @@ def main(arguments: argparse.Namespace) -> int:
     scenario = load_scenario(arguments.scenario, overrides(arguments))
     target = arguments.out or new_folder(f"{scenario.name}-comparison")
 
-    from aerodrake.compare import OWN_VARIANT, compare, make_variants, notes
-    from aerodrake.comparison_report import FILES, comparison_table, plot_comparison
+    from aerodrake.compare import OWN_VARIANT, compare, make_variant, make_variants, notes
+    from aerodrake.comparison_report import FILES, comparison_table, headline, plot_comparison
     from aerodrake.flight_log import FlightLog
+    from aerodrake.margins import find_margins
+    from aerodrake.margins_report import FILES as MARGINS_FILES
+    from aerodrake.margins_report import margins_table, write_margins
     from aerodrake.model.checkpoint import provenance_notes
     from aerodrake.run_folder import run_folder
     from aerodrake.scenario_rules import warnings
     from aerodrake.summary import to_json
 
     say = (lambda line: None) if arguments.quiet else print
-    variants = make_variants(scenario)
+    variants = make_variants(scenario, arguments.variant)
     joints = len(scenario.vehicle.working_rad)
     for note in (*warnings(scenario), *provenance_notes(scenario, joints), *notes(scenario)):
         say(f"note: {note}")
+    jobs, margins, written = arguments.jobs, None, FILES
     with run_folder(target, FILES) as folder:
         with tqdm(
             total=len(variants), desc=scenario.name, unit="variant", disable=arguments.quiet
         ) as bar:
-            summaries = compare(variants, folder, arguments.jobs, lambda name: bar.update())
+            summaries = compare(variants, folder, jobs, lambda name: bar.update())
         comparison = {"scenario": scenario.name, "variants": summaries}
         (folder / "comparison.json").write_text(to_json(comparison), encoding="utf-8")
         logs = {
@@ -54,7 +70,16 @@ def main(arguments: argparse.Namespace) -> int:
         }
         own = OWN_VARIANT[scenario.residual.mode]
         title = f"{scenario.name}, seed {scenario.seed}"
-        plot_comparison(logs, own, variants[own], title, folder / "comparison.png")
+        plot_comparison(logs, own, make_variant(scenario, own), title, folder / "comparison.png")
+        if arguments.margins:
+            title = f"{scenario.name} margins"
+            with tqdm(desc=title, unit="flight", disable=arguments.quiet) as bar:
+                margins = find_margins(variants, summaries, headline(summaries), jobs, bar.update)
+            write_margins(margins, scenario, folder)
+            written += MARGINS_FILES
     say(comparison_table(summaries, scenario.reference.kind))
-    say(f"\n{target}: comparison.json, comparison.png, and a run's folder for each variant")
-    return 0 if len(logs) == len(variants) else 1
+    if margins:
+        say(f"\n{margins_table(margins)}")
+    say(f"\n{target}: {', '.join(written)}, and a run's folder for each variant")
+    failed = len(logs) < len(variants) or (margins is not None and margins.failed)
+    return 1 if failed else 0

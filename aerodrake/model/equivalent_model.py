@@ -33,28 +33,37 @@ class Thrust:
         b: (3,) m/s^2, by thrust along the measured attitude, and gravity.
         r: (3,) m/s^3, how fast b turns with the base; none along z, where it
             changes with the size of thrust.
-        d: (3,) m/s^2, by all else, as the flight controller has it.
+        d: (3,) m/s^2, by all else.
+        h: (3,) m/s^2, what the flight controller takes d for.
     """
 
     b: np.ndarray
     r: np.ndarray
     d: np.ndarray
+    h: np.ndarray
 
     @classmethod
-    def make(cls, state: VehicleState, specific_thrust: float, disturbance: np.ndarray) -> Thrust:
+    def make(
+        cls,
+        state: VehicleState,
+        specific_thrust: float,
+        external_acceleration: np.ndarray,
+        disturbance: np.ndarray,
+    ) -> Thrust:
         """From the measured state and what the flight controller tells.
 
         Args:
             state: Attitude and rates.
             specific_thrust: m/s^2, collective thrust over mass.
-            disturbance: (3+,) m/s^2, d first.
+            external_acceleration: (3,) m/s^2, d.
+            disturbance: (3+,) m/s^2, h first.
         """
         axis = state.R_B[:, 2]
         b = specific_thrust * axis
         b[2] -= GRAVITY
         r = specific_thrust * np.cross(state.omega_W, axis)
         r[2] = 0.0
-        return cls(b, r, disturbance[:3])
+        return cls(b, r, external_acceleration, disturbance[:3])
 
 
 @dataclass(frozen=True)
@@ -199,7 +208,7 @@ class EquivalentModel:
         x[self.joint_position] = joint_setpoint[:n]
         x[self.joint_velocity] = joint_setpoint[n : 2 * n]
         if thrust is not None and "b" in self.axis_states:
-            for name, value in (("b", thrust.b), ("r", thrust.r), ("d", thrust.d)):
+            for name, value in vars(thrust).items():
                 x[self.base_state(name)] = value
         if last is not None and len(self.hidden):
             u = np.concatenate([base_setpoint[6:], joint_setpoint[2 * n :]])

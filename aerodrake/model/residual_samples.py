@@ -15,6 +15,7 @@ def residual_samples(
     base_setpoint: np.ndarray,
     joint_setpoint: np.ndarray,
     specific_thrust: np.ndarray,
+    external_acceleration: np.ndarray,
     disturbance: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """What the residual estimator would have seen, at the ticks k = 1 ... T-2.
@@ -32,6 +33,7 @@ def residual_samples(
             is held from the tick on.
         joint_setpoint: (T, 3 n) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2, alike.
         specific_thrust: (T, 1) m/s^2, of the flight controller.
+        external_acceleration: (T, 3) m/s^2, of the state filter.
         disturbance: (T, 6) of the flight controller, m/s^2 first.
 
     Returns:
@@ -48,7 +50,7 @@ def residual_samples(
             now.v_B,
             np.concatenate([base_setpoint[k, :6], u[k - 1, :3]]),
             np.concatenate([joint_setpoint[k, : 2 * n], u[k - 1, 3:]]),
-            Thrust.make(now, specific_thrust[k, 0], disturbance[k]),
+            Thrust.make(now, specific_thrust[k, 0], external_acceleration[k], disturbance[k]),
             x,
         )
         if k > 0:

@@ -17,6 +17,7 @@ class EquivalentState(LeafSystem):
         in `base_setpoint` (9): [p_d, v_d, a_d] in m, m/s, m/s^2, world frame.
         in `joint_setpoint` (3 n): [q_d, q_d', q_d''] in rad, rad/s, rad/s^2. The
             accelerations of both are those held up to a tick.
+        in `external_acceleration` (3): m/s^2, of the sensors.
         in `disturbance` (6): of the flight controller, m/s^2 first.
         in `specific_thrust` (1): m/s^2, of the flight controller.
         out `x_0` (nx). It feeds through, so that whoever samples it at a tick
@@ -38,6 +39,7 @@ class EquivalentState(LeafSystem):
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
         self._base_setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * n)
+        self._external_acceleration = self.DeclareVectorInputPort("external_acceleration", 3)
         self._disturbance = self.DeclareVectorInputPort("disturbance", 6)
         self._specific_thrust = self.DeclareVectorInputPort("specific_thrust", 1)
         self._last = self.DeclareDiscreteState(np.zeros(nx))
@@ -49,7 +51,10 @@ class EquivalentState(LeafSystem):
     def _calc_x_0(self, context: Context, output: BasicVector) -> None:
         state = VehicleState.from_vector(self._state.Eval(context))
         thrust = Thrust.make(
-            state, self._specific_thrust.Eval(context)[0], self._disturbance.Eval(context)
+            state,
+            self._specific_thrust.Eval(context)[0],
+            self._external_acceleration.Eval(context),
+            self._disturbance.Eval(context),
         )
         is_known = context.get_discrete_state(self._known).value()[0] > 0.5
         output.SetFromVector(

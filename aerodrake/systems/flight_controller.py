@@ -40,6 +40,7 @@ class FlightController(LeafSystem):
             world, and angular, rad/s^2 in the base frame.
         out `specific_thrust` (1): m/s^2, collective thrust over mass that the
             rotors are believed to give at the next sample.
+        out `reaction` (3): m/s^2, what moving the arm takes off the base's acceleration.
         out `disturbance` (6): what acts beside thrust and gravity, m/s^2 in the
             world: h of the position ESO, less what moving the arm takes. And h of
             the attitude ESO, rad/s^2 in the base frame.
@@ -68,6 +69,10 @@ class FlightController(LeafSystem):
     force and torque the commanded motion of the arm takes. Without it the
     controller knows a rigid body with its mass at the origin, and the observers
     find out the rest.
+
+    Attributes:
+        trim_acceleration: (6,) `acceleration` in trim. Without feedforward it is
+            not zero: the observer knows why.
 
     Args:
         config: Gains and interface.
@@ -109,7 +114,8 @@ class FlightController(LeafSystem):
         self._x_integral = self.DeclareDiscreteState(np.zeros(3))
         self._x_thrust = self.DeclareDiscreteState(trim)
         self._x_command = self.DeclareDiscreteState(trim)
-        self._x_acceleration = self.DeclareDiscreteState(np.concatenate([np.zeros(3), -trim_h]))
+        self.trim_acceleration = np.concatenate([np.zeros(3), -trim_h])
+        self._x_acceleration = self.DeclareDiscreteState(self.trim_acceleration)
         self._x_reaction = self.DeclareDiscreteState(np.zeros(3))
         self._x_R_d = self.DeclareDiscreteState(np.eye(3).ravel())
         self._x_omega_d = self.DeclareDiscreteState(np.zeros(3))
@@ -117,6 +123,7 @@ class FlightController(LeafSystem):
         self._smoothing = period / (period + config.rate_filter_s)
         self.DeclareStateOutputPort("thrust_command", self._x_command)
         self.DeclareStateOutputPort("acceleration", self._x_acceleration)
+        self.DeclareStateOutputPort("reaction", self._x_reaction)
         self.DeclareVectorOutputPort(
             "specific_thrust",
             1,

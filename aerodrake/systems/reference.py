@@ -11,8 +11,9 @@ from aerodrake.model.reference import ReferenceCurve
 class ReferenceSystem(LeafSystem):
     """Desired motion of the end-effector, now and over the MPC's horizon.
 
-    Reference time is the context's time less `settle_s`. Everything is in the
-    world frame.
+    Reference time is the context's time less `settle_s`. Before 0 the desired
+    motion is to stay at the start, without a view of what comes. Everything is
+    in the world frame.
 
     Ports:
         out `reference` (6): p_E,d, p_E,d' in m and m/s, now.
@@ -24,13 +25,17 @@ class ReferenceSystem(LeafSystem):
 
     Args:
         curve: The motion over reference time.
+        start: (3,) m, where the end-effector starts.
         settle_s: s, hover before reference time 0.
         stages_s: (N + 1,) s, from now to each stage, 0 first.
     """
 
-    def __init__(self, curve: ReferenceCurve, settle_s: float, stages_s: np.ndarray):
+    def __init__(
+        self, curve: ReferenceCurve, start: np.ndarray, settle_s: float, stages_s: np.ndarray
+    ):
         super().__init__()
         self._curve = curve
+        self._hold = np.concatenate([start, np.zeros(3)])
         self._settle_s = settle_s
         self._stages = stages_s
         time = {self.time_ticket()}
@@ -49,5 +54,8 @@ class ReferenceSystem(LeafSystem):
 
     def _evaluate(self, context: Context, ahead: np.ndarray) -> np.ndarray:
         """(6 T,) motion at times `ahead` (T,) s from now."""
-        times = context.get_time() - self._settle_s + ahead
+        now = context.get_time() - self._settle_s
+        if now < -1e-9:
+            return np.tile(self._hold, len(ahead))
+        times = now + ahead
         return np.hstack(self._curve.evaluate(times)).ravel()

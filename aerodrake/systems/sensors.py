@@ -18,6 +18,11 @@ def noise_size(joints: int) -> int:
     return 12 + joints
 
 
+def is_exact(config: Sensors) -> bool:
+    """Whether samples have no noise, late or not."""
+    return dataclasses.replace(config, base_delay_s=0.0) == Sensors()
+
+
 def disturbed(config: Sensors, x: np.ndarray, noise: np.ndarray) -> np.ndarray:
     """The state vector x with measurement noise on it.
 
@@ -69,7 +74,7 @@ class SensorSystem(LeafSystem):
     ):
         super().__init__()
         self._config = config
-        self._is_exact = dataclasses.replace(config, base_delay_s=0.0) == Sensors()
+        self._is_exact = is_exact(config)
         size = VehicleState.size(joints)
         self._true_state = self.DeclareVectorInputPort("true_state", size)
         self._late_state = self.DeclareVectorInputPort("late_state", size)

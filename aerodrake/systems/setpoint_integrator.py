@@ -20,14 +20,11 @@ class SetpointIntegrator(LeafSystem):
 
     Ports:
         in `u` (3 + n): accelerations, m/s^2 and rad/s^2, held between ticks.
-        in `enable` (1): above 0.5 the setpoints follow u. Below, they brake to
-            rest within their limits and stay; since they never jump, following
-            u again is bumpless.
         out `base_setpoint` (9): p_d, v_d, a_d.
         out `joint_setpoint` (3 n): q_d, q_d', q_d''.
     State:
-        `position` and `velocity` (3 + n) of the setpoints, time, and `enable`,
-        at the last tick.
+        `position` and `velocity` (3 + n) of the setpoints, and time, at the
+        last tick.
     Rate:
         `period`; between ticks the outputs are the exact polynomials in time.
 
@@ -43,11 +40,9 @@ class SetpointIntegrator(LeafSystem):
         self._period = period
         m = len(position)
         self._u = self.DeclareVectorInputPort("u", m)
-        self._enable = self.DeclareVectorInputPort("enable", 1)
         self._x_position = self.DeclareDiscreteState(position)
         self._x_velocity = self.DeclareDiscreteState(np.zeros(m))
         self._x_time = self.DeclareDiscreteState(np.zeros(1))
-        self._x_enabled = self.DeclareDiscreteState(np.zeros(1))
         # One evaluation serves both ports and the update.
         self._now = self.DeclareCacheEntry(
             "setpoint", ValueProducer(lambda: Value(object()), self._calc_setpoint)
@@ -61,9 +56,7 @@ class SetpointIntegrator(LeafSystem):
         p = context.get_discrete_state(self._x_position).value()
         v = context.get_discrete_state(self._x_velocity).value()
         since = context.get_time() - context.get_discrete_state(self._x_time).value()[0]
-        enabled = context.get_discrete_state(self._x_enabled).value()[0] > 0.5
-        wanted = self._u.Eval(context) if enabled else -v / self._period
-        u = self._limits.admissible(p, v, wanted, self._period)
+        u = self._limits.admissible(p, v, self._u.Eval(context), self._period)
         setpoint.set_value(np.stack([*integrate(p, v, u, since), u]))
 
     def _calc_base(self, context: Context, output: BasicVector) -> None:
@@ -77,4 +70,3 @@ class SetpointIntegrator(LeafSystem):
         discrete.set_value(self._x_position, p)
         discrete.set_value(self._x_velocity, v)
         discrete.set_value(self._x_time, [context.get_time()])
-        discrete.set_value(self._x_enabled, self._enable.Eval(context))
