@@ -42,7 +42,6 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "thrust": (("thrust_n", "k"),),
     "thrust_command": (("thrust_command_n", "k"),),
     "joint_torque": (("joint_torque_n_m", "n"),),
-    "specific_thrust": (("specific_thrust_m_s2", "1"),),
     "disturbance": (("disturbance_m_s2", "3"), ("disturbance_rad_s2", "3")),
     "saturated": (("saturated", "1"),),
     "wind_force": (("wind_force_n", "3"),),

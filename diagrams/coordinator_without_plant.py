@@ -16,6 +16,7 @@ def main() -> None:
     for port, value in (
         ("state", Vehicle.load(scenario).trim_state),
         ("specific_thrust", [GRAVITY]),
+        ("external_acceleration", np.zeros(3)),
         ("disturbance", np.zeros(6)),
         ("saturated", [0.0]),
     ):

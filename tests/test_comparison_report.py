@@ -30,7 +30,7 @@ def summaries(short_flight):
     }
 
 
-MEASURED = ("quaternion", "p_B_m", "q_rad", "omega_W_rad_s", "v_B_m_s", "qdot_rad_s")
+STATE = ("quaternion", "p_B_m", "q_rad", "omega_W_rad_s", "v_B_m_s", "qdot_rad_s")
 
 
 def rows(text: str) -> dict[str, list[str]]:
@@ -86,9 +86,10 @@ def test_true_delta_is_what_the_model_lacked(short_flight):
     times, estimated, true = residuals(log, scenario)
     model = EquivalentModel.of(scenario, log["q_rad"].shape[1])
     assert len(times) > 15 and np.abs(true).max() > 1e-5 and estimated.any()
+    # Logs see the state before an update: the filter's and u show one log later.
     x, starts = None, {}
-    for i in range(0, len(log.time_s), 2):  # At the ticks, from the flight's first.
-        state = np.hstack([log[f"measured_{part}"][i] for part in MEASURED])
+    for i in range(0, len(log.time_s) - 1, 2):  # At the ticks, from the flight's first.
+        state = np.hstack([log[part][i] for part in STATE])
         x = model.initial_state(
             log["p_B_m"][i],
             log["v_B_m_s"][i],
@@ -97,6 +98,7 @@ def test_true_delta_is_what_the_model_lacked(short_flight):
             Thrust.make(
                 VehicleState.from_vector(state),
                 log["specific_thrust_m_s2"][i],
+                log["external_acceleration_m_s2"][i + 1],
                 log["disturbance_m_s2"][i],
             ),
             x,
@@ -104,7 +106,6 @@ def test_true_delta_is_what_the_model_lacked(short_flight):
         starts[i] = x
     for time, delta in zip(times, true, strict=True):
         i = int(np.argmin(np.abs(log.time_s - time)))
-        # Logs see the state before the update: u shows one log later.
         u = np.concatenate([log["a_Bd_m_s2"][i + 1], log["qddot_d_rad_s2"][i + 1]])
         predicted = model.predict(starts[i], u, delta)[model.base_velocity]
         np.testing.assert_allclose(predicted, log["v_B_m_s"][i + 2], atol=1e-9)

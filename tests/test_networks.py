@@ -42,6 +42,7 @@ def flown():
             tape.base_setpoint,
             tape.joint_setpoint,
             tape.specific_thrust,
+            tape.external_acceleration,
             tape.disturbance,
         )
     gain = model.C[model.base_velocity].diagonal()

@@ -27,6 +27,8 @@ STATION_OUTPUTS = {
     "thrust": ROTORS,
     "thrust_command": ROTORS,
     "joint_torque": JOINTS,
+    "sample": STATE,
+    "external_acceleration": 3,
     "specific_thrust": 1,
     "disturbance": 6,
     "saturated": 1,
@@ -66,7 +68,8 @@ def ports(diagram) -> tuple[dict[str, int], dict[str, int]]:
 def test_ports(station, closed_loop, scenario):
     coordinator = make_coordinator(replace(scenario, mpc=replace(scenario.mpc, horizon=N)))
     assert ports(station) == (SETPOINTS, STATION_OUTPUTS)
-    heard = {"state": STATE, "specific_thrust": 1, "disturbance": 6, "saturated": 1}
+    heard = {"state": STATE, "external_acceleration": 3, "specific_thrust": 1}
+    heard |= {"disturbance": 6, "saturated": 1}
     assert ports(coordinator) == (heard, COORDINATOR_OUTPUTS)
     assert scenario.mpc.horizon == N
     assert ports(closed_loop) == ({}, STATION_OUTPUTS | COORDINATOR_OUTPUTS)
@@ -231,6 +234,7 @@ def coordinate(scenario, vehicle, duration: float):
     for port, value in (
         ("state", vehicle.trim_state),
         ("specific_thrust", [9.81]),
+        ("external_acceleration", np.zeros(3)),
         ("disturbance", np.zeros(6)),
         ("saturated", [0.0]),
     ):

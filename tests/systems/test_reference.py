@@ -15,7 +15,7 @@ SETTLE_S, STAGES_S = 3.0, np.array([0.0, 0.02, 0.04, 0.1, 0.24])
 
 def make_system(config=None):
     curve = make_reference(config or Clover(), START)
-    return curve, ReferenceSystem(curve, SETTLE_S, STAGES_S)
+    return curve, ReferenceSystem(curve, START, SETTLE_S, STAGES_S)
 
 
 def port(system, context, name):
