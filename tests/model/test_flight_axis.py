@@ -203,7 +203,7 @@ def flown(request, vehicle):
 
 @pytest.mark.parametrize(
     ("ticks", "p_m", "v_m_s", "b_m_s2"),
-    [(1, 2e-5, 2.5e-3, 0.04), (5, 5e-4, 0.011, 0.075), (25, 4.5e-3, 0.015, 0.25)],
+    [(1, 2.7e-5, 2.5e-3, 0.04), (5, 6e-4, 0.010, 0.075), (25, 6e-3, 0.018, 0.25)],
 )
 def test_knows_where_the_station_will_be(flown, ticks, p_m, v_m_s, b_m_s2):
     """At every tick from the first; the base itself moves by 0.4 to 1.2 m."""
