@@ -17,9 +17,17 @@ from aerodrake.scenario import Scenario
 from aerodrake.scenario_rules import check
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop
+from aerodrake.systems.sensors import is_exact
 
 INTERFACE_MODELS = {"position": "paper", "trajectory": "flight"}
 """The modified model of each flight interface, where the scenario names none."""
+
+
+def _with(section: str, **keys: Any) -> Callable[[Scenario], Scenario]:
+    """Changes keys of one section."""
+    return lambda scenario: replace(
+        scenario, **{section: replace(getattr(scenario, section), **keys)}
+    )
 
 
 def _proposed(scenario: Scenario) -> Scenario:
@@ -36,17 +44,11 @@ def _proposed(scenario: Scenario) -> Scenario:
 
 
 def _with_residual(scenario: Scenario, mode: str) -> Scenario:
-    return replace(scenario, residual=replace(scenario.residual, mode=mode))
+    return _with("residual", mode=mode)(scenario)
 
 
 def _integral(scenario: Scenario) -> Scenario:
-    """Without tilt by flatness: a base that is where it was sent has no tilt to be predicted."""
-    tilt = "none" if scenario.mpc.tilt == "flatness" else scenario.mpc.tilt
-    return replace(
-        _with_residual(scenario, "off"),
-        model=replace(scenario.model, kind="integral"),
-        mpc=replace(scenario.mpc, tilt=tilt),
-    )
+    return _with("model", kind="integral")(_with_residual(scenario, "off"))
 
 
 def _integral_best(scenario: Scenario) -> Scenario:
@@ -55,6 +57,18 @@ def _integral_best(scenario: Scenario) -> Scenario:
     return replace(integral, mpc=replace(integral.mpc, **weights))
 
 
+PARTS: dict[str, Callable[[Scenario], Scenario]] = {
+    "no_flight_model": _with("model", kind="velocity_aware"),
+    "no_tilt": _with("mpc", tilt="none"),
+    "no_feedforward": _with("flight", feedforward="none"),
+    "short_horizon": _with("mpc", span_ticks=1),
+    "no_filter": _with("filter", kind="none"),
+}
+"""The scenario without one of the parts that are not the paper's.
+
+Which of them a scenario has, `parts` tells.
+"""
+
 VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
     "integral": _integral,
     "integral_best": _integral_best,
@@ -62,9 +76,8 @@ VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
     "modified+offline": lambda scenario: _with_residual(scenario, "offline"),
     "modified+online": lambda scenario: _with_residual(scenario, "online"),
     "clik": lambda scenario: replace(_with_residual(scenario, "off"), controller="clik"),
-    "fixed_weights": lambda scenario: replace(
-        scenario, allocation=replace(scenario.allocation, kind="fixed")
-    ),
+    "fixed_weights": _with("allocation", kind="fixed"),
+    **PARTS,
 }
 """What each variant makes of the scenario by the paper's method.
 
@@ -72,6 +85,7 @@ VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
 section `baseline`. `modified` has the scenario's own model without a residual,
 `+offline` with its network as it is, `+online` with one that learns. `clik` is
 closed-loop inverse kinematics; `fixed_weights` the scenario without allocation.
+The rest is the scenario without one of `PARTS`.
 """
 
 OWN_VARIANT = {"off": "modified", "offline": "modified+offline", "online": "modified+online"}
@@ -88,7 +102,7 @@ def make_variants(scenario: Scenario, names: Sequence[str] = ()) -> dict[str, Sc
 
     Args:
         scenario: Whose variants they are.
-        names: Which of them; none for all.
+        names: Which of them; none for all, but those without parts that it has not.
 
     Raises:
         BadInput: if one is unknown, or cannot be flown.
@@ -99,12 +113,25 @@ def make_variants(scenario: Scenario, names: Sequence[str] = ()) -> dict[str, Sc
     vehicle = Vehicle.load(scenario)
     for name in ("w_2_joints", "w_3_joints"):
         vehicle.per_joint(getattr(scenario.baseline, name), f"baseline.{name}")
-    chosen = [name for name in VARIANTS if name in names or not names]
+    absent = PARTS.keys() - parts(_proposed(scenario))
+    chosen = [name for name in VARIANTS if name in names or not names and name not in absent]
     variants = {name: make_variant(scenario, name) for name in chosen}
     for name, variant in variants.items():
         check(variant, f"{scenario.source} as {name}")
         make_closed_loop(variant)  # Reads the files it names; said now, not by a process.
     return variants
+
+
+def parts(scenario: Scenario) -> list[str]:
+    """The keys of `PARTS` that change how a scenario is flown."""
+    is_here = {
+        "no_flight_model": scenario.model.kind == "flight",
+        "no_tilt": scenario.mpc.tilt != "none",
+        "no_feedforward": scenario.flight.feedforward != "none",
+        "short_horizon": scenario.mpc.span_ticks > scenario.mpc.horizon,
+        "no_filter": scenario.filter.kind != "none" and not is_exact(scenario.sensors),
+    }
+    return [name for name in PARTS if is_here[name]]
 
 
 def notes(scenario: Scenario) -> list[str]:

@@ -39,6 +39,11 @@ COLORS = {
     "modified+online": ACCENT,
     "clik": "#2b8a3e",
     "fixed_weights": "#9c36b5",
+    "no_flight_model": "#e8590c",
+    "no_tilt": "#f08c00",
+    "no_feedforward": "#0c8599",
+    "short_horizon": "#c2255c",
+    "no_filter": "#862e9c",
 }
 HEADLINES = {
     "lap_mean_m": "one lap",

@@ -188,8 +188,10 @@ class Residual:
 
 @dataclass(frozen=True)
 class Weights:
-    """Diagonals of W_1, W_2,0, W_3 and W_4,0. Joint values: one, or one per joint."""
+    """K_e, and diagonals of W_1, W_2,0, W_3 and W_4,0. Joint values: one, or one per joint."""
 
+    # K_e of the desired end-effector velocity.
+    k_e: tuple[float, ...] = quantity((16.0, 16.0, 16.0), "1/s", 0.0, 50.0, length=3)
     w_1: tuple[float, ...] = quantity((1e4, 1e4, 1e4), "1", 0.0, 1e8, length=3)
     w_2_base: tuple[float, ...] = quantity((1e-4, 1e-4, 1e-4), "1", 0.0, 1e6, length=3)
     w_2_joints: tuple[float, ...] = quantity((1.0,), "1", 0.0, 1e6)
@@ -205,8 +207,6 @@ class Mpc(Weights):
     horizon: int = quantity(15, "stages", 2, 200)
     # How far they reach: stages last longer the further away they are, one tick at least.
     span_ticks: int = quantity(100, "ticks", 1, 1000)
-    # K_e of the desired end-effector velocity.
-    k_e: tuple[float, ...] = quantity((16.0, 16.0, 16.0), "1/s", 0.0, 50.0, length=3)
     # The correction K_e e_E never asks for more than this: a far target is flown to, not lunged at.
     approach_speed_m_s: float = quantity(0.8, "m/s", 0.01, 100.0)
     # e_E along the horizon: predicted with the linearised p_E, or held as printed.
@@ -236,9 +236,9 @@ class Clik:
 
 @dataclass(frozen=True)
 class Baseline(Weights):
-    """Weights of the integral model at its own best, as `aerodrake compare` flies `integral_best`.
+    """K_e and weights of the integral model at its own best.
 
-    Found by diagrams/search_weights.py.
+    `aerodrake compare` flies them as `integral_best`. Found by diagrams/search_weights.py.
     """
 
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from pydrake.math import VectorToSkewSymmetric
 from scipy.linalg import block_diag
 
 from aerodrake.model.axis_models import AXIS_MODELS, AxisModel
@@ -61,7 +62,7 @@ class Thrust:
         axis = state.R_B[:, 2]
         b = specific_thrust * axis
         b[2] -= GRAVITY
-        r = specific_thrust * np.cross(state.omega_W, axis)
+        r = specific_thrust * (VectorToSkewSymmetric(state.omega_W) @ axis)
         r[2] = 0.0
         return cls(b, r, external_acceleration, disturbance[:3])
 

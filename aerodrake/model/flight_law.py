@@ -8,6 +8,7 @@ al., "Geometric tracking control of a quadrotor UAV on SE(3)", 2010.
 from __future__ import annotations
 
 import numpy as np
+from pydrake.math import VectorToSkewSymmetric
 
 from aerodrake.model.vehicle import GRAVITY
 from aerodrake.scenario import Flight
@@ -61,9 +62,10 @@ def desired_thrust(u_v: np.ndarray, max_tilt: float) -> np.ndarray:
 def desired_attitude(thrust: np.ndarray, yaw: float = 0.0) -> np.ndarray:
     """(3, 3), the attitude whose z axis is along `thrust` and whose yaw angle is `yaw` rad."""
     z = thrust / np.linalg.norm(thrust)
-    x = np.cross([-np.sin(yaw), np.cos(yaw), 0.0], z)
+    left = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
+    x = VectorToSkewSymmetric(left) @ z
     x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(z, x), z])
+    return np.column_stack([x, VectorToSkewSymmetric(z) @ x, z])
 
 
 def attitude_error(R: np.ndarray, R_d: np.ndarray) -> np.ndarray:

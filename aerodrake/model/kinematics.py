@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.math import RollPitchYaw, RotationMatrix
+from pydrake.math import RollPitchYaw, RotationMatrix, VectorToSkewSymmetric
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
@@ -82,6 +82,7 @@ class Kinematics:
         )
         axis_pitch = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
         axis_yaw = np.array([0.0, 0.0, 1.0])
-        J_c = np.column_stack([np.eye(3), np.cross(axis_yaw, r), R_B @ J_B])
-        J_u = np.column_stack([np.cross(axis_roll, r), np.cross(axis_pitch, r)])
+        turned = -VectorToSkewSymmetric(r) @ np.column_stack([axis_roll, axis_pitch, axis_yaw])
+        J_c = np.column_stack([np.eye(3), turned[:, 2], R_B @ J_B])
+        J_u = turned[:, :2]
         return EndEffector(state.p_B + r, p_EB, r, J_c, J_u, J_B)

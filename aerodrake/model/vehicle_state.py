@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
@@ -49,7 +50,7 @@ class VehicleState:
             [self.quaternion, self.p_B, self.q, self.omega_W, self.v_B, self.qdot]
         )
 
-    @property
+    @cached_property
     def R_B(self) -> np.ndarray:
         """(3, 3) rotation from the base to the world frame."""
         return RotationMatrix(Quaternion(self._unit_quaternion())).matrix()

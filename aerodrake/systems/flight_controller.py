@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from pydrake.math import RotationMatrix
+from pydrake.math import RotationMatrix, VectorToSkewSymmetric
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.eso import ExtendedStateObserver
@@ -23,6 +23,10 @@ from aerodrake.model.vehicle import GRAVITY, Vehicle
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.model.whole_body import WholeBody
 from aerodrake.scenario import Flight, Rotor
+
+
+UNSATURATED = 1e-6
+"""m/s^2, N or N m: what a command may miss by rounding."""
 
 
 class FlightController(LeafSystem):
@@ -181,12 +185,13 @@ class FlightController(LeafSystem):
             [[vehicle.mass * (f @ R[:, 2])], vehicle.inertia @ u_omega + torque]
         )
         command = self._allocation.allocate(wanted)
-        saturated = not np.allclose(f, u_v + reaction + GRAVITY * UP) or not np.allclose(
-            self._allocation.mixer @ command, wanted
+        missing = np.append(
+            u_v + reaction + GRAVITY * UP - f, wanted - self._allocation.mixer @ command
         )
+        saturated = not np.abs(missing).max() <= UNSATURATED
         thrust, mean = self._lag.advance(old(self._x_thrust).value(), command)
         lift, turn = self._allocation.mixer @ command, self._allocation.mixer @ mean
-        halfway = R[:, 2] + np.cross(state.omega_W, R[:, 2]) * (self._period / 2)
+        halfway = R[:, 2] + (VectorToSkewSymmetric(state.omega_W) @ R[:, 2]) * (self._period / 2)
         acceleration = np.concatenate(
             [
                 halfway * (lift[0] / vehicle.mass) - GRAVITY * UP - reaction,
@@ -226,7 +231,7 @@ class FlightController(LeafSystem):
         """
         if self._whole_body is None:
             omega = state.R_B.T @ state.omega_W
-            return np.zeros(3), np.cross(omega, self._vehicle.inertia @ omega)
+            return np.zeros(3), VectorToSkewSymmetric(omega) @ self._vehicle.inertia @ omega
         q_d, qdot_d, qddot_d = np.split(self._joint_setpoint.Eval(context), 3)
         # The commanded arm, since the measured one is noisier than its lag is long.
         effort = self._whole_body.effort(replace(state, q=q_d, qdot=qdot_d), a_B, qddot_d)
