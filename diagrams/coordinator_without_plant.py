@@ -1,8 +1,9 @@
 """The coordinator without a plant: what it asks of a vehicle that is held still."""
 
+import numpy as np
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.vehicle import GRAVITY, Vehicle
 from aerodrake.scenario_file import load_scenario
 from aerodrake.station import make_context, make_coordinator
 from aerodrake.threads import single_thread
@@ -12,8 +13,14 @@ def main() -> None:
     scenario = load_scenario("moving_target")
     coordinator = make_coordinator(scenario)
     context = make_context(coordinator, scenario.seed)
-    coordinator.GetInputPort("state").FixValue(context, Vehicle.load(scenario).trim_state)
-    coordinator.GetInputPort("saturated").FixValue(context, [0.0])
+    for port, value in (
+        ("state", Vehicle.load(scenario).trim_state),
+        ("specific_thrust", [GRAVITY]),
+        ("external_acceleration", np.zeros(3)),
+        ("disturbance", np.zeros(6)),
+        ("saturated", [0.0]),
+    ):
+        coordinator.GetInputPort(port).FixValue(context, value)
     simulator = Simulator(coordinator, context)
     for t in (0.0, 0.1, 0.2, 0.5, 1.0):
         with single_thread():

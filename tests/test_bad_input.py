@@ -93,7 +93,7 @@ RUNS = {
     "nan": (set_("flight.max_tilt_rad=.nan"), "flight.max_tilt_rad: expected a number", "rad"),
     "inf": (set_("flight.max_tilt_rad=.inf"), "flight.max_tilt_rad: expected a number", "rad"),
     "negative": (set_("vehicle.rotor.lag_up_s=-1"), "vehicle.rotor.lag_up_s: ", "[0.001, 1] s"),
-    "out_of_range": (set_("mpc.horizon=1"), "mpc.horizon: ", "[2, 200] ticks, got 1"),
+    "out_of_range": (set_("mpc.horizon=1"), "mpc.horizon: ", "[2, 200] stages, got 1"),
     "half_a_tick": (set_("mpc.horizon=15.5"), "mpc.horizon: expected a whole number"),
     "truth_for_number": (set_("mpc.horizon=true"), "mpc.horizon: expected a whole number"),
     "list_length": (set_("mpc.k_e=[1, 2]"), "mpc.k_e: expected a list of 3 numbers in 1/s"),
@@ -112,8 +112,10 @@ RUNS = {
     "mpc_faster_than_flight": (
         set_("rates.flight_period_s=0.04"), "rates.mpc_period_s: ", "rates.flight_period_s"
     ),
-    "velocity_not_flown": (set_("flight.interface=position"), "model.kind: velocity_aware"),
-    "tilt_of_another_model": (set_("mpc.tilt=flatness"), "mpc.tilt: flatness expects model.kind"),
+    "velocity_not_flown": (
+        set_("flight.interface=position", "model.kind=velocity_aware"),
+        "model.kind: velocity_aware",
+    ),
     "rotor_limits": (set_("vehicle.rotor.min_thrust_n=30"), "vehicle.rotor.min_thrust_n: ", " N"),
     "allocation_order": (set_("allocation.d_h_m=0.5"), "allocation.d_edge_m: ", "d_h_m (0.5 m)"),
     "name_that_leaves": (set_("name=../../elsewhere"), " name: expected ", "elsewhere"),
@@ -228,7 +230,8 @@ def test_bad_input_is_answered_in_one_line(content, monkeypatch, capfd, argv, sa
 
 @pytest.mark.parametrize("last", [[], ["--duration", "5"], ["--seed", "1"]])
 def test_contradictions_are_not_blamed_on_what_was_typed_last(last, capsys):
-    assert main(["run", "hover", "--set", "flight.interface=position", *last]) == 2
+    contradiction = set_("flight.interface=position", "model.kind=velocity_aware")
+    assert main(["run", *contradiction, *last]) == 2
     err = capsys.readouterr().err
     assert "model.kind: velocity_aware" in err
     assert not any(err.startswith(f"aerodrake: {option}:") for option in ("--duration", "--seed"))

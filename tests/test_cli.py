@@ -229,7 +229,8 @@ def test_a_name_is_a_name_whatever_it_holds(name, tmp_path, monkeypatch):
 def test_a_lost_flight_exits_1_and_is_written(tmp_path, capsys):
     """Rotors that do not carry it: it falls."""
     out = tmp_path / "run"
-    options = ["--set", "vehicle.rotor.max_thrust_n=2", "--set", "settle_s=0", "--duration", "2"]
+    weak = ["--set", "vehicle.rotor.max_thrust_n=2", "--set", "vehicle.base_position_m=[0, 0, 9]"]
+    options = [*weak, "--set", "settle_s=0", "--duration", "2"]
     assert main(["run", "hover", *options, "--out", str(out)]) == 1
     figures = summary(out)
     assert figures["exit_reason"] == "lost" and figures["simulated_s"] < 2

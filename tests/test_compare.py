@@ -79,9 +79,7 @@ def test_the_integral_model_does_without_the_tilt_it_has_no_use_for(paper):
     }
 
 
-@pytest.mark.parametrize(
-    ("name", "kind"), [("clover", "velocity_aware"), ("clover_paper", "paper")]
-)
+@pytest.mark.parametrize(("name", "kind"), [("clover", "flight"), ("clover_paper", "paper")])
 def test_a_scenario_that_is_a_baseline_itself_is_compared_all_the_same(name, kind):
     """With its interface's own model, by the MPC, with allocation."""
     scenario = load_scenario(name, SHORT)
@@ -252,7 +250,8 @@ def test_lost_is_an_ending(tmp_path, monkeypatch, capsys):
     """Rotors that do not carry it: it falls, in every variant."""
     monkeypatch.setattr(module, "VARIANTS", {"modified": VARIANTS["modified"]})
     monkeypatch.setattr(module, "run_parallel", in_this_process)
-    fall = ["--set", "vehicle.rotor.max_thrust_n=2", "--set", "duration=1", "--set", "settle_s=0"]
+    weak = ["--set", "vehicle.rotor.max_thrust_n=2", "--set", "vehicle.base_position_m=[0, 0, 9]"]
+    fall = [*weak, "--set", "duration=1", "--set", "settle_s=0"]
     assert main(["compare", "hover", *fall, "--out", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().out
     assert re.search(r"^modified +\d.*  lost: .+ at 0\.\d+ s$", said, re.MULTILINE)

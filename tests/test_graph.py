@@ -134,8 +134,9 @@ def test_mermaid_follows_signals_into_and_out_of_diagrams(closed_loop):
     drawn = arrows(to_mermaid(closed_loop, DEPTH))
     for consumer in ("kinematics", "mpc", "residual_estimator", "flight_controller"):
         assert drawn["sensors", consumer] == "state"
-    assert drawn["setpoint_integrator", "flight_controller"] == "base_setpoint"
-    assert drawn["setpoint_integrator", "mpc"] == "base_setpoint<br/>joint_setpoint"
+    assert drawn["setpoint_integrator", "arm_controller"] == "joint_setpoint"
+    for consumer in ("flight_controller", "equivalent_state", "mpc"):
+        assert drawn["setpoint_integrator", consumer] == "base_setpoint<br/>joint_setpoint"
     assert drawn["plant", "sensors"] == "state → true_state"
     opened = arrows(to_mermaid(closed_loop, DEPTH + 1))
     assert drawn["wind", "forces"] == opened["wind_force", "forces"] == "spatial_forces"
@@ -147,7 +148,7 @@ def test_mermaid_depth(closed_loop):
     shallow = to_mermaid(closed_loop, 1)
     assert nodes(shallow) == {"station", "coordinator"}
     assert arrows(shallow) == {
-        ("station", "coordinator"): "saturated<br/>state",
+        ("station", "coordinator"): "disturbance<br/>saturated<br/>specific_thrust<br/>state",
         ("coordinator", "station"): "base_setpoint<br/>joint_setpoint",
     }
     assert to_mermaid(closed_loop, 9) == to_mermaid(closed_loop, DEPTH + 1)

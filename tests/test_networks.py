@@ -32,14 +32,18 @@ def flown():
     """The flights' samples, the network, the model's gain and the residual section."""
     scenario = load_scenario("clover_paper")
     network, _ = load(locate(scenario.residual.checkpoint), JOINTS)
-    model = EquivalentModel.make(
-        scenario.model.kind, scenario.model.k_b, scenario.rates.mpc_period_s, JOINTS
-    )
+    model = EquivalentModel.of(scenario, JOINTS)
     flights = {}
     for stage in FLIGHTS:
         tape = fly_stage(scenario, stage)
         flights[stage.name] = residual_samples(
-            model, tape.state, tape.base_setpoint, tape.joint_setpoint
+            model,
+            tape.state,
+            tape.base_setpoint,
+            tape.joint_setpoint,
+            tape.specific_thrust,
+            tape.external_acceleration,
+            tape.disturbance,
         )
     gain = model.C[model.base_velocity].diagonal()
     return flights, network, gain, scenario.residual

@@ -51,11 +51,9 @@ def hover_with(changes: dict[str, object]) -> Scenario:
             "got 0.0105 s",
         ),
         ({"name": "../elsewhere"}, "name: expected a name that can be a folder's"),
-        ({"flight.interface": "position"}, "model.kind: velocity_aware expects"),
-        ({"mpc.tilt": "flatness"}, "mpc.tilt: flatness expects model.kind paper or exact"),
         (
-            {"mpc.tilt": "flatness", "model.kind": "integral"},
-            "mpc.tilt: flatness expects model.kind paper or exact",
+            {"flight.interface": "position", "model.kind": "velocity_aware"},
+            "model.kind: velocity_aware expects",
         ),
         (
             {"allocation.d_edge_m": 0.07},
@@ -72,7 +70,7 @@ def test_contradictions_are_named(changes, expected):
         hover_with(changes)
 
 
-@pytest.mark.parametrize("kind", ["paper", "exact"])
+@pytest.mark.parametrize("kind", ["flight", "paper", "exact", "integral"])
 def test_combinations_that_go_together(kind):
     scenario = hover_with(
         {

@@ -10,7 +10,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, DiscreteTimeIntegrator, RandomSource
 
-from aerodrake.scenario import Payload, Rates, Scenario, Sensors
+from aerodrake.scenario import Filter, Payload, Rates, Scenario, Sensors
 from aerodrake.sensors import make_sensors
 from aerodrake.simulate import Flight
 from aerodrake.station import make_context
@@ -26,10 +26,10 @@ def make_moving(config: Sensors, trim: np.ndarray, rates: Rates) -> Diagram:
     builder = DiagramBuilder()
     slope = builder.AddSystem(ConstantVectorSource(SLOPE / rates.plant_step_s))
     mover = builder.AddNamedSystem("mover", DiscreteTimeIntegrator(len(SLOPE), rates.plant_step_s))
-    sensors = builder.AddSystem(make_sensors(config, rates, JOINTS, trim))
+    sensors = builder.AddSystem(make_sensors(config, Filter(), rates, trim, np.zeros(6)))
     builder.Connect(slope.get_output_port(), mover.get_input_port())
-    builder.Connect(mover.get_output_port(), sensors.get_input_port())
-    builder.ExportOutput(sensors.get_output_port(), "state")
+    builder.Connect(mover.get_output_port(), sensors.GetInputPort("true_state"))
+    builder.ExportOutput(sensors.GetOutputPort("sample"), "sample")
     return builder.Build()
 
 
@@ -78,15 +78,21 @@ def test_trim_comes_out_of_a_delay_to_the_last_bit(vehicle):
 
 
 def test_without_delay_there_is_nothing_to_delay(vehicle):
-    sensors = make_sensors(Sensors(), Rates(), JOINTS, vehicle.trim_state)
-    assert {s.get_name() for s in sensors.GetSystems()} == {"sensor_noise", "sampler"}
+    sensors = make_sensors(Sensors(), Filter(), Rates(), vehicle.trim_state, np.zeros(6))
+    assert {s.get_name() for s in sensors.GetSystems()} == {
+        "sensor_noise",
+        "sampler",
+        "state_filter",
+    }
     assert not sensors.HasAnyDirectFeedthrough()
 
 
 def test_noise_is_the_same_at_any_delay(vehicle):
     draws = []
     for delay in (0.0, 0.01):
-        sensors = make_sensors(Sensors(base_delay_s=delay), Rates(), JOINTS, vehicle.trim_state)
+        sensors = make_sensors(
+            Sensors(base_delay_s=delay), Filter(), Rates(), vehicle.trim_state, np.zeros(6)
+        )
         noise = sensors.GetSubsystemByName("sensor_noise")
         assert isinstance(noise, RandomSource)
         context = noise.GetMyContextFromRoot(make_context(sensors, 3))

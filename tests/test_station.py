@@ -27,6 +27,9 @@ STATION_OUTPUTS = {
     "thrust": ROTORS,
     "thrust_command": ROTORS,
     "joint_torque": JOINTS,
+    "sample": STATE,
+    "external_acceleration": 3,
+    "specific_thrust": 1,
     "disturbance": 6,
     "saturated": 1,
     "wind_force": 3,
@@ -65,7 +68,9 @@ def ports(diagram) -> tuple[dict[str, int], dict[str, int]]:
 def test_ports(station, closed_loop, scenario):
     coordinator = make_coordinator(replace(scenario, mpc=replace(scenario.mpc, horizon=N)))
     assert ports(station) == (SETPOINTS, STATION_OUTPUTS)
-    assert ports(coordinator) == ({"state": STATE, "saturated": 1}, COORDINATOR_OUTPUTS)
+    heard = {"state": STATE, "external_acceleration": 3, "specific_thrust": 1}
+    heard |= {"disturbance": 6, "saturated": 1}
+    assert ports(coordinator) == (heard, COORDINATOR_OUTPUTS)
     assert scenario.mpc.horizon == N
     assert ports(closed_loop) == ({}, STATION_OUTPUTS | COORDINATOR_OUTPUTS)
 
@@ -226,8 +231,14 @@ def coordinate(scenario, vehicle, duration: float):
     """
     coordinator = make_coordinator(scenario)
     context = make_context(coordinator, 0)
-    coordinator.GetInputPort("state").FixValue(context, vehicle.trim_state)
-    coordinator.GetInputPort("saturated").FixValue(context, [0.0])
+    for port, value in (
+        ("state", vehicle.trim_state),
+        ("specific_thrust", [9.81]),
+        ("external_acceleration", np.zeros(3)),
+        ("disturbance", np.zeros(6)),
+        ("saturated", [0.0]),
+    ):
+        coordinator.GetInputPort(port).FixValue(context, value)
     simulator = Simulator(coordinator, context)
     rows = {port: [] for port in ("base_setpoint", "joint_setpoint", "u")}
     for k in range(round(duration / 0.01)):
@@ -359,8 +370,8 @@ def loaded_hover():
 def test_a_payload_is_lifted_and_the_tool_returns(loaded_hover, vehicle):
     log = loaded_hover
     assert log["thrust_n"][-1].sum() == pytest.approx((vehicle.mass + 0.2) * 9.81, abs=1e-3)
-    assert 0.01 < log.error_m.max() < 0.06
-    assert log.error_m[log.time_s > 5].max() < 1e-3
+    assert 0.003 < log.error_m.max() < 0.008
+    assert log.error_m[log.time_s > 5].max() < 1e-6
     assert log["disturbance_m_s2"][-1][2] == pytest.approx(-0.2 * 9.81 / vehicle.mass, abs=1e-3)
 
 

@@ -111,15 +111,15 @@ def test_kinds_by_k_b_are_made_at_the_mpcs_rate():
 def test_layout_of_the_flight_model():
     scenario = Scenario(flight=Flight(rate_gain=(24.0, 22.0, 12.0)), rates=Rates(mpc_period_s=0.04))
     model = EquivalentModel.of(scenario, 4)
-    names = ("p", "v", "p_d", "v_d", "b", "d", "r", "alpha", "w")
+    names = ("p", "v", "p_d", "v_d", "b", "d", "h", "r", "alpha", "w")
     assert (model.axis_states, model.joints, model.dt) == (names, 4, 0.04)
-    assert model.A.shape == (27 + 8, 27 + 8) and model.B.shape == (27 + 8, 7)
-    np.testing.assert_array_equal(model.base_state("d"), [5, 14, 23])
-    np.testing.assert_array_equal(model.hidden, [7, 16, 25, 8, 17, 26])
-    np.testing.assert_array_equal(model.joint_position, [27, 29, 31, 33])
+    assert model.A.shape == (30 + 8, 30 + 8) and model.B.shape == (30 + 8, 7)
+    np.testing.assert_array_equal(model.base_state("d"), [5, 15, 25])
+    np.testing.assert_array_equal(model.hidden, [8, 18, 28, 9, 19, 29])
+    np.testing.assert_array_equal(model.joint_position, [30, 32, 34, 36])
     for axis in range(3):
         one = flight_axis(axis, scenario.flight, scenario.vehicle.rotor, 0.01, 0.04)
-        block = slice(9 * axis, 9 * axis + 9)
+        block = slice(10 * axis, 10 * axis + 10)
         np.testing.assert_array_equal(model.A[block, block], one.A)
         np.testing.assert_array_equal(model.B[block, axis], one.B)
         np.testing.assert_array_equal(model.C[block, axis], one.C)
@@ -133,7 +133,7 @@ def test_joints_are_double_integrators_beside_the_flight_model(flight):
     after = flight.predict(x, u, np.zeros(3))
     np.testing.assert_allclose(after[flight.joint_position], 0.3 - 0.4 * 0.02 + 0.0002 * 2)
     np.testing.assert_allclose(after[flight.joint_velocity], -0.4 + 0.02 * 2)
-    np.testing.assert_array_equal(after[:27], 0)
+    np.testing.assert_array_equal(after[:30], 0)
 
 
 def test_thrust_is_along_the_bases_axis_and_turns_with_it():
@@ -142,7 +142,7 @@ def test_thrust_is_along_the_bases_axis_and_turns_with_it():
     turned = Rotation.from_euler("zyx", [0.4, 0.2, -0.3])
     state.quaternion[:] = np.roll(turned.as_quat(), 1)
     state.omega_W[:] = 0.5, -0.7, 0.9
-    thrust = Thrust.make(state, 10.5, np.arange(6.0))
+    thrust = Thrust.make(state, 10.5, np.full(3, 0.4), np.arange(6.0))
 
     def b(turned):
         return turned.apply([0, 0, 10.5]) - [0, 0, 9.81]
@@ -153,18 +153,21 @@ def test_thrust_is_along_the_bases_axis_and_turns_with_it():
     slope = (b(after) - b(before)) / (2 * h)
     assert abs(slope[2]) > 1
     np.testing.assert_allclose(thrust.r, [*slope[:2], 0], atol=1e-7)
-    np.testing.assert_array_equal(thrust.d, [0, 1, 2])
+    np.testing.assert_array_equal(thrust.d, np.full(3, 0.4))
+    np.testing.assert_array_equal(thrust.h, [0, 1, 2])
 
 
-THRUST = Thrust(b=np.array([1.0, 2, 3]), r=np.array([4.0, 5, 0]), d=np.array([0.1, 0.2, 0.3]))
+THRUST = Thrust(
+    b=np.array([1.0, 2, 3]), r=np.array([4.0, 5, 0]), d=np.full(3, 0.4), h=np.arange(3.0)
+)
 BASE, ARM = np.arange(9.0), np.arange(3.0 * JOINTS)
 
 
 def test_flight_models_first_state_is_measured_but_for_what_is_hidden(flight):
     x = flight.initial_state(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST)
     for i in range(3):
-        measured = [1, 2, BASE[i], BASE[3 + i], THRUST.b[i], THRUST.d[i], THRUST.r[i], 0, 0]
-        np.testing.assert_array_equal(x[9 * i : 9 * i + 9], measured)
+        measured = [1, 2, BASE[i], BASE[3 + i], THRUST.b[i], 0.4, i, THRUST.r[i], 0, 0]
+        np.testing.assert_array_equal(x[10 * i : 10 * i + 10], measured)
     np.testing.assert_array_equal(x[flight.joint_position], ARM[:JOINTS])
     np.testing.assert_array_equal(x[flight.joint_velocity], ARM[JOINTS : 2 * JOINTS])
 

@@ -28,7 +28,7 @@ def equivalent_model(kind: str = "exact") -> EquivalentModel:
 def recorded(ticks: int, seed: int = 0) -> tuple[np.ndarray, ...]:
     """State, setpoints, thrust and disturbance at each tick; nothing is the same twice."""
     rng = np.random.default_rng(seed)
-    sizes = (VehicleState.size(JOINTS), 9, 3 * JOINTS, 1, 6)
+    sizes = (VehicleState.size(JOINTS), 9, 3 * JOINTS, 1, 3, 6)
     state, *others = (0.3 * rng.normal(size=(ticks, size)) for size in sizes)
     state[:, 0] = 1
     return state, *others
@@ -49,7 +49,7 @@ def test_a_recorded_flight_is_that_of_the_estimator_in_a_diagram(kind):
         network.last.weight.fill_(0.1)
     config = Residual(mode="online", learning_rate=0.05, batch=7, max_step=0.05, max_drift=0.3,
                       max_error_m_s=1.0)  # fmt: skip
-    state, base, joints, thrust, disturbance = recorded(ticks)
+    state, base, joints, thrust, external, disturbance = recorded(ticks)
     saturated = np.random.default_rng(9).uniform(size=ticks) < 0.2
     saturated[1] = True  # The recorded flight lacks the first sample.
     builder = DiagramBuilder()
@@ -62,6 +62,7 @@ def test_a_recorded_flight_is_that_of_the_estimator_in_a_diagram(kind):
         ("base_setpoint", before_the_tick(base, 3), both),
         ("joint_setpoint", before_the_tick(joints, JOINTS), both),
         ("specific_thrust", thrust, [equivalent_state]),
+        ("external_acceleration", external, [equivalent_state]),
         ("disturbance", disturbance, [equivalent_state]),
         ("saturated", saturated[:, None].astype(float), [estimator]),
     ):
@@ -79,7 +80,7 @@ def test_a_recorded_flight_is_that_of_the_estimator_in_a_diagram(kind):
     simulator = Simulator(diagram)
     simulator.AdvanceTo(DT * (ticks - 0.5))
 
-    features, targets = residual_samples(model, state, base, joints, thrust, disturbance)
+    features, targets = residual_samples(model, state, base, joints, thrust, external, disturbance)
     assert features.shape == (ticks - 2, 12 + 3 * JOINTS) and targets.shape == (ticks - 2, 3)
     # The error of the sample that began at k is there after the tick k+1: logged at k+2.
     error = errors.FindLog(simulator.get_context()).data().T

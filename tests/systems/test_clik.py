@@ -19,7 +19,7 @@ from aerodrake.simulate import Flight
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.mpc import MpcSystem
 
-CONFIG = Mpc(horizon=4)
+CONFIG = Mpc(horizon=4, k_e=(3.0, 3.0, 3.0))
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +108,10 @@ def test_what_is_not_finite_commands_nothing_and_stays_nowhere(clik, values, por
 def test_flies_in_the_mpcs_place(scenario):
     """To a centimetre, within all bounds."""
     path = Lissajous(amplitude_m=(0.2, 0.15, 0.1), period_s=(10.0, 8.0, 12.0), start_s=1.0)
-    flown = replace(scenario, controller="clik", settle_s=0.1, duration=3.0, reference=path)
+    mpc = replace(scenario.mpc, k_e=CONFIG.k_e)
+    flown = replace(
+        scenario, controller="clik", mpc=mpc, settle_s=0.1, duration=3.0, reference=path
+    )
     log = Flight(flown).fly()
     assert log.exit_reason == "completed" and len(log["tick_ms"]) == 155
     assert np.ptp(log["p_Ed_m"], axis=0).max() > 0.1

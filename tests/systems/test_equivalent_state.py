@@ -23,7 +23,12 @@ def make(vehicle, kind: str = "flight") -> tuple[EquivalentModel, EquivalentStat
 def ticks(vehicle) -> list[dict[str, np.ndarray]]:
     """Of the input ports at some ticks: no two numbers alike."""
     rng = np.random.default_rng(0)
-    sizes = {"base_setpoint": 9, "joint_setpoint": 3 * vehicle.joints, "disturbance": 6}
+    sizes = {
+        "base_setpoint": 9,
+        "joint_setpoint": 3 * vehicle.joints,
+        "disturbance": 6,
+        "external_acceleration": 3,
+    }
     return [
         {port: rng.normal(size=size) for port, size in sizes.items()}
         | {
@@ -60,12 +65,13 @@ def by_hand(model, values, last: np.ndarray | None) -> np.ndarray:
         "v_d": base[3:6],
         "b": thrust - [0, 0, G],
         "r": np.cross(state.omega_W, thrust) * [1, 1, 0],
-        "d": values["disturbance"][:3],
+        "d": values["external_acceleration"],
+        "h": values["disturbance"][:3],
     }
     x = np.zeros(len(model.A))
     for name, value in parts.items():
         x[model.base_state(name)] = value
-    x[27::2], x[28::2] = arm[:n], arm[n : 2 * n]
+    x[30::2], x[31::2] = arm[:n], arm[n : 2 * n]
     if last is not None:
         moved = model.predict(last, np.concatenate([base[6:], arm[2 * n :]]), np.zeros(3))
         for name in HIDDEN:
@@ -76,7 +82,7 @@ def by_hand(model, values, last: np.ndarray | None) -> np.ndarray:
 def test_ports_rate_and_feedthrough(vehicle):
     model, system = make(vehicle)
     sizes = {"state": 25, "base_setpoint": 9, "joint_setpoint": 18, "disturbance": 6}
-    for port, size in (sizes | {"specific_thrust": 1}).items():
+    for port, size in (sizes | {"specific_thrust": 1, "external_acceleration": 3}).items():
         assert system.GetInputPort(port).size() == size
         assert system.HasDirectFeedthrough(system.GetInputPort(port).get_index(), 0)
     assert system.GetOutputPort("x_0").size() == len(model.A)
@@ -105,7 +111,15 @@ def test_what_is_measured_between_ticks_does_not_stay(vehicle, ticks):
 
 
 @pytest.mark.parametrize(
-    "port", ["state", "base_setpoint", "joint_setpoint", "disturbance", "specific_thrust"]
+    "port",
+    [
+        "state",
+        "base_setpoint",
+        "joint_setpoint",
+        "disturbance",
+        "external_acceleration",
+        "specific_thrust",
+    ],
 )
 def test_a_tick_that_is_not_finite_does_not_poison_those_to_come(vehicle, ticks, port):
     """The next one begins anew, as the first did."""

@@ -15,7 +15,7 @@ SETTLE_S, STAGES_S = 3.0, np.array([0.0, 0.02, 0.04, 0.1, 0.24])
 
 def make_system(config=None):
     curve = make_reference(config or Clover(), START)
-    return curve, ReferenceSystem(curve, SETTLE_S, STAGES_S)
+    return curve, ReferenceSystem(curve, START, SETTLE_S, STAGES_S)
 
 
 def port(system, context, name):
@@ -45,7 +45,9 @@ def test_outputs_are_those_of_the_curve_at_reference_time():
         )
         horizon = port(system, context, "horizon").reshape(5, 6)
         for ahead, row in zip(STAGES_S, horizon, strict=True):
-            p, v = curve.evaluate(np.array([t - SETTLE_S + ahead]))
+            # Before it all begins, there is no view of what comes.
+            time = t - SETTLE_S + ahead if t >= SETTLE_S else 0.0
+            p, v = curve.evaluate(np.array([time]))
             np.testing.assert_allclose(row, [*p[0], *v[0]], atol=1e-12)
 
 

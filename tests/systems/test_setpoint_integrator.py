@@ -24,15 +24,15 @@ SIZE = len(START)
 class Driver:
     """The integrator in a Simulator, from rest at `START`."""
 
-    def __init__(self, enable: float = 1.0):
+    def __init__(self):
         self.system = SetpointIntegrator(LIMITS, START, DT)
         self.simulator = Simulator(self.system)
         self.context = self.simulator.get_mutable_context()
-        self.enable(enable)
         self.command(np.zeros(SIZE))
 
-    def enable(self, value: float) -> None:
-        self.system.GetInputPort("enable").FixValue(self.context, [value])
+    def brake(self) -> None:
+        """Asks for rest at the next tick, to be called just after each."""
+        self.command(-self.now[1] / DT)
 
     def command(self, u) -> None:
         self.system.GetInputPort("u").FixValue(self.context, u)
@@ -108,12 +108,6 @@ def test_hard_commands_come_to_rest_at_the_position_limits(side):
     np.testing.assert_allclose(u, 0, atol=1e-3)
 
 
-def test_disabled_it_ignores_the_command():
-    driver = Driver(enable=0.0)
-    driver.command(np.ones(SIZE))
-    np.testing.assert_array_equal(driver.advance(0.3), [START, 0 * START, 0 * START])
-
-
 def assert_smooth(track: np.ndarray, step: float) -> None:
     """Over (T, 3, m) samples no position or velocity moves faster than its limits let it."""
     p, v, _ = np.moveaxis(track, 1, 0)
@@ -123,22 +117,19 @@ def assert_smooth(track: np.ndarray, step: float) -> None:
     assert np.all(np.abs(np.diff(p, axis=0) - mean * step) <= bound + 1e-9)
 
 
-def test_enabling_and_disabling_never_jumps():
-    """Brakes to rest, waits, and follows again from there; whenever it is told."""
-    driver = Driver(enable=0.0)
-    track, switches = [], {100: 1.0, 433: 0.0, 1450: 1.0, 1507: 0.0, 1511: 1.0}
-    rng = np.random.default_rng(1)
+def test_setpoints_never_jump():
+    """Whatever is asked for, and whenever; to rest, too."""
+    driver, rng, track = Driver(), np.random.default_rng(1), []
     for k in range(2000):
         track.append(driver.advance(k * 0.001 + 1e-9))
-        if k in switches:
-            driver.enable(switches[k])
-        if k % 20 == 0:
+        if k % 20 == 0 and 400 < k < 1400:
+            driver.brake()
+        elif k % 20 == 0:
             driver.command(rng.uniform(-5, 5, SIZE))
     track = np.array(track)
     assert_smooth(track, 0.001)
-    assert np.abs(track[200:433, 1]).max() > 0.3  # It moved,
-    np.testing.assert_allclose(track[1000:1450, 1], 0, atol=1e-12)  # stopped,
-    np.testing.assert_allclose(track[1000:1450, 0], track[1000, :1].repeat(450, axis=0), atol=1e-9)
+    assert np.abs(track[200:400, 1]).max() > 0.3  # It moved,
+    np.testing.assert_allclose(track[1000:1400, 1], 0, atol=1e-9)  # stopped,
     assert np.abs(track[1500:, 1]).max() > 0.1  # and moved again.
 
 
@@ -147,12 +138,10 @@ def test_braking_takes_the_acceleration_limit_and_no_longer():
     driver.command([4.0, 0.0, -3.0, 15.0, 0.0])
     _, v, _ = driver.advance(after_tick(5))
     np.testing.assert_allclose(v, [0.4, 0, -0.3, 1.5, 0], atol=1e-6)
-    driver.enable(0.0)
-    driver.advance(after_tick(6))
-    _, v, _ = driver.advance(after_tick(11))
-    np.testing.assert_allclose(v, [0.08, 0, -0.06, 0.3, 0], atol=1e-6)
-    _, v, _ = driver.advance(after_tick(12))
-    np.testing.assert_allclose(v, 0, atol=1e-6)
+    for k, left in ((6, 0.8), (7, 0.6), (8, 0.4), (9, 0.2), (10, 0.0)):
+        driver.brake()
+        _, v, _ = driver.advance(after_tick(k))
+        np.testing.assert_allclose(v, left * np.array([0.4, 0, -0.3, 1.5, 0]), atol=1e-6)
 
 
 @given(st.floats(0.0, 0.02), st.integers(1, 40))
@@ -161,9 +150,11 @@ def test_braking_keeps_the_position_limits(slack, ticks):
     driver = Driver()
     driver.command(np.array([0.0, 0.0, 0.0, 15.0, 10.0]) - slack * 100)
     driver.advance(after_tick(ticks))
-    driver.enable(0.0)
-    for k in range(2 * ticks, 2 * ticks + 60):
-        p, _, _ = driver.advance(k * 0.01 + 0.001)
+    for k in range(ticks, ticks + 30):
+        driver.brake()
+        driver.advance((k + 0.5) * DT)
+        assert np.all(driver.now[0] <= LIMITS.upper + 1e-9)
+        p, _, _ = driver.advance(after_tick(k + 1))
         assert np.all(p <= LIMITS.upper + 1e-9)
 
 
@@ -186,19 +177,10 @@ def test_a_command_that_changes_between_ticks_counts_from_the_last_tick():
 def test_ports_rate_and_feedthrough():
     system = SetpointIntegrator(LIMITS, START, DT)
     assert system.GetInputPort("u").size() == SIZE
-    assert system.GetInputPort("enable").size() == 1
+    assert system.num_input_ports() == 1
     assert system.GetOutputPort("base_setpoint").size() == 9
     assert system.GetOutputPort("joint_setpoint").size() == 3 * (SIZE - 3)
     for port in ("base_setpoint", "joint_setpoint"):
         assert system.HasDirectFeedthrough(0, system.GetOutputPort(port).get_index())
     timing = system.GetUniquePeriodicDiscreteUpdateAttribute()
     assert (timing.period_sec(), timing.offset_sec()) == (DT, 0)
-
-
-def test_enable_is_heeded_at_ticks_alone():
-    driver = Driver()
-    driver.command(np.ones(SIZE))
-    driver.advance(after_tick(3))
-    driver.enable(0.0)
-    np.testing.assert_allclose(driver.advance(3.9 * DT)[2], 1)
-    assert np.all(driver.advance(after_tick(4))[2] < 0)
