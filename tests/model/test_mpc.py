@@ -239,7 +239,7 @@ def test_optimum_is_that_of_the_problem_written_out(option, prepared, tight_scen
             assert np.all(ours.A @ result.z >= program.lower - 1e-9)
             gaps.pop()
     assert len(OPTIONS) * len(statuses) > 100 and len(gaps) > len(statuses) / 2
-    assert np.max(gaps) < 1e-6
+    assert np.max(gaps) < 1e-5
     assert set(statuses) <= {QpStatus.UNCONSTRAINED, QpStatus.SOLVED}
     assert np.mean(np.array(active) > 0) > 0.5
 
