@@ -43,7 +43,7 @@ class ArmController(LeafSystem):
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         state = VehicleState.from_vector(self._state.Eval(context))
-        q_d, qdot_d, _ = np.split(self._setpoint.Eval(context), 3)
+        q_d, qdot_d, _ = self._setpoint.Eval(context).reshape(3, -1)
         error, rate_error = q_d - state.q, qdot_d - state.qdot
         integral = context.get_discrete_state(self._x_integral).value()
         discrete.set_value(self._x_torque, self._pid.torque(error, rate_error, integral))

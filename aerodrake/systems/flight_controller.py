@@ -150,14 +150,14 @@ class FlightController(LeafSystem):
         config, vehicle = self._config, self._vehicle
         old = context.get_discrete_state
         state = VehicleState.from_vector(self._state.Eval(context))
-        p_d, v_d, a_d = np.split(self._setpoint.Eval(context), 3)
+        p_d, v_d, a_d = self._setpoint.Eval(context).reshape(3, -1)
         if config.interface == "position":
             v_d = a_d = np.zeros(3)
         R = state.R_B
         omega = R.T @ state.omega_W
 
         # What the rotors gave since the last sample.
-        linear, angular = np.split(old(self._x_acceleration).value(), 2)
+        linear, angular = old(self._x_acceleration).value().reshape(2, 3)
         position_eso = self._position_eso.step(
             old(self._x_position).value().reshape(3, 3), linear, state.p_B
         )
@@ -231,7 +231,7 @@ class FlightController(LeafSystem):
         if self._whole_body is None:
             omega = state.R_B.T @ state.omega_W
             return np.zeros(3), VectorToSkewSymmetric(omega) @ self._vehicle.inertia @ omega
-        q_d, qdot_d, qddot_d = np.split(self._joint_setpoint.Eval(context), 3)
+        q_d, qdot_d, qddot_d = self._joint_setpoint.Eval(context).reshape(3, -1)
         # The commanded arm, since the measured one is noisier than its lag is long.
         effort = self._whole_body.effort(replace(state, q=q_d, qdot=qdot_d), a_B, qddot_d)
         return effort.force / self._vehicle.mass - a_B - GRAVITY * UP, effort.torque

@@ -67,8 +67,8 @@ class KinematicController(LeafSystem):
         """What the tick at this Context is about."""
         state = VehicleState.from_vector(self._state.Eval(context))
         rates = state.rpy_rates
-        _, _, a_d = np.split(self._base_setpoint.Eval(context), 3)
-        _, _, qddot_d = np.split(self._joint_setpoint.Eval(context), 3)
+        _, _, a_d = self._base_setpoint.Eval(context).reshape(3, -1)
+        _, _, qddot_d = self._joint_setpoint.Eval(context).reshape(3, -1)
         _, _, w_q, w_m, w_d = self._weights.Eval(context)
         return MpcInputs(
             x_0=self._x_0.Eval(context),
