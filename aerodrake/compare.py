@@ -13,6 +13,7 @@ from aerodrake.errors import BadInput, nearest
 from aerodrake.flight_folder import fly_into
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.processes import run_parallel
+from aerodrake.reference_kinds import OrientationOff
 from aerodrake.scenario import Scenario
 from aerodrake.scenario_rules import check
 from aerodrake.simulate import Flight
@@ -75,7 +76,9 @@ VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
     "modified": lambda scenario: _with_residual(scenario, "off"),
     "modified+offline": lambda scenario: _with_residual(scenario, "offline"),
     "modified+online": lambda scenario: _with_residual(scenario, "online"),
-    "clik": lambda scenario: replace(_with_residual(scenario, "off"), controller="clik"),
+    "clik": lambda scenario: replace(
+        _with_residual(scenario, "off"), controller="clik", orientation=OrientationOff()
+    ),
     "fixed_weights": _with("allocation", kind="fixed"),
     **PARTS,
 }
@@ -84,8 +87,8 @@ VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
 `integral` believes the command, `integral_best` does with the weights of the
 section `baseline`. `modified` has the scenario's own model without a residual,
 `+offline` with its network as it is, `+online` with one that learns. `clik` is
-closed-loop inverse kinematics; `fixed_weights` the scenario without allocation.
-The rest is the scenario without one of `PARTS`.
+closed-loop inverse kinematics, which has no orientation task; `fixed_weights` the
+scenario without allocation. The rest is the scenario without one of `PARTS`.
 """
 
 OWN_VARIANT = {"off": "modified", "offline": "modified+offline", "online": "modified+online"}

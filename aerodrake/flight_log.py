@@ -61,6 +61,8 @@ is logged as a plain series (T,), the others as (T, width).
 DERIVED = {
     "time_s": "(T,) reference time; negative during the initial hover",
     "p_E_m": "(T, 3) end-effector, from the true state",
+    "tool_axis": "(T, 3) direction in the world in which the tool points, from the true state",
+    "tool_axis_d": "(T, 3) direction that it is to have; zero without an orientation task",
     "tick_ms": "(ticks,) wall time of forming and solving each program of the MPC",
 }
 """Keys that are not a port's, with their meaning."""
@@ -95,6 +97,15 @@ class FlightLog:
     def error_m(self) -> np.ndarray:
         """(T,) distance of the end-effector from its reference."""
         return np.linalg.norm(self["p_E_m"] - self["p_Ed_m"], axis=1)
+
+    @property
+    def tool_angle_rad(self) -> np.ndarray | None:
+        """(T,) of the tool's axis from its wanted direction; None without an orientation task."""
+        t, d = self["tool_axis"], self["tool_axis_d"]
+        if not d.any():
+            return None
+        # Unlike the arc cosine of their product, it tells small angles.
+        return np.arctan2(np.linalg.norm(np.cross(t, d), axis=1), np.sum(t * d, axis=1))
 
     @property
     def p_EB_m(self) -> np.ndarray:

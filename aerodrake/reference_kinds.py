@@ -1,4 +1,4 @@
-"""The references a scenario can name: what the end-effector is to follow."""
+"""The references a scenario can name: what the end-effector is to follow, where it is to point."""
 
 from __future__ import annotations
 
@@ -67,4 +67,31 @@ class Waypoints:
     file: str = file()
 
 
+@dataclass(frozen=True)
+class OrientationOff:
+    """No orientation task: the tool points where the position task leaves it."""
+
+    kind: ClassVar[str] = "off"
+
+
+@dataclass(frozen=True)
+class FixedAxis:
+    """The tool's axis keeps a direction in the world, by default down; its length is free."""
+
+    kind: ClassVar[str] = "fixed"
+    axis: tuple[float, ...] = quantity((0.0, 0.0, -1.0), "1", -1000.0, 1000.0, length=3)
+
+
+@dataclass(frozen=True)
+class AxisAlong:
+    """The tool's axis follows directions from a CSV with the header `t,ax,ay,az`.
+
+    s, and vectors of any length in the world frame, interpolated smoothly.
+    """
+
+    kind: ClassVar[str] = "along"
+    file: str = file()
+
+
 Reference = Hover | Clover | FigureEight | Lissajous | MovingTarget | Waypoints
+Orientation = OrientationOff | FixedAxis | AxisAlong

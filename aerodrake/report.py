@@ -52,9 +52,9 @@ def table(summary: dict[str, Any], kind: str) -> str:
         summary: As from `summarize`.
         kind: Of the reference.
     """
-    paper, error, base, mpc = (
+    paper, error, angle, base, mpc = (
         PAPER.get(kind, {}),
-        *(summary[k] for k in ("error", "base_error", "mpc")),
+        *(summary[k] for k in ("error", "orientation", "base_error", "mpc")),
     )
     rows = [("end-effector error", "", "")]
     for key, label in (
@@ -65,12 +65,12 @@ def table(summary: dict[str, Any], kind: str) -> str:
         ("max_m", "max"),
     ):
         rows.append((f"  {label}", _mm(error[key]), _mm(paper.get(key))))
+    approach = _unit(error["approach_s"], "s"), _unit(paper.get("approach_s"), "s")
+    rows.append(("  first within d_h", *approach))
+    if angle["mean_rad"] is not None:
+        rows.append(("tool's angle, mean", _deg(angle["mean_rad"]), ""))
+        rows.append(("tool's angle, max", _deg(angle["max_rad"]), ""))
     rows += [
-        (
-            "  first within d_h",
-            _unit(error["approach_s"], "s"),
-            _unit(paper.get("approach_s"), "s"),
-        ),
         ("base error, mean", _mm(base["mean_m"]), ""),
         ("base error, max", _mm(base["max_m"]), ""),
         ("MPC tick, median", _unit(mpc["median_ms"], "ms"), ""),
@@ -101,9 +101,11 @@ def table(summary: dict[str, Any], kind: str) -> str:
 def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
     """Writes the figure of one flight: paths, errors, allocation, base and joints."""
     with rc_context(STYLE):
-        figure = Figure(figsize=(13, 14), layout="constrained")
+        angle = log.tool_angle_rad
+        rows = 6 if angle is None else 7
+        figure = Figure(figsize=(13, 14 * rows / 6), layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
-        grid = figure.add_gridspec(6, 2, width_ratios=[1.15, 1])
+        grid = figure.add_gridspec(rows, 2, width_ratios=[1.15, 1])
         _paths(figure.add_subplot(grid[:3, 0], projection="3d"), log)
         times: list[Axes] = []
 
@@ -121,6 +123,8 @@ def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
         _base(timeline(grid[3, 1]), log)
         _series(timeline(grid[4, 1]), log, "q_rad", np.degrees, "joint angles / deg")
         _series(timeline(grid[5, 1]), log, "qdot_rad_s", np.degrees, "joint velocities / deg/s")
+        if angle is not None:
+            _angle(timeline(grid[6, :]), log.time_s, angle)
         for axes in (times[5], times[-1]):
             axes.set_xlabel("reference time / s")
         # No version or date inside: the same flight gives the same bytes.
@@ -162,6 +166,12 @@ def _error(axes: Axes, log: FlightLog) -> None:
     axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-2))
     axes.set_ylabel("error / mm")
     axes.legend(loc="best", ncols=2)
+
+
+def _angle(axes: Axes, time_s: np.ndarray, angle: np.ndarray) -> None:
+    axes.plot(time_s, np.degrees(angle), color=ACCENT)
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel("tool's angle / deg")
 
 
 def draw_allocation(axes: Axes, log: FlightLog) -> None:
@@ -215,6 +225,10 @@ def widen(axis: Axis, span: float) -> None:
 
 def _mm(value: float | None) -> str:
     return "" if value is None else f"{1e3 * value:.2f} mm"
+
+
+def _deg(value: float) -> str:
+    return f"{np.degrees(value):.3f} deg"
 
 
 def _unit(value: float | None, unit: str) -> str:

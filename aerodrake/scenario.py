@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-from aerodrake.reference_kinds import Hover, Reference
+from aerodrake.reference_kinds import Hover, Orientation, OrientationOff, Reference
 from aerodrake.schema import choice, file, provenance, quantity
 
 
@@ -213,6 +213,10 @@ class Mpc(Weights):
     error: str = choice("predicted", "frozen")
     # W_5 on changes of the base's acceleration from one stage to the next.
     w_5: tuple[float, ...] = quantity((1000.0, 1000.0, 1000.0), "1", 0.0, 1e6, length=3)
+    # Of the orientation task: W_6, K_o, and the rate above which the tool is not turned to it.
+    w_6: float = quantity(100.0, "1", 0.0, 1e8)
+    k_o: float = quantity(8.0, "1/s", 0.0, 50.0)
+    approach_speed_rad_s: float = quantity(0.8, "rad/s", 0.01, 100.0)
     # J_u xi_u': none, the base's own tilt predicted by flatness, or as measured and held.
     tilt: str = choice("flatness", "none", "held")
     base_velocity_m_s: tuple[float, ...] = quantity((1.5, 1.5, 1.5), "m/s", 0.01, 20.0, length=3)
@@ -274,6 +278,8 @@ class Scenario:
     seed: int = quantity(0, "1", 0, 2**31 - 1)
     rates: Rates = Rates()
     reference: Reference = Hover()
+    # Where the tool points; its axis is -z of the frame `tool`.
+    orientation: Orientation = OrientationOff()
     vehicle: Vehicle = Vehicle()
     sensors: Sensors = Sensors()
     filter: Filter = Filter()

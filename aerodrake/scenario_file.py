@@ -163,7 +163,7 @@ def _override(scenario: Scenario, option: str, assignment: str) -> Scenario:
                 f"unknown section; {nearest(name, sections)}",
             )
         node = node[name]
-    if key == "reference.kind" and node.get("kind") != value:
-        node.clear()  # Another kind of reference has keys of its own.
+    if key in ("reference.kind", "orientation.kind") and node.get("kind") != value:
+        node.clear()  # Another kind has keys of its own.
     node[leaf] = value
     return build(Scenario, data, option)

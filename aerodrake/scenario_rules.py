@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 from aerodrake.errors import BadInput
-from aerodrake.reference_kinds import Waypoints
+from aerodrake.reference_kinds import AxisAlong, FixedAxis, OrientationOff, Waypoints
 from aerodrake.scenario import Scenario
+
+SHORTEST_AXIS = 1e-3
+"""What is shorter has no direction."""
 
 
 def check(scenario: Scenario, source: object) -> None:
@@ -44,6 +48,7 @@ def check(scenario: Scenario, source: object) -> None:
         )
     if isinstance(scenario.reference, Waypoints) and not scenario.reference.file:
         raise BadInput(source, "reference.file", "expected the path of a CSV file t,x,y,z")
+    _check_orientation(scenario, source)
     if scenario.vehicle.rotor.min_thrust_n >= scenario.vehicle.rotor.max_thrust_n:
         raise BadInput(
             source,
@@ -82,6 +87,23 @@ def _check_steps(scenario: Scenario, source: object, key: str, time: float) -> N
             source,
             key,
             f"expected a multiple of rates.plant_step_s ({step:g} s), got {time:g} s",
+        )
+
+
+def _check_orientation(scenario: Scenario, source: object) -> None:
+    orientation = scenario.orientation
+    if isinstance(orientation, FixedAxis) and math.hypot(*orientation.axis) < SHORTEST_AXIS:
+        raise BadInput(
+            source,
+            "orientation.axis",
+            f"expected a direction, of length {SHORTEST_AXIS:g} or more, "
+            f"got {list(orientation.axis)}",
+        )
+    if isinstance(orientation, AxisAlong) and not orientation.file:
+        raise BadInput(source, "orientation.file", "expected the path of a CSV file t,ax,ay,az")
+    if scenario.controller == "clik" and not isinstance(orientation, OrientationOff):
+        raise BadInput(
+            source, "orientation.kind", f"controller clik expects off, got '{orientation.kind}'"
         )
 
 

@@ -152,7 +152,7 @@ def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, 
 
 def _build_union(options: tuple[type, ...], value: object, source: object, key: str) -> Any:
     kinds = {option.kind: option for option in options}
-    kind = value.get("kind") if isinstance(value, Mapping) else None
+    kind = _off(value.get("kind")) if isinstance(value, Mapping) else None
     if kind is None:
         raise BadInput(source, key, f"expected a mapping with a kind {nearest('', kinds)}")
     if not isinstance(kind, str) or kind not in kinds:
@@ -162,8 +162,8 @@ def _build_union(options: tuple[type, ...], value: object, source: object, key: 
 
 def _string(meta: Mapping[str, Any], value: object, source: object, key: str) -> str:
     options = meta.get("options")
-    if options and isinstance(value, bool):
-        value = "on" if value else "off"  # YAML reads a bare `off` as false.
+    if options:
+        value = _off(value)
     if not isinstance(value, str):
         raise BadInput(source, key, f"expected a string, got {_show(value)}")
     if options and value not in options:
@@ -173,6 +173,11 @@ def _string(meta: Mapping[str, Any], value: object, source: object, key: str) ->
     if meta.get("file") and is_packaged(value) and leaves_package(value):
         raise BadInput(source, key, f"expected {PACKAGE}... inside the package, got {_show(value)}")
     return value
+
+
+def _off(value: object) -> object:
+    """YAML reads a bare `off` as false."""
+    return ("on" if value else "off") if isinstance(value, bool) else value
 
 
 def _number(

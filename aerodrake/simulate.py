@@ -12,6 +12,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
 from aerodrake.flight_log import PORTS, FlightLog, split_port
+from aerodrake.model.direction import make_direction
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Scenario
@@ -83,6 +84,10 @@ class Flight:
         wall_s = time.perf_counter() - start
         return FlightLog(self._signals(context), reason, cause, wall_s)
 
+    def tool_axis(self, state: np.ndarray) -> np.ndarray:
+        """(3,), the direction in which the tool points at a state (13 + 2 n,)."""
+        return self._kinematics.tool_axis(VehicleState.from_vector(state)).value
+
     def p_E(self, state: np.ndarray) -> np.ndarray:
         """(3,) m, the end-effector at a state (13 + 2 n,)."""
         return self._kinematics.end_effector(VehicleState.from_vector(state)).p_E
@@ -98,6 +103,13 @@ class Flight:
                 states = rows
                 signals["time_s"] = np.round(log.sample_times() - self.scenario.settle_s, 9)
         signals["p_E_m"] = np.array([self.p_E(state) for state in states])
+        signals["tool_axis"] = np.array([self.tool_axis(state) for state in states])
+        direction = make_direction(self.scenario.orientation)
+        signals["tool_axis_d"] = (
+            np.zeros_like(signals["tool_axis"])
+            if direction is None
+            else direction.evaluate(signals["time_s"])[0]
+        )
         signals["tick_ms"] = np.array(self._controller.tick_ms)
         return signals
 

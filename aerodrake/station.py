@@ -2,9 +2,10 @@
 
 The *station* is what hardware would replace: plant, rotors, wind, sensors and
 the low-level controllers. The *coordinator* is what runs on a companion computer:
-reference, kinematics, weight allocator, residual estimator, MPC (or CLIK) and
-setpoint integrator. They meet in six signals: `state`, `specific_thrust`,
-`disturbance` and `saturated` one way, `base_setpoint` and `joint_setpoint` the other.
+reference, kinematics, pointing (if asked for), weight allocator, residual estimator,
+MPC (or CLIK) and setpoint integrator. They meet in seven signals: `state`,
+`external_acceleration`, `specific_thrust`, `disturbance` and `saturated` one way,
+`base_setpoint` and `joint_setpoint` the other.
 
     event                           period, offset (defaults)     kind
     plant, rotors,
@@ -41,6 +42,7 @@ from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.model.checkpoint import network_for
 from aerodrake.model.clik import InverseKinematics
+from aerodrake.model.direction import make_direction
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.horizon import stage_ticks
 from aerodrake.model.joint_pid import JointPid
@@ -59,6 +61,7 @@ from aerodrake.systems.equivalent_state import EquivalentState
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.kinematics import KinematicsSystem
 from aerodrake.systems.mpc import MpcSystem
+from aerodrake.systems.pointing import PointingSystem
 from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from aerodrake.systems.rotors import make_propellers, make_rotors
@@ -184,14 +187,10 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     limits = SetpointLimits.make(scenario.mpc, vehicle)
     builder = DiagramBuilder()
 
+    stages_s = period * np.append(0, np.cumsum(stage_ticks(scenario.mpc)))
+    curve = make_reference(scenario.reference, vehicle.p_E)
     reference = builder.AddNamedSystem(
-        "reference",
-        ReferenceSystem(
-            make_reference(scenario.reference, vehicle.p_E),
-            vehicle.p_E,
-            scenario.settle_s,
-            period * np.append(0, np.cumsum(stage_ticks(scenario.mpc))),
-        ),
+        "reference", ReferenceSystem(curve, vehicle.p_E, scenario.settle_s, stages_s)
     )
     kinematics = builder.AddNamedSystem(
         "kinematics", KinematicsSystem(Kinematics(vehicle.robot), n, vehicle.p_O)
@@ -238,6 +237,12 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     builder.ExportInput(kinematics.GetInputPort("state"), "state")
     for consumer in (controller, residual_estimator, equivalent_state):
         builder.ConnectInput("state", consumer.GetInputPort("state"))
+    if (direction := make_direction(scenario.orientation)) is not None:
+        pointing = builder.AddNamedSystem(
+            "pointing", PointingSystem(vehicle, direction, scenario.settle_s, stages_s)
+        )
+        connect(pointing, "pointing", controller)
+        builder.ConnectInput("state", pointing.GetInputPort("state"))
     for port in ("external_acceleration", "specific_thrust", "disturbance"):
         builder.ExportInput(equivalent_state.GetInputPort(port), port)
     builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")

@@ -29,6 +29,8 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             reference time: mean, rms, max; over one whole lap after the smooth
             start; settled (after 15 s); and the time in s at which it first
             came within d_h.
+        orientation: rad, angle between the tool's axis and its wanted direction
+            over reference time: mean, rms, max, and settled; null without the task.
         base_error: the same for the base and its setpoint.
         mpc: ticks, wall time in ms, and ticks that took a fallback, did not
             happen, or took longer than the period.
@@ -61,6 +63,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         "exit_cause": log.exit_cause,
         "error": _errors(log.error_m, log.time_s, lap, scenario.allocation.d_h_m),
         "base_error": _errors(log.base_error_m, log.time_s, lap, scenario.allocation.d_h_m),
+        "orientation": _orientation(log),
         "mpc": {
             "ticks": len(ticks),
             "median_ms": rounded(np.median(ticks)) if len(ticks) else None,
@@ -101,6 +104,18 @@ def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
         "farthest_d_o_m": rounded(d_o.max()) if len(d_o) else None,
         "outside_s": rounded(outside * scenario.rates.flight_period_s),
         "least_room_rad": rounded(room.min()) if len(d_o) else None,
+    }
+
+
+def _orientation(log: FlightLog) -> dict[str, float | None]:
+    angle, time_s = log.tool_angle_rad, log.time_s
+    flown = angle[time_s >= 0] if angle is not None else np.empty(0)
+    settled = angle[time_s >= SETTLED_AFTER_S] if angle is not None else np.empty(0)
+    return {
+        "mean_rad": _mean(flown),
+        "rms_rad": _rms(flown),
+        "max_rad": rounded(flown.max()) if len(flown) else None,
+        "settled_mean_rad": _mean(settled),
     }
 
 

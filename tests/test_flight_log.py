@@ -15,7 +15,7 @@ KEYS = [key for parts in PORTS.values() for key, _ in parts]
 
 DIMENSIONLESS = {"estimated_quaternion", 
     "quaternion", "measured_quaternion", "gamma", "mode", "w_q", "w_m", "w_d",
-    "qp_status", "qp_iterations", "saturated",
+    "qp_status", "qp_iterations", "saturated", "tool_axis", "tool_axis_d",
 }  # fmt: skip
 
 
@@ -92,6 +92,17 @@ def test_errors_are_distances():
     log = FlightLog(signals, "completed", "", 1.0)
     assert list(log.error_m) == [5, 3] and list(log.base_error_m) == [0, 2]
     assert log.time_s is signals["time_s"]
+
+
+def test_the_tools_angle():
+    """Small ones, too, which a cosine cannot tell from none; and none without the task."""
+    down = np.array([0.0, 0.0, -1.0])
+    wanted = np.array([np.sin(t) * np.eye(3)[0] + np.cos(t) * down for t in (0, 1e-9, 1, 3)])
+    signals = {"tool_axis": np.tile(down, (4, 1)), "tool_axis_d": wanted}
+    log = FlightLog(signals, "completed", "", 1.0)
+    np.testing.assert_allclose(log.tool_angle_rad, [0, 1e-9, 1, 3], rtol=1e-9)
+    off = FlightLog(signals | {"tool_axis_d": 0 * wanted}, "completed", "", 1.0)
+    assert off.tool_angle_rad is None
 
 
 def test_saved_and_read_without_pickle(short_flight, tmp_path):

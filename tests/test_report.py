@@ -58,6 +58,22 @@ def test_it_says_how_the_flight_ended(summary):
     assert table(summary, "clover").startswith("short: lost (tilt of 61 deg at 2.00 s)\n")
 
 
+def test_the_tools_angle_is_shown_where_there_is_one(summary, short_flight, tmp_path):
+    assert "tool's angle" not in table(summary, "clover")
+    summary["orientation"] |= {"mean_rad": np.deg2rad(0.5), "max_rad": np.deg2rad(2)}
+    text = table(summary, "clover")
+    assert cell(text, "tool's angle, mean") == ["0.500 deg"]
+    assert cell(text, "tool's angle, max") == ["2.000 deg"]
+
+    _, log = short_flight
+    heights = []
+    for d in (0 * log["tool_axis"], log["tool_axis"]):
+        pointed = FlightLog(log.signals | {"tool_axis_d": d}, "completed", "", 1.0)
+        plot_tracking(pointed, "title", tmp_path / "a.png")
+        heights.append(plt.imread(tmp_path / "a.png").shape[0])
+    assert heights[1] > heights[0]
+
+
 def test_table_of_a_flight_that_never_came_to_reference_time(short_flight):
     scenario, log = short_flight
     early = FlightLog({k: v[:5] for k, v in log.signals.items()}, "interrupted", "at 0 s", 1.0)

@@ -7,11 +7,12 @@ import typing
 import pytest
 
 from aerodrake.errors import BadInput
-from aerodrake.reference_kinds import Hover, Reference
+from aerodrake.reference_kinds import Hover, Orientation, Reference
 from aerodrake.scenario import Scenario
 from aerodrake.schema import as_mapping, build
 
 KINDS = [reference() for reference in typing.get_args(Reference)]
+ORIENTATIONS = [orientation() for orientation in typing.get_args(Orientation)]
 
 
 def nested(values: dict[str, object], reference: object = Hover()) -> dict:
@@ -64,6 +65,36 @@ def test_mapping_round_trip(reference):
     scenario = Scenario(reference=reference)
     assert build(Scenario, as_mapping(scenario), "f.yaml") == scenario
     assert build(Scenario, {"reference": {"kind": reference.kind}}, "f.yaml") == scenario
+
+
+@pytest.mark.parametrize("orientation", ORIENTATIONS, ids=lambda kind: kind.kind)
+def test_every_kind_of_orientation(orientation):
+    scenario = Scenario(orientation=orientation)
+    assert build(Scenario, as_mapping(scenario), "f.yaml") == scenario
+    assert build(Scenario, {"orientation": {"kind": orientation.kind}}, "f.yaml") == scenario
+    data = {"orientation": {"kind": orientation.kind, "axes": [0, 0, 1]}}
+    with pytest.raises(BadInput, match="f.yaml: orientation.axes: unknown key"):
+        build(Scenario, data, "f.yaml")
+
+
+def test_a_bare_off_is_off():
+    """YAML reads it as false."""
+    assert build(Scenario, {"orientation": {"kind": False}}, "f.yaml") == Scenario()
+    with pytest.raises(BadInput, match="orientation.kind: unknown kind 'on'"):
+        build(Scenario, {"orientation": {"kind": True}}, "f.yaml")
+
+
+@pytest.mark.parametrize(
+    ("axis", "expected"),
+    [
+        ([0, 0], r"orientation.axis: expected a list of 3 numbers"),
+        ([0, 0, 1e9], r"orientation.axis\[2\]: expected a number in \[-1000, 1000\], got 1"),
+        ("down", r"orientation.axis: expected a list of 3 numbers"),
+    ],
+)
+def test_a_bad_axis_is_named(axis, expected):
+    with pytest.raises(BadInput, match=expected):
+        build(Scenario, {"orientation": {"kind": "fixed", "axis": axis}}, "f.yaml")
 
 
 def test_nothing_but_defaults(scenario):

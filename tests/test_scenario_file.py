@@ -10,7 +10,7 @@ import pytest
 
 from aerodrake.errors import BadInput
 from aerodrake.model.waypoints import read_waypoints
-from aerodrake.reference_kinds import Clover, Waypoints
+from aerodrake.reference_kinds import Clover, FixedAxis, OrientationOff, Waypoints
 from aerodrake.scenario import Model, Scenario
 from aerodrake.scenario_file import (
     MAX_FILE_BYTES,
@@ -205,6 +205,17 @@ def test_overriding_a_choice_called_kind_keeps_its_section(write):
     path = write("model: {kind: paper, k_b: [4, 5, 6]}\n")
     scenario = load_scenario(path, [("--set", "model.kind=exact")])
     assert scenario.model == Model(kind="exact", k_b=(4, 5, 6))
+
+
+def test_overriding_the_kind_of_orientation(write):
+    path = write("orientation: {kind: fixed, axis: [1, 0, -1]}\n")
+    assert load_scenario(path).orientation == FixedAxis(axis=(1, 0, -1))
+    for kind, expected in (
+        ("fixed", FixedAxis(axis=(1, 0, -1))),
+        ("off", OrientationOff()),
+    ):
+        scenario = load_scenario(path, [("--set", f"orientation.kind={kind}")])
+        assert scenario.orientation == expected
 
 
 def test_naming_the_same_kind_again_keeps_its_keys(write):

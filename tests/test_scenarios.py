@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pydrake.common.eigen_geometry import AngleAxis, Quaternion
+from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.trajectories import PiecewisePolynomial
@@ -32,6 +33,15 @@ def fly(name: str, **changes):
 
 def end_effector(log) -> np.ndarray:
     """(T, 3) m, by Drake's forward kinematics of the floating robot, beside our own."""
+    return np.array([pose.translation() for pose in tool_poses(log)])
+
+
+def tool_axes(log) -> np.ndarray:
+    """(T, 3), likewise, the direction in which the tool approaches."""
+    return np.array([-pose.rotation().matrix()[:, 2] for pose in tool_poses(log)])
+
+
+def tool_poses(log) -> list[RigidTransform]:
     plant = MultibodyPlant(0.0)
     parser = Parser(plant)
     parser.package_map().AddPackageXml(str(PACKAGE / "package.xml"))
@@ -39,11 +49,11 @@ def end_effector(log) -> np.ndarray:
     plant.Finalize()
     context = plant.CreateDefaultContext()
     tool = plant.GetFrameByName("tool")
-    places = []
+    poses = []
     for q in np.hstack([log["quaternion"], log["p_B_m"], log["q_rad"]]):
         plant.SetPositions(context, q)
-        places.append(tool.CalcPoseInWorld(context).translation())
-    return np.array(places)
+        poses.append(tool.CalcPoseInWorld(context))
+    return poses
 
 
 def assert_figures(log, figures, p_Ed, lap=None):
@@ -97,6 +107,19 @@ def test_clover():
     assert figures["error"]["max_m"] <= 0.012
     assert figures["mpc"]["solver_fallbacks"] == 0
     assert_figures(log, figures, clover(log.time_s), lap=(3, 27))
+
+
+def test_clover_pointing():
+    """The tool's angle from Drake's forward kinematics, beside our own."""
+    _, log, figures = fly("clover_pointing", duration=8.0, settle_s=1.0)
+    flown = log.time_s > -1e-9
+    angle = np.arccos(np.clip(-tool_axes(log)[:, 2], -1, 1))[flown]
+    assert figures["exit_reason"] == "completed"
+    assert figures["orientation"]["max_rad"] == pytest.approx(angle.max(), abs=1e-6)
+    assert np.rad2deg(angle.max()) <= 0.1  # Two degrees are asked for.
+    assert figures["error"]["max_m"] <= 0.001
+    assert figures["arm"]["least_room_rad"] > np.deg2rad(10)
+    assert make_variants(load_scenario("clover_pointing")).keys() >= {"modified", "clik"}
 
 
 def test_moving_target():

@@ -40,6 +40,8 @@ def made(
         "p_B_m": np.outer(base_error(t), -diagonal),
         "quaternion": np.tile([1.0, 0, 0, 0], (samples, 1)),
         "q_rad": np.tile(Scenario().vehicle.working_rad, (samples, 1)),
+        "tool_axis": np.tile([0.0, 0, -1.0], (samples, 1)),
+        "tool_axis_d": np.zeros((samples, 3)),
         "mode": mode(t),
         "qp_status": np.full(samples, QpStatus.UNCONSTRAINED, float),
         "prediction_error_m_s": np.zeros((samples, 3)),
@@ -50,6 +52,21 @@ def made(
     for key in set(others) & set(ending):
         ending[key] = others.pop(key)
     return FlightLog(signals | others, **ending)
+
+
+def test_the_tools_angle_over_reference_time():
+    """90 deg in the hover before, 0.1 rad until 15 s, 0.2 rad after."""
+    angle = lambda t: np.select([t < 0, t < 15 - 1e-9], [np.pi / 2, 0.1], 0.2)  # noqa: E731
+    log = made()
+    wanted = np.stack(
+        [np.sin(angle(log.time_s)), 0 * log.time_s, -np.cos(angle(log.time_s))], axis=1
+    )
+    figures = summarize(Scenario(), made(tool_axis_d=wanted))["orientation"]
+    assert figures["max_rad"] == pytest.approx(0.2)
+    assert figures["settled_mean_rad"] == pytest.approx(0.2)
+    assert figures["mean_rad"] == pytest.approx((1500 * 0.1 + 1501 * 0.2) / 3001)
+    assert figures["rms_rad"] == pytest.approx(np.sqrt((1500 * 0.01 + 1501 * 0.04) / 3001))
+    assert set(summarize(Scenario(), log)["orientation"].values()) == {None}
 
 
 def steps(t):

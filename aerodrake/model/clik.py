@@ -8,7 +8,8 @@ import numpy as np
 
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.horizon import stage_ticks
-from aerodrake.model.mpc import MpcInputs, correction_gain
+from aerodrake.model.mpc import correction_gain
+from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Clik, Mpc

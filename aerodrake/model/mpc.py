@@ -8,46 +8,19 @@ import numpy as np
 
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.horizon import stage_ticks
-from aerodrake.model.kinematics import EndEffector
+from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.prediction import Prediction
 from aerodrake.model.setpoint import SetpointLimits
-from aerodrake.model.vehicle import GRAVITY, Vehicle
+from aerodrake.model.tracking import Target, Tracking, limited_gain
+from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Mpc
-
-
-@dataclass(frozen=True)
-class MpcInputs:
-    """What one tick of the MPC is about.
-
-    Attributes:
-        x_0: (nx,) state of the equivalent model.
-        u_last: (3 + n,) m/s^2 and rad/s^2, the input until now.
-        end_effector: Kinematics at the measured state.
-        xi_u_rates: (2,) rad/s, measured roll and pitch rates.
-        yaw_rate: rad/s, measured.
-        reference: (N + 1, 6), p_Ed [m] and p_Ed' [m/s] now and at each stage.
-        delta: (3,) m/s, residual velocity.
-        w_q, w_m, w_d: From the weight allocator.
-    """
-
-    x_0: np.ndarray
-    u_last: np.ndarray
-    end_effector: EndEffector
-    xi_u_rates: np.ndarray
-    yaw_rate: float
-    reference: np.ndarray
-    delta: np.ndarray
-    w_q: float
-    w_m: float
-    w_d: float
 
 
 @dataclass(frozen=True)
 class MpcProgram:
     """min z' H z / 2 + g' z with |z| <= 1 and lower <= A z <= upper; u = scale z.
 
-    `x_free` (N, nx) are the states under zero input, and `places` (3, nx) is how
-    the linearised p_E moves with the state.
+    `x_free` (N, nx) are the states under zero input.
     """
 
     H: np.ndarray
@@ -55,7 +28,6 @@ class MpcProgram:
     lower: np.ndarray
     upper: np.ndarray
     x_free: np.ndarray
-    places: np.ndarray
 
 
 class MpcFormulation:
@@ -68,11 +40,17 @@ class MpcFormulation:
         J_3 = | u_k |^2                                                    W_3
         J_4 = | p_EB,k - p_O |^2                                           W_4
         J_5 = | p_B,d,k'' - p_B,d,k-1'' |^2                                W_5
+        J_6 = | t_k' - d_k' + K_o (t_k - d_k) |^2                          W_6
 
     summed over the stages 1 ... N (J_3: 0 ... N-1, since u_N moves nothing), all
-    but J_5 times the ticks that a stage lasts. J_5, which is not the paper's,
-    starts from the acceleration until now: its steps make the base turn faster
-    than rotors can, and turn the end-effector with it.
+    but J_5 times the ticks that a stage lasts. J_5 and J_6 are not the paper's.
+    J_5 starts from the acceleration until now: its steps make the base turn faster
+    than rotors can, and turn the end-effector with it. J_6, the orientation task,
+    stands only where `tick.pointing` does: t is the direction of the tool's axis,
+    d the one it is to have, and how the tool is turned about its axis is left free.
+    t moves as p_E does: t' = J_s s + J_yaw yaw' + J_u xi_u', with Jacobians of its
+    own and t for r. All that follows is meant for it, too, K_o and
+    `approach_speed_rad_s` in place of K_e and its speed.
     e_E,k is predicted with the same linearisation, or frozen at e_E,0 as the
     paper prints it; K_e is scaled down while e_E,0 is so large that the
     correction would exceed `config.approach_speed_m_s`. Roll and pitch follow
@@ -106,14 +84,9 @@ class MpcFormulation:
         self.prediction = Prediction(model, ticks)
         self._ticks = np.repeat(ticks, 3)
         self.scale = np.tile(limits.acceleration, N)
+        self._tracking = Tracking(config, model, self.prediction, ticks, self.scale)
         # Everything below is per scaled input z.
         self._Gamma = self.prediction.Gamma * self.scale
-        self._speeds = np.concatenate([model.base_velocity, model.joint_velocity])
-        self._places = np.concatenate([model.base_position, model.joint_position])
-        # (N, 3, N m), how fast the acceleration that tilts the base changes up to each stage.
-        self._stage_s = model.dt * ticks[:, None]
-        accelerations = model.acceleration @ self._Gamma
-        self._swing = np.diff(accelerations, axis=0, prepend=0.0) / self._stage_s[:, :, None]
         # J_2's shares of base and joints, which the allocator weighs anew each tick.
         self._base_rows = self._Gamma[:, model.base_velocity].reshape(3 * N, -1)
         self._joint_rows = self._Gamma[:, model.joint_velocity].reshape(model.joints * N, -1)
@@ -159,11 +132,8 @@ class MpcFormulation:
         x_free = self.prediction.free(tick.x_0, tick.delta)
         H, g = self._H_input.copy(), np.zeros(len(self.scale))
         g[: len(tick.u_last)] = self._g_last * tick.u_last
-        places = self._places_matrix(tick)
-        for rows, offset, weight in (
-            self._tracking(tick, x_free, places),
-            self._centring(tick, x_free),
-        ):
+        costs = [self._tracking.cost(target, tick, x_free) for target in self._targets(tick)]
+        for rows, offset, weight in (*costs, self._centring(tick, x_free)):
             weighted = weight[:, None] * rows
             H += rows.T @ weighted
             g += weighted.T @ offset
@@ -187,50 +157,23 @@ class MpcFormulation:
             lower=(self._lower - values) / self._row_norms,
             upper=(self._upper - values) / self._row_norms,
             x_free=x_free,
-            places=places,
         )
 
     def predict(self, tick: MpcInputs, program: MpcProgram, U: np.ndarray) -> np.ndarray:
         """(N + 1, 3) m, p_E now and at each stage under U (N (3 + n),), as linearised."""
         x = np.vstack([tick.x_0, program.x_free + self.prediction.Gamma @ U])
-        return tick.end_effector.p_E + (x - tick.x_0) @ program.places.T
+        return tick.end_effector.p_E + (x - tick.x_0) @ self._tracking.places(tick.end_effector).T
 
-    def _places_matrix(self, tick: MpcInputs) -> np.ndarray:
-        """(3, nx), p_E per state: by J_s, and by the tilt that a base acceleration takes."""
-        places = np.zeros((3, len(self.model.A)))
-        places[:, self._places] = tick.end_effector.J_s
-        if self.config.tilt == "flatness":
-            places += tilt_matrix(tick.end_effector.r) @ self.model.acceleration
-        return places
-
-    def _tracking(
-        self, tick: MpcInputs, x_free: np.ndarray, places: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """J_1 as (rows over z, offset, weight)."""
-        config, model, end_effector = self.config, self.model, tick.end_effector
-        K_e = correction_gain(config, tick)[:, None]
-        speeds = np.zeros_like(places)
-        speeds[:, self._speeds] = end_effector.J_s
-        known = end_effector.J_yaw * tick.yaw_rate
-        if config.tilt == "held":
-            known = known + end_effector.J_u @ tick.xi_u_rates
-
-        rows = speeds
-        offset = known - tick.reference[1:, 3:]
-        if config.error == "predicted":
-            rows = speeds + K_e * places
-            e = end_effector.p_E - places @ tick.x_0 - tick.reference[1:, :3]
-        else:
-            e = np.broadcast_to(end_effector.p_E - tick.reference[0, :3], offset.shape)
-        offset = offset + K_e[:, 0] * e + x_free @ rows.T
-        stacked = rows @ self._Gamma
-        if config.tilt == "flatness":
-            T = tilt_matrix(end_effector.r)
-            a = np.vstack([tick.x_0, x_free]) @ model.acceleration.T
-            stacked = stacked + T @ self._swing
-            offset = offset + np.diff(a, axis=0) / self._stage_s @ T.T
-        N = config.horizon
-        return stacked.reshape(3 * N, -1), offset.ravel(), np.tile(config.w_1, N) * self._ticks
+    def _targets(self, tick: MpcInputs) -> list[Target]:
+        """Of J_1, and of J_6 where the tool is to point somewhere."""
+        config, pointing = self.config, tick.pointing
+        K_e = correction_gain(config, tick)
+        targets = [Target(tick.end_effector, tick.reference, K_e, np.array(config.w_1))]
+        if pointing is not None:
+            error = pointing.axis.value - pointing.reference[0, :3]
+            K_o = limited_gain(np.full(3, config.k_o), error, config.approach_speed_rad_s)
+            targets.append(Target(pointing.axis, pointing.reference, K_o, np.full(3, config.w_6)))
+        return targets
 
     def _centring(
         self, tick: MpcInputs, x_free: np.ndarray
@@ -247,16 +190,5 @@ class MpcFormulation:
 
 def correction_gain(config: Mpc, tick: MpcInputs) -> np.ndarray:
     """(3,) 1/s, K_e, scaled down where K_e e_E,0 exceeds the approach speed."""
-    K_e = np.array(config.k_e)
-    speed = np.linalg.norm(K_e * (tick.end_effector.p_E - tick.reference[0, :3]))
-    return K_e * min(1.0, config.approach_speed_m_s / max(speed, 1e-9))
-
-
-def tilt_matrix(r: np.ndarray) -> np.ndarray:
-    """(3, 3) s^2, T: a base acceleration a tilts the base and so moves the end-effector by T a.
-
-    T = -[r]x [z]x / g, with r (3,) m from the base to the end-effector in the
-    world, for tilts small enough that the thrust stays near gravity's.
-    """
-    rx, ry, rz = r
-    return np.array([[-rz, 0, 0], [0, -rz, 0], [rx, ry, 0]]) * (-1 / GRAVITY)
+    error = tick.end_effector.p_E - tick.reference[0, :3]
+    return limited_gain(np.array(config.k_e), error, config.approach_speed_m_s)

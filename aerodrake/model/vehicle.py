@@ -21,6 +21,8 @@ from aerodrake.scenario import Mismatch, Scenario
 
 BASE_FRAME = "base"
 TOOL_FRAME = "tool"
+TOOL_AXIS = np.array([0.0, 0.0, -1.0])
+"""Where the tool points, in its frame: the direction in which it approaches things."""
 ROTOR_PREFIX = "rotor_"
 GRAVITY = 9.81
 """m/s^2, Drake's default."""
@@ -105,6 +107,7 @@ class Vehicle:
         p_B: (3,) m, where the base starts.
         working: (n,) rad, the working configuration.
         p_O: (3,) m, the tool there, in the base frame: centre of the learning space.
+        tool_axis: (3,) where the tool points there, in the base frame.
         mass: kg, base and arm.
         inertia: (3, 3) kg m^2, of base and arm in the working configuration,
             about their common centre of mass, in the base frame.
@@ -125,6 +128,7 @@ class Vehicle:
     p_B: np.ndarray
     working: np.ndarray
     p_O: np.ndarray
+    tool_axis: np.ndarray
     mass: float
     inertia: np.ndarray
     joint_inertia: np.ndarray
@@ -183,6 +187,7 @@ class Vehicle:
         q[BASE_POSITIONS:] = working
         plant.SetPositions(context, q)
         base, tool = plant.GetFrameByName(BASE_FRAME), plant.GetFrameByName(TOOL_FRAME)
+        X_BE = plant.CalcRelativeTransform(context, base, tool)
         inertia = plant.CalcSpatialInertia(
             context, base, plant.GetBodyIndices(base.model_instance())
         )
@@ -202,7 +207,8 @@ class Vehicle:
             rotors=_rotors(plant, robot),
             p_B=np.array(scenario.vehicle.base_position_m),
             working=np.array(working, dtype=float),
-            p_O=plant.CalcRelativeTransform(context, base, tool).translation(),
+            p_O=X_BE.translation(),
+            tool_axis=X_BE.rotation().multiply(TOOL_AXIS),
             mass=inertia.get_mass(),
             inertia=inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3(),
             joint_inertia=np.diag(felt).copy(),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import reprlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -18,44 +18,47 @@ MAX_FILE_BYTES = 20_000_000
 MIN_STEP_S = 1e-3
 """Rows closer in time than this are taken for repeated ones."""
 
-COLUMNS = {
+Columns = Mapping[str, tuple[str, float, float]]
+"""Unit and closed range of each column, by its name; the first is time in s."""
+
+COLUMNS: Columns = {
     "t": ("s", 0.0, 1e5),
     "x": ("m", -1000.0, 1000.0),
     "y": ("m", -1000.0, 1000.0),
     "z": ("m", -1000.0, 1000.0),
 }
-"""Unit and closed range of each column."""
+"""Of a waypoint file."""
 
 
-def read_waypoints(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
-    """Reads a waypoint file.
+def read_waypoints(path: str | Path, columns: Columns = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
+    """Reads a waypoint file, or one with other `columns` than `t,x,y,z`.
 
-    The header is `t,x,y,z`, in any case and spacing; a byte-order mark and
+    The header is their names, in any case and spacing; a byte-order mark and
     blank lines are skipped. Errors count rows as editors do: the header is row 1.
 
     Returns:
         times: (M,) s, reference times, ascending from 0 or later; M >= 2.
-        points: (M, 3) m, in the world frame.
+        points: (M, 3) m, in the world frame; or what the other columns are.
 
     Raises:
         BadInput: if the file is missing, too large, not UTF-8 text, or holds
             anything but two or more rows of four plausible numbers each, at
             least `MIN_STEP_S` apart in time.
     """
-    path = Path(path)
+    path, header = Path(path), ",".join(columns)
     try:
         if not path.is_file():
-            raise BadInput(path, "", "expected a CSV file of waypoints t,x,y,z; no such file")
+            raise BadInput(path, "", f"expected a CSV file {header}; no such file")
         if path.stat().st_size > MAX_FILE_BYTES:
-            raise BadInput(path, "", f"expected at most {MAX_FILE_BYTES} bytes of waypoints")
+            raise BadInput(path, "", f"expected at most {MAX_FILE_BYTES} bytes")
         with path.open(encoding="utf-8-sig", newline="") as file:
-            table = np.array(list(_rows(file, path)))
+            table = np.array(list(_rows(file, path, columns)))
     except OSError as error:
         raise BadInput(path, "", f"cannot be read: {error.strerror}") from None
     except (UnicodeDecodeError, csv.Error):
         raise BadInput(path, "", "expected UTF-8 text, as comma-separated values") from None
     if len(table) < 2:
-        raise BadInput(path, "", f"expected at least 2 rows of waypoints, got {len(table)}")
+        raise BadInput(path, "", f"expected at least 2 rows {header}, got {len(table)}")
     return table[:, 0], table[:, 1:]
 
 
@@ -76,16 +79,19 @@ def interpolate_waypoints(times: np.ndarray, points: np.ndarray) -> PiecewisePol
     )
 
 
-def _rows(file: Iterator[str], path: Path) -> Iterator[list[float]]:
-    """Yields [t, x, y, z] row by row, checked."""
+def _rows(file: Iterator[str], path: Path, columns: Columns) -> Iterator[list[float]]:
+    """Yields the numbers row by row, checked."""
     reader = csv.reader(file)
     header = ",".join(cell.strip().lower() for cell in next(reader, []))
-    if header != ",".join(COLUMNS):
-        raise BadInput(path, "", f"row 1: expected the header t,x,y,z, got {reprlib.repr(header)}")
+    expected = ",".join(columns)
+    if header != expected:
+        raise BadInput(
+            path, "", f"row 1: expected the header {expected}, got {reprlib.repr(header)}"
+        )
     earliest = -np.inf
     for cells in filter(None, reader):
         try:
-            row = _numbers(cells)
+            row = _numbers(cells, columns)
             if row[0] < earliest:
                 raise ValueError(f"expected t to ascend by at least {MIN_STEP_S} s, got {row[0]!r}")
         except ValueError as error:
@@ -94,12 +100,12 @@ def _rows(file: Iterator[str], path: Path) -> Iterator[list[float]]:
         yield row
 
 
-def _numbers(cells: list[str]) -> list[float]:
-    """The numbers in one row's cells; raises ValueError where they are not as `COLUMNS` says."""
-    if len(cells) != len(COLUMNS):
-        raise ValueError(f"expected {len(COLUMNS)} cells, got {len(cells)}")
+def _numbers(cells: list[str], columns: Columns) -> list[float]:
+    """The numbers in one row's cells; raises ValueError where they are not as `columns` says."""
+    if len(cells) != len(columns):
+        raise ValueError(f"expected {len(columns)} cells, got {len(cells)}")
     row = []
-    for cell, (name, (unit, low, high)) in zip(cells, COLUMNS.items(), strict=True):
+    for cell, (name, (unit, low, high)) in zip(cells, columns.items(), strict=True):
         problem = ValueError(
             f"expected {name} in [{low:g}, {high:g}] {unit}, got {reprlib.repr(cell)}"
         )

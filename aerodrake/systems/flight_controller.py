@@ -24,7 +24,6 @@ from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.model.whole_body import WholeBody
 from aerodrake.scenario import Flight, Rotor
 
-
 UNSATURATED = 1e-6
 """m/s^2, N or N m: what a command may miss by rounding."""
 

@@ -7,7 +7,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.mpc import MpcInputs
+from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.vehicle_state import VehicleState
 
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
+from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, DiscreteValues
 
 from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.qp import CondensedQp, QpStatus
 from aerodrake.systems.kinematic_controller import KinematicController
 
@@ -16,7 +19,10 @@ class MpcSystem(KinematicController):
     """Predictive kinematic control of the end-effector (paper, algorithm 1).
 
     Ports:
-        those of every `KinematicController`; `status` is a `QpStatus`, and
+        those of every `KinematicController`, and
+        in `pointing` (abstract): `Pointing`; unconnected where the tool may point
+            where it likes.
+        `status` is a `QpStatus`, and
         OSQP's iterations.
     State:
         beside theirs, `plan` (T (3 + n), the scaled inputs of the last plan at each
@@ -34,12 +40,20 @@ class MpcSystem(KinematicController):
     def __init__(self, formulation: MpcFormulation):
         super().__init__(formulation.model, formulation.config.horizon)
         self._formulation = formulation
+        self._pointing = self.DeclareAbstractInputPort("pointing", AbstractValue.Make(object()))
         self._qp = CondensedQp(formulation.A, formulation.config.max_iterations)
         self._inputs = 3 + formulation.model.joints
         self._starts = np.cumsum([0, *formulation.stage_ticks[:-1]])  # Of the stages, in ticks.
         self._x_plan = self.DeclareDiscreteState(
             np.zeros(sum(formulation.stage_ticks) * self._inputs)
         )
+
+    def tick_inputs(self, context: Context) -> MpcInputs:
+        """What the tick at this Context is about."""
+        tick = super().tick_inputs(context)
+        if self._pointing.HasValue(context):
+            tick = replace(tick, pointing=self._pointing.Eval(context))
+        return tick
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         tick = self.tick_inputs(context)

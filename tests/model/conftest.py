@@ -8,7 +8,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.mpc import MpcInputs
+from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.reference_kinds import Clover
 from aerodrake.scenario import Mpc, Scenario
 from aerodrake.station import make_closed_loop, make_context

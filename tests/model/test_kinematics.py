@@ -78,6 +78,25 @@ def test_jacobians_are_derivatives_of_the_position(kinematics, seed):
     np.testing.assert_allclose(at.J_B, in_base, atol=1e-8)
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_tools_axis_and_its_jacobians(kinematics, floating, seed):
+    """-z of the frame `tool` in Drake's floating plant; and central differences."""
+    xi, velocity = random_coordinates(seed)
+    state = state_at(xi, velocity)
+    context = floating.CreateDefaultContext()
+    floating.SetPositionsAndVelocities(context, state.to_vector())
+    R_WE = floating.GetFrameByName(TOOL_FRAME).CalcPoseInWorld(context).rotation().matrix()
+    at, h = kinematics.tool_axis(state), 1e-6
+    np.testing.assert_allclose(at.value, -R_WE[:, 2], atol=1e-12)
+    by_xi = np.empty((3, len(xi)))
+    for i, step in enumerate(h * np.eye(len(xi))):
+        ends = [kinematics.tool_axis(state_at(xi + s, velocity)).value for s in (step, -step)]
+        by_xi[:, i] = (ends[0] - ends[1]) / (2 * h)
+    np.testing.assert_allclose(at.J_c, by_xi[:, [0, 1, 2, 5, *range(6, 12)]], atol=1e-8)
+    np.testing.assert_allclose(at.J_u, by_xi[:, [3, 4]], atol=1e-8)
+    np.testing.assert_array_equal(at.r, at.value)
+
+
 def test_position_is_composed_of_base_and_arm(kinematics):
     state = state_at(*random_coordinates(0))
     at = kinematics.end_effector(state)

@@ -11,9 +11,11 @@ from scipy.spatial.transform import Rotation
 
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.horizon import stage_ticks
-from aerodrake.model.mpc import MpcFormulation, MpcInputs, tilt_matrix
+from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.qp import CondensedQp, QpStatus
 from aerodrake.model.setpoint import SetpointLimits
+from aerodrake.model.tracking import tilt_matrix
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Model, Mpc, Scenario
 

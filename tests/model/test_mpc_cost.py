@@ -7,7 +7,8 @@ import pytest
 
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.horizon import stage_ticks
-from aerodrake.model.mpc import MpcFormulation, MpcInputs
+from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.scenario import Model, Mpc, Scenario
 

@@ -8,7 +8,8 @@ from pydrake.common.value import Value
 
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.kinematics import Kinematics
-from aerodrake.model.mpc import MpcFormulation, MpcInputs
+from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.qp import QpStatus
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle_state import VehicleState

@@ -1,0 +1,87 @@
+"""The orientation task as a system, and where the coordinator has it."""
+
+import math
+
+import numpy as np
+import pytest
+from pydrake.multibody.plant import MultibodyPlant
+
+from aerodrake.errors import BadInput
+from aerodrake.model.direction import make_direction
+from aerodrake.model.vehicle import TOOL_FRAME, add_robot
+from aerodrake.reference_kinds import AxisAlong, FixedAxis
+from aerodrake.scenario import Scenario
+from aerodrake.station import make_coordinator
+from aerodrake.systems.pointing import PointingSystem
+
+SETTLE_S, STAGES_S = 1.0, np.array([0.0, 0.02, 0.06])
+
+
+@pytest.fixture(scope="module")
+def direction(tmp_path_factory):
+    file = tmp_path_factory.mktemp("pointing") / "d.csv"
+    file.write_text("t,ax,ay,az\n0,0,0,-1\n1,0,1,-1\n2,1,0,-1\n")
+    return make_direction(AxisAlong(file=str(file)))
+
+
+@pytest.fixture(scope="module")
+def system(vehicle, direction) -> PointingSystem:
+    return PointingSystem(vehicle, direction, SETTLE_S, STAGES_S)
+
+
+def test_both_are_those_of_now(system, vehicle, direction):
+    plant = MultibodyPlant(0.0)
+    add_robot(plant, vehicle.robot)
+    plant.Finalize()
+    plant_context = plant.CreateDefaultContext()
+    context, rng = system.CreateDefaultContext(), np.random.default_rng(0)
+    for time in (0.0, 1.7, 2.2):  # One context: its cache must not go stale.
+        x = vehicle.trim_state + 0.2 * rng.normal(size=len(vehicle.trim_state))
+        x[:4] /= np.linalg.norm(x[:4])
+        system.GetInputPort("state").FixValue(context, x)
+        plant.SetPositionsAndVelocities(plant_context, x)
+        R_WE = plant.GetFrameByName(TOOL_FRAME).CalcPoseInWorld(plant_context).rotation()
+        for later in (time, time + 0.3):  # Of a state that stays.
+            context.SetTime(later)
+            pointing = system.GetOutputPort("pointing").Eval(context)
+            np.testing.assert_allclose(pointing.axis.value, -R_WE.matrix()[:, 2], atol=1e-12)
+            d, rate = direction.evaluate(later - SETTLE_S + STAGES_S)
+            np.testing.assert_array_equal(pointing.reference, np.hstack([d, rate]))
+
+
+def test_feedthrough_and_no_state(system):
+    assert system.HasAnyDirectFeedthrough()
+    assert system.CreateDefaultContext().is_stateless()
+
+
+def test_it_is_there_where_the_task_is():
+    assert not make_coordinator(Scenario()).HasSubsystemNamed("pointing")
+    assert make_coordinator(Scenario(orientation=FixedAxis())).HasSubsystemNamed("pointing")
+
+
+def test_the_mpc_turns_the_tool_as_asked(vehicle):
+    """From the same state, a direction to either side makes for opposite turns of the arm."""
+    moves = []
+    for side in (1.0, -1.0):
+        scenario = Scenario(settle_s=0.0, orientation=FixedAxis(axis=(0.0, side * 0.1, -1.0)))
+        coordinator = make_coordinator(scenario)
+        mpc = coordinator.GetSubsystemByName("mpc")
+        context = coordinator.CreateDefaultContext()
+        coordinator.GetInputPort("state").FixValue(context, vehicle.trim_state)
+        coordinator.GetInputPort("specific_thrust").FixValue(context, [9.81])
+        coordinator.GetInputPort("disturbance").FixValue(context, np.zeros(6))
+        coordinator.GetInputPort("external_acceleration").FixValue(context, np.zeros(3))
+        coordinator.GetInputPort("saturated").FixValue(context, [0.0])
+        inner = mpc.GetMyMutableContextFromRoot(context)
+        inner.SetDiscreteState(mpc.EvalUniquePeriodicDiscreteUpdate(inner))
+        qddot = mpc.GetOutputPort("u").Eval(inner)[3:]
+        pitch = [i for i, name in enumerate(vehicle.joint_names) if name.endswith("pitch")]
+        moves.append(qddot[pitch].sum())
+    # The pitch joints turn about x, and so the tool, which points down, towards +y.
+    assert moves[0] > 0.1 and moves[1] < -0.1
+    assert math.isclose(moves[0], -moves[1], rel_tol=0.3)
+
+
+def test_a_direction_behind_the_tool_is_refused(vehicle):
+    with pytest.raises(BadInput, match="180.0 deg"):
+        PointingSystem(vehicle, make_direction(FixedAxis(axis=(0.0, 0.0, 1.0))), 0.0, STAGES_S)
