@@ -103,7 +103,7 @@ class Kinematics:
         J_omega = plant.CalcJacobianAngularVelocity(
             self._context, JacobianWrtVariable.kQDot, self._tool, world, world
         )
-        return t, np.cross(J_omega, t, axisa=0, axisc=0)
+        return t, -VectorToSkewSymmetric(t) @ J_omega
 
     def end_effector(self, state: VehicleState) -> EndEffector:
         """Position of the end-effector at `state`."""

@@ -54,13 +54,15 @@ class Tracking:
     ):
         self._config, self._model = config, model
         self._ticks = np.repeat(stage_ticks, 3)
-        self._Gamma = prediction.Gamma * scale
         self._speeds = np.concatenate([model.base_velocity, model.joint_velocity])
         self._places = np.concatenate([model.base_position, model.joint_position])
-        # (N, 3, N m), how fast the acceleration that tilts the base changes up to each stage.
         self._stage_s = model.dt * stage_ticks[:, None]
-        accelerations = model.acceleration @ self._Gamma
-        self._swing = np.diff(accelerations, axis=0, prepend=0.0) / self._stage_s[:, :, None]
+        # (N, 12 + 2 n, N m) per z: speeds, places, the acceleration that tilts the base, and
+        # how fast it changes on the way to each stage.
+        Gamma = prediction.Gamma * scale
+        a = model.acceleration @ Gamma
+        swing = np.diff(a, axis=0, prepend=0.0) / self._stage_s[:, :, None]
+        self._Gamma = np.hstack([Gamma[:, self._speeds], Gamma[:, self._places], a, swing])
 
     def places(self, y: Carried) -> np.ndarray:
         """(3, nx), y per state: by J_s, and by the tilt that a base acceleration takes."""
@@ -81,29 +83,22 @@ class Tracking:
             x_free: (N, nx), the states under zero input.
         """
         config, model = self._config, self._model
-        y, reference = target.y, target.reference
-        K = target.gain[:, None]
-        speeds = np.zeros((3, len(model.A)))
-        speeds[:, self._speeds] = y.J_s
+        y, reference, K = target.y, target.reference, target.gain[:, None]
+        T = tilt_matrix(y.r) if config.tilt == "flatness" else np.zeros((3, 3))
+        is_predicted = config.error == "predicted"
+        # y_k' + K y_k per [speeds, places, a, swing].
+        rows = np.hstack([y.J_s, is_predicted * K * np.hstack([y.J_s, T]), T])
+
+        a = np.vstack([tick.x_0, x_free]) @ model.acceleration.T
+        swing = np.diff(a, axis=0) / self._stage_s
+        moved = x_free[:, self._places] - tick.x_0[self._places]
+        free = np.hstack([x_free[:, self._speeds], moved, a[1:] - a[0], swing])
         known = y.J_yaw * tick.yaw_rate
         if config.tilt == "held":
             known = known + y.J_u @ tick.xi_u_rates
-
-        rows = speeds
-        offset = known - reference[1:, 3:]
-        if config.error == "predicted":
-            places = self.places(y)
-            rows = speeds + K * places
-            e = y.value - places @ tick.x_0 - reference[1:, :3]
-        else:
-            e = np.broadcast_to(y.value - reference[0, :3], offset.shape)
-        offset = offset + K[:, 0] * e + x_free @ rows.T
+        target_now = reference[1:, :3] if is_predicted else reference[0, :3]
+        offset = free @ rows.T + known - reference[1:, 3:] + target.gain * (y.value - target_now)
         stacked = rows @ self._Gamma
-        if config.tilt == "flatness":
-            T = tilt_matrix(y.r)
-            a = np.vstack([tick.x_0, x_free]) @ model.acceleration.T
-            stacked = stacked + T @ self._swing
-            offset = offset + np.diff(a, axis=0) / self._stage_s @ T.T
         N = len(x_free)
         return stacked.reshape(3 * N, -1), offset.ravel(), np.tile(target.weight, N) * self._ticks
 
