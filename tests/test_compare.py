@@ -71,14 +71,6 @@ def test_the_integral_model_at_its_best_has_the_weights_of_the_baseline(paper):
     ) == (paper.mpc)
 
 
-def test_the_integral_model_does_without_the_tilt_it_has_no_use_for(paper):
-    flat = replace(paper, mpc=replace(paper.mpc, tilt="flatness"))
-    tilts = {name: variant.mpc.tilt for name, variant in make_variants(flat).items()}
-    assert tilts == {
-        name: "none" if name.startswith("integral") else "flatness" for name in VARIANTS
-    }
-
-
 @pytest.mark.parametrize(("name", "kind"), [("clover", "flight"), ("clover_paper", "paper")])
 def test_a_scenario_that_is_a_baseline_itself_is_compared_all_the_same(name, kind):
     """With its interface's own model, by the MPC, with allocation."""

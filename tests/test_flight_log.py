@@ -13,7 +13,7 @@ from aerodrake.station import make_closed_loop
 
 KEYS = [key for parts in PORTS.values() for key, _ in parts]
 
-DIMENSIONLESS = {
+DIMENSIONLESS = {"estimated_quaternion", 
     "quaternion", "measured_quaternion", "gamma", "mode", "w_q", "w_m", "w_d",
     "qp_status", "qp_iterations", "saturated", "tool_axis", "tool_axis_d",
 }  # fmt: skip

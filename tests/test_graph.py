@@ -62,7 +62,7 @@ def test_names_are_those_of_the_wiring_page(closed_loop, systems):
     sides = [closed_loop.GetSubsystemByName(name) for name in ("station", "coordinator")]
     inner = [system.get_name() for side in sides for system in side.GetSystems()]
     in_wind = ["gust_noise", "air", "wind_force"]
-    in_sensors = ["sensor_noise", "sampler"]
+    in_sensors = ["sensor_noise", "sampler", "state_filter"]
     opened = {"closed_loop", "station", "coordinator", *inner, *in_wind, *in_sensors}
     assert set(systems) == opened
     assert {"plant", "mpc", "sensors", "wind"} <= set(inner)
@@ -148,7 +148,8 @@ def test_mermaid_depth(closed_loop):
     shallow = to_mermaid(closed_loop, 1)
     assert nodes(shallow) == {"station", "coordinator"}
     assert arrows(shallow) == {
-        ("station", "coordinator"): "disturbance<br/>saturated<br/>specific_thrust<br/>state",
+        ("station", "coordinator"): "disturbance<br/>external_acceleration<br/>saturated<br/>"
+        "specific_thrust<br/>state",
         ("coordinator", "station"): "base_setpoint<br/>joint_setpoint",
     }
     assert to_mermaid(closed_loop, 9) == to_mermaid(closed_loop, DEPTH + 1)

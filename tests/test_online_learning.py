@@ -12,7 +12,7 @@ from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context
 
 
-@pytest.mark.parametrize("max_drift", [0.01, 0.05])
+@pytest.mark.parametrize("max_drift", [0.005, 0.02])
 def test_delta_is_bounded_with_an_absurd_learning_rate(vehicle, max_drift):
     """By max_drift |phi|, since the network knows nothing; and the bound is reached."""
     scenario = Scenario(

@@ -103,8 +103,8 @@ def test_clover():
     scenario, log, figures = fly("clover")
     assert figures["exit_reason"] == "completed"
     assert figures["simulated_s"] == pytest.approx(scenario.settle_s + 30)
-    assert figures["error"]["lap_mean_m"] <= 0.004
-    assert figures["error"]["max_m"] <= 0.012
+    assert figures["error"]["lap_mean_m"] <= 0.00005
+    assert figures["error"]["max_m"] <= 0.00015
     assert figures["mpc"]["solver_fallbacks"] == 0
     assert_figures(log, figures, clover(log.time_s), lap=(3, 27))
 
@@ -125,8 +125,8 @@ def test_clover_pointing():
 def test_moving_target():
     _, log, figures = fly("moving_target")
     assert figures["exit_reason"] == "completed"
-    assert figures["error"]["approach_s"] <= 5
-    assert figures["error"]["settled_mean_m"] <= 0.004
+    assert figures["error"]["approach_s"] <= 2.6
+    assert figures["error"]["settled_mean_m"] <= 0.00001
     mode = log["mode"][log.time_s >= 0].astype(int)
     assert mode[0] == 0 and mode[-1] == 1  # flight, coordinated
     assert figures["modes"]["flight"] > 0.5 and figures["modes"]["coordinated"] > 20

@@ -29,6 +29,9 @@ def make_moving(config: Sensors, trim: np.ndarray, rates: Rates) -> Diagram:
     sensors = builder.AddSystem(make_sensors(config, Filter(), rates, trim, np.zeros(6)))
     builder.Connect(slope.get_output_port(), mover.get_input_port())
     builder.Connect(mover.get_output_port(), sensors.GetInputPort("true_state"))
+    for port, size in (("acceleration", 6), ("reaction", 3)):  # For the filter.
+        none = builder.AddNamedSystem(port, ConstantVectorSource(np.zeros(size)))
+        builder.Connect(none.get_output_port(), sensors.GetInputPort(port))
     builder.ExportOutput(sensors.GetOutputPort("sample"), "sample")
     return builder.Build()
 

@@ -1,7 +1,6 @@
 """The stages of the horizon, for any number of them and any span."""
 
 import numpy as np
-import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -35,8 +34,7 @@ def test_stages_grow_in_proportion(horizon, ratio):
     assert np.abs(ticks[-1] / exact[-1] - 1) < max(0.1, 1.5 / exact[-1])
 
 
-def test_the_default_reaches_a_second_ahead_and_looks_closest_at_what_is_near():
+def test_the_default_reaches_two_seconds_ahead_and_looks_closest_at_what_is_near():
     ticks = stage_ticks(Mpc())
-    assert len(ticks) == 15 and ticks.sum() == 52
-    assert list(ticks[:4]) == [1, 1, 1, 2]
-    assert ticks[-1] == pytest.approx(7, abs=1)
+    assert len(ticks) == 15 and ticks.sum() == 100
+    assert ticks[:4].max() <= 3 and 15 <= ticks[-1] <= 25
