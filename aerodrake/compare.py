@@ -58,6 +58,12 @@ def _integral_best(scenario: Scenario) -> Scenario:
     return replace(integral, mpc=replace(integral.mpc, **weights))
 
 
+def _clik(scenario: Scenario) -> Scenario:
+    """With the baseline's K_e, since CLIK believes the command as the integral model does."""
+    own = _with("mpc", k_e=scenario.baseline.k_e)(_with_residual(scenario, "off"))
+    return replace(own, controller="clik", orientation=OrientationOff())
+
+
 PARTS: dict[str, Callable[[Scenario], Scenario]] = {
     "no_flight_model": _with("model", kind="velocity_aware"),
     "no_tilt": _with("mpc", tilt="none"),
@@ -76,9 +82,7 @@ VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
     "modified": lambda scenario: _with_residual(scenario, "off"),
     "modified+offline": lambda scenario: _with_residual(scenario, "offline"),
     "modified+online": lambda scenario: _with_residual(scenario, "online"),
-    "clik": lambda scenario: replace(
-        _with_residual(scenario, "off"), controller="clik", orientation=OrientationOff()
-    ),
+    "clik": _clik,
     "fixed_weights": _with("allocation", kind="fixed"),
     **PARTS,
 }
@@ -87,8 +91,8 @@ VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
 `integral` believes the command, `integral_best` does with the weights of the
 section `baseline`. `modified` has the scenario's own model without a residual,
 `+offline` with its network as it is, `+online` with one that learns. `clik` is
-closed-loop inverse kinematics, which has no orientation task; `fixed_weights` the
-scenario without allocation. The rest is the scenario without one of `PARTS`.
+closed-loop inverse kinematics with that section's K_e, and without orientation task;
+`fixed_weights` the scenario without allocation. The rest is the scenario without one of `PARTS`.
 """
 
 OWN_VARIANT = {"off": "modified", "offline": "modified+offline", "online": "modified+online"}

@@ -108,7 +108,9 @@ class MpcFormulation:
         Base setpoint velocity, joint positions and velocities at each stage;
         and at the last one, room to brake: q + t_s q' within the limits. With
         t_s = v_max / (2 a_max) no joint needs more, so that the next tick's
-        program is feasible if this one was and the horizon lasts 2 t_s or longer.
+        program is feasible if this one was, the horizon lasts 2 t_s or longer, and
+        each stage is one tick. Where stages are longer none but the setpoints' own
+        limits stop what the program cannot.
         """
         model, limits, N = self.model, self.limits, self.config.horizon
         self._bounded = np.concatenate(
