@@ -53,6 +53,8 @@ HEADLINES = {
 """By key of `summary["error"]`, in the order in which they are preferred."""
 
 WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
+PANELS = 4
+"""Panels of paths, and the one of distances, in a row."""
 PANEL_RATIO = 0.85
 """Height of a path's panel by its width."""
 
@@ -153,18 +155,20 @@ def plot_comparison(
         path: A PNG.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(14, 16), layout="constrained")
+        rows = -(-(len(logs) + 1) // PANELS)
+        figure = Figure(figsize=(14, 10 + 3 * rows), layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         if logs:
-            _draw(figure, logs, own, scenario)
+            _draw(figure, rows, logs, own, scenario)
         # No version or date inside: the same flights give the same bytes.
         figure.savefig(path, dpi=110, metadata={"Software": None})
 
 
-def _draw(figure: Figure, logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> None:
-    rows = -(-(len(logs) + 1) // 4)
+def _draw(
+    figure: Figure, rows: int, logs: Mapping[str, FlightLog], own: str, scenario: Scenario
+) -> None:
     grid = figure.add_gridspec(rows + 3, 12, height_ratios=[1.2] * rows + [1.5, 1, 1.2])
-    cells = [grid[i // 4, 3 * (i % 4) : 3 * (i % 4) + 3] for i in range(4 * rows)]
+    cells = [grid[i // 4, 3 * (i % 4) : 3 * (i % 4) + 3] for i in range(PANELS * rows)]
     _paths(figure, cells, logs)
     _distances(figure.add_subplot(cells[-1]), logs, scenario)
     _errors(figure.add_subplot(grid[rows, :]), logs)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.joint_pid import JointPid
