@@ -164,6 +164,21 @@ def test_rotation_about_an_axis_that_stays_is_composed_exactly(attitude, axis, m
     np.testing.assert_allclose(now.delta, delta * e)
 
 
+@given(attitude=rotation, omega=vector, alpha=vector)
+def test_rotation_whose_axis_changes_is_followed_to_third_order(attitude, omega, alpha):
+    """Rates exactly; attitude up to dt^3 / 12 omega x alpha, against a hundred smaller turns."""
+    R = Rotation.from_quat(attitude, scalar_first=True)
+    now = estimate(quaternion=attitude, omega_W=R.apply(omega))
+    found = StateFilter(Filter(), DT).follow(now, np.append(np.zeros(3), alpha)).state
+    np.testing.assert_allclose(found.R_B.T @ found.omega_W, omega + DT * alpha, atol=1e-12)
+    turned, steps = R, 100
+    for k in range(steps):
+        mean = omega + (k + 0.5) * DT / steps * alpha
+        turned = turned * Rotation.from_rotvec(DT / steps * mean)
+    missed = (turned.inv() * turn_of(found)).magnitude()
+    assert missed <= 1.1 * DT**3 / 12 * np.linalg.norm(np.cross(omega, alpha)) + 1e-12
+
+
 @given(
     attitude=rotation,
     turn=small,
