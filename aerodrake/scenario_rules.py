@@ -26,6 +26,14 @@ def check(scenario: Scenario, source: object) -> None:
     for field in dataclasses.fields(scenario.rates):
         _check_steps(scenario, source, f"rates.{field.name}", getattr(scenario.rates, field.name))
     _check_steps(scenario, source, "sensors.base_delay_s", scenario.sensors.base_delay_s)
+    late = scenario.filter.delay_s / scenario.rates.sensor_period_s
+    if abs(late - round(late)) > 1e-6:
+        raise BadInput(
+            source,
+            "filter.delay_s",
+            f"expected a multiple of rates.sensor_period_s ({scenario.rates.sensor_period_s:g} s), "
+            f"got {scenario.filter.delay_s:g} s",
+        )
     for key in ("sensor_period_s", "flight_period_s"):
         ticks = scenario.rates.mpc_period_s / getattr(scenario.rates, key)
         if abs(ticks - round(ticks)) > 1e-6:

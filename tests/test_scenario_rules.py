@@ -50,6 +50,14 @@ def hover_with(changes: dict[str, object]) -> Scenario:
             "sensors.base_delay_s: expected a multiple of rates.plant_step_s (0.001 s), "
             "got 0.0105 s",
         ),
+        (
+            {"filter.delay_s": 0.015},
+            "filter.delay_s: expected a multiple of rates.sensor_period_s (0.01 s), got 0.015 s",
+        ),
+        (
+            {"filter.delay_s": 0.01, "rates.sensor_period_s": 0.02, "rates.flight_period_s": 0.02},
+            "filter.delay_s: expected a multiple of rates.sensor_period_s (0.02 s), got 0.01 s",
+        ),
         ({"name": "../elsewhere"}, "name: expected a name that can be a folder's"),
         (
             {"flight.interface": "position", "model.kind": "velocity_aware"},
@@ -81,6 +89,7 @@ def test_combinations_that_go_together(kind):
             "rates.sensor_period_s": 0.005,
             "rates.mpc_period_s": 0.03,
             "sensors.base_delay_s": 0.0105,
+            "filter.delay_s": 0.015,
         }
     )
     assert scenario.flight == Flight(interface="position")

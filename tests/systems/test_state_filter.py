@@ -1,0 +1,240 @@
+"""The state filter among the sensors: what passes, what is late, and what it tells in flight."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource, TrajectorySource, ZeroOrderHold
+from pydrake.trajectories import PiecewisePolynomial, Trajectory
+from scipy.interpolate import PPoly
+from scipy.spatial.transform import Rotation
+
+from aerodrake.excitation import excite
+from aerodrake.flight_log import FlightLog
+from aerodrake.model.state_filter import StateFilter
+from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.open_loop import make_open_loop
+from aerodrake.scenario import Filter, Rates, Rotor, Sensors, Wind
+from aerodrake.scenario_file import load_scenario
+from aerodrake.sensors import make_sensors
+from aerodrake.simulate import Flight
+from aerodrake.station import make_context
+from aerodrake.systems.state_filter import StateFilterSystem
+
+JOINTS = 6
+SIZE = VehicleState.size(JOINTS)
+PERIOD = 0.01
+NOISY = Sensors(position_noise_m=0.002, attitude_noise_rad=0.003, joint_noise_rad=0.001)
+TRIM = np.concatenate([[1, 0, 0, 0, 0.3, -0.2, 1.5], np.linspace(-1, 1, JOINTS), np.zeros(12)])
+
+
+def make_filter(config: Filter, trim_acceleration: np.ndarray) -> StateFilterSystem:
+    """One that filters."""
+    equations = StateFilter(config, PERIOD)
+    return StateFilterSystem(equations, False, JOINTS, PERIOD, TRIM, trim_acceleration)
+
+
+def held(vehicle: Vehicle, duration: float) -> tuple[Trajectory, Trajectory]:
+    """Motions of base and joints that stay in trim."""
+    return tuple(
+        PiecewisePolynomial.ZeroOrderHold([0, duration], np.column_stack([x, x]))
+        for x in (vehicle.p_B, vehicle.working)
+    )
+
+
+@settings(max_examples=10)
+@given(
+    states=arrays(float, (3, SIZE), elements=st.floats(0.1, 2.0)),
+    signs=arrays(float, (3, SIZE), elements=st.sampled_from([-1.0, 1.0])),
+)
+@pytest.mark.parametrize(
+    ("sensors", "config", "passes"),
+    [
+        (Sensors(), Filter(), True),
+        (Sensors(base_delay_s=0.004), Filter(), True),
+        (NOISY, Filter(kind="none"), True),
+        (Sensors(base_delay_s=0.01), Filter(kind="none", delay_s=0.01), True),
+        (NOISY, Filter(), False),
+        (Sensors(base_delay_s=0.01), Filter(delay_s=0.01), False),
+    ],
+)
+def test_what_needs_no_filter_passes_bit_for_bit(sensors, config, passes, states, signs):
+    diagram = make_sensors(sensors, config, Rates(), TRIM, np.zeros(6))
+    context = make_context(diagram, 0)
+    diagram.GetInputPort("acceleration").FixValue(context, np.ones(6))
+    diagram.GetInputPort("reaction").FixValue(context, np.ones(3))
+    simulator = Simulator(diagram, context)
+    seen = []
+    for k, x in enumerate(states * signs):
+        diagram.GetInputPort("true_state").FixValue(context, x)
+        simulator.AdvanceTo((k + 1.5) * PERIOD)
+        seen.append([diagram.GetOutputPort(p).Eval(context).copy() for p in ("state", "sample")])
+    state, sample = np.swapaxes(seen, 0, 1)
+    assert not np.array_equal(sample[0], TRIM)
+    assert np.array_equal(state, sample) == passes
+
+
+@pytest.mark.parametrize("steps", [0, 1, 3])
+def test_known_motion_is_told_as_of_now_however_late_its_samples(steps):
+    """Speeding up as modelled, but for a constant disturbance that the filter starts with."""
+    rows = 20
+    trim_acceleration = np.array([0.3, -0.2, 0.1, 0, 0, 0.7])
+    e, a = np.array([0.0, 0, 1]), np.random.default_rng(0).normal(scale=5, size=(rows, 4))
+    # Until time 0 all is at rest; a[k] is held from then on until the next.
+    times = PERIOD * np.arange(rows + 1)
+    speed = PPoly(a[None], times).antiderivative()
+    way = speed.antiderivative()
+
+    def truth(k: int) -> np.ndarray:
+        v, p = (speed(times[k]), way(times[k])) if k > 0 else np.zeros((2, 4))
+        state = VehicleState.from_vector(TRIM)
+        return replace(
+            state,
+            quaternion=Rotation.from_rotvec(p[3] * e).as_quat(scalar_first=True),
+            p_B=state.p_B + p[:3],
+            omega_W=v[3] * e,
+            v_B=v[:3],
+        ).to_vector()
+
+    system = make_filter(Filter(delay_s=steps * PERIOD), trim_acceleration)
+    simulator = Simulator(system)
+    context = simulator.get_mutable_context()
+    for k in range(rows):
+        modelled = np.concatenate([a[k - 1][:3], a[k - 1][3] * e]) if k > 0 else np.zeros(6)
+        system.GetInputPort("sample").FixValue(context, truth(k - steps))
+        system.GetInputPort("acceleration").FixValue(context, modelled + trim_acceleration)
+        system.GetInputPort("reaction").FixValue(context, [0.0, 0.0, float(k)])
+        simulator.AdvanceTo((k + 0.5) * PERIOD)
+        state = system.GetOutputPort("state").Eval(context)
+        np.testing.assert_allclose(state, truth(k), rtol=0, atol=1e-12, err_msg=f"{k}")
+        external = system.GetOutputPort("external_acceleration").Eval(context)
+        np.testing.assert_allclose(external, -trim_acceleration[:3] - [0, 0, k], atol=1e-9)
+
+
+def test_a_consumer_of_the_same_instant_sees_the_new_state():
+    """Drake's own sample-and-hold after the filter adds nothing, after itself a period."""
+    builder = DiagramBuilder()
+    ramp = PiecewisePolynomial.FirstOrderHold([0, 1], np.column_stack([TRIM, TRIM + 1]))
+    sample = builder.AddSystem(TrajectorySource(ramp))
+    system = builder.AddSystem(make_filter(Filter(), np.zeros(6)))
+    first, second = (builder.AddSystem(ZeroOrderHold(PERIOD, SIZE)) for _ in range(2))
+    builder.Connect(sample.get_output_port(), system.GetInputPort("sample"))
+    for port, size in (("acceleration", 6), ("reaction", 3)):
+        source = builder.AddSystem(ConstantVectorSource(np.zeros(size)))
+        builder.Connect(source.get_output_port(), system.GetInputPort(port))
+    builder.Connect(system.GetOutputPort("state"), first.get_input_port())
+    builder.Connect(first.get_output_port(), second.get_input_port())
+    diagram = builder.Build()
+    simulator = Simulator(diagram)
+    rows = []
+    for k in range(10):
+        simulator.AdvanceTo((k + 0.5) * PERIOD)
+        context = simulator.get_context()
+        rows.append(
+            [s.get_output_port(0).Eval(s.GetMyContextFromRoot(context)) for s in (system, first)]
+            + [second.get_output_port().Eval(second.GetMyContextFromRoot(context))]
+        )
+    states, seen, seen_after = np.swapaxes(rows, 0, 1)
+    assert len(np.unique(states, axis=0)) == len(states)
+    np.testing.assert_array_equal(seen, states)
+    np.testing.assert_array_equal(seen_after[1:], states[:-1])
+
+
+def test_no_feedthrough():
+    assert not make_filter(Filter(delay_s=0.02), np.zeros(6)).HasAnyDirectFeedthrough()
+
+
+@pytest.mark.parametrize("feedforward", ["whole_body", "none"])
+def test_trim_is_an_equilibrium_from_the_first_sample_on(scenario, vehicle, feedforward):
+    late = replace(
+        scenario,
+        sensors=Sensors(base_delay_s=0.02),
+        filter=Filter(delay_s=0.02),
+        flight=replace(scenario.flight, feedforward=feedforward),
+    )
+    flown = excite(late, *held(vehicle, 0.3))
+    np.testing.assert_allclose(flown.state - vehicle.trim_state, 0, atol=1e-11)
+    np.testing.assert_allclose(flown.external_acceleration, 0, atol=1e-11)
+
+
+def test_a_clone_goes_on_as_the_original(scenario, vehicle):
+    noisy = replace(
+        scenario, sensors=replace(NOISY, base_delay_s=0.02), filter=Filter(delay_s=0.02)
+    )
+    diagram = make_open_loop(noisy, *held(vehicle, 1.0))
+    simulator = Simulator(diagram, make_context(diagram, 0))
+    simulator.AdvanceTo(0.1034)
+    clone = simulator.get_context().Clone()
+    ports = [diagram.GetOutputPort(p) for p in ("state", "external_acceleration")]
+    before = [port.Eval(clone) for port in ports]
+    simulator.AdvanceTo(0.2034)
+    ends = [port.Eval(simulator.get_context()) for port in ports]
+    for port, was, end in zip(ports, before, ends, strict=True):
+        np.testing.assert_array_equal(port.Eval(clone), was)
+        assert np.all(was[:3] != end[:3])
+    Simulator(diagram, clone).AdvanceTo(0.2034)
+    for port, end in zip(ports, ends, strict=True):
+        np.testing.assert_array_equal(port.Eval(clone), end)
+
+
+@pytest.mark.parametrize("feedforward", ["whole_body", "none"])
+@pytest.mark.parametrize("sensors", [Sensors(), NOISY])
+def test_steady_wind_is_found(scenario, vehicle, feedforward, sensors):
+    """Its force over the mass, averaged over a second, when the base stands still again.
+
+    The rotors lag alike both ways: those that rise faster than they fall give more thrust than
+    noisy commands ask for, and this too is found.
+    """
+    wind = Wind(velocity_m_s=(4.0, -2.0, 1.0))
+    windy = replace(
+        scenario,
+        wind=wind,
+        sensors=sensors,
+        vehicle=replace(scenario.vehicle, rotor=Rotor(lag_up_s=0.02, lag_down_s=0.02)),
+        flight=replace(scenario.flight, feedforward=feedforward),
+    )
+    flown = excite(windy, *held(vehicle, 4.5))
+    v = np.array(wind.velocity_m_s)
+    drag = wind.quadratic_drag_n_s2_m2 * np.linalg.norm(v) + wind.linear_drag_n_s_m
+    expected = drag * v / vehicle.mass
+    found = flown.external_acceleration[flown.time_s > 3.5].mean(axis=0)
+    assert np.linalg.norm(found - expected) < 0.02 * np.linalg.norm(expected)
+
+
+@pytest.fixture(scope="module")
+def realistic() -> FlightLog:
+    """4 s of noise, lateness, gusts and a plant that is off its model."""
+    return Flight(replace(load_scenario("clover_realistic"), settle_s=0.0, duration=4.0)).fly()
+
+
+@pytest.mark.parametrize(
+    ("key", "share"),
+    [
+        ("p_B_m", 0.4),  # 0.28 when measured.
+        ("v_B_m_s", 0.65),  # 0.49
+        ("quaternion", 0.25),  # 0.15
+        ("omega_W_rad_s", 0.8),  # 0.61
+        ("q_rad", 0.4),  # 0.26
+    ],
+)
+def test_an_estimate_is_nearer_to_the_truth_than_its_sample(realistic, key, share):
+    """In root mean square. A row tells the estimate before its instant's update."""
+    true = realistic[key]
+    sampled = off(key, true[:-1], realistic[f"measured_{key}"][:-1])
+    estimated = off(key, true[:-1], realistic[f"estimated_{key}"][1:])
+    later = slice(50, None)
+    assert np.mean(estimated[later] ** 2) < share**2 * np.mean(sampled[later] ** 2)
+
+
+def off(key: str, true: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """(T,) distances, or angles between quaternions."""
+    if key != "quaternion":
+        return np.linalg.norm(other - true, axis=1)
+    R, other_R = (Rotation.from_quat(q, scalar_first=True) for q in (true, other))
+    return (R.inv() * other_R).magnitude()
