@@ -168,7 +168,9 @@ def _draw(
     figure: Figure, rows: int, logs: Mapping[str, FlightLog], own: str, scenario: Scenario
 ) -> None:
     grid = figure.add_gridspec(rows + 3, 12, height_ratios=[1.2] * rows + [1.5, 1, 1.2])
-    cells = [grid[i // 4, 3 * (i % 4) : 3 * (i % 4) + 3] for i in range(PANELS * rows)]
+    cells = [
+        grid[i // PANELS, 3 * (i % PANELS) : 3 * (i % PANELS) + 3] for i in range(PANELS * rows)
+    ]
     _paths(figure, cells, logs)
     _distances(figure.add_subplot(cells[-1]), logs, scenario)
     _errors(figure.add_subplot(grid[rows, :]), logs)
