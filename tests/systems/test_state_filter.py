@@ -25,6 +25,7 @@ from aerodrake.scenario_file import load_scenario
 from aerodrake.sensors import make_sensors
 from aerodrake.simulate import Flight
 from aerodrake.station import make_context
+from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.state_filter import StateFilterSystem
 
 JOINTS = 6
@@ -205,6 +206,21 @@ def test_steady_wind_is_found(scenario, vehicle, feedforward, sensors):
     expected = drag * v / vehicle.mass
     found = flown.external_acceleration[flown.time_s > 3.5].mean(axis=0)
     assert np.linalg.norm(found - expected) < 0.02 * np.linalg.norm(expected)
+
+
+def test_what_moving_the_arm_takes_is_told_with_the_command(scenario, vehicle):
+    """Thrust makes up for the vertical part at once; of the rest the base has the opposite."""
+    controller = FlightController(scenario.flight, Rotor(), vehicle, PERIOD, 0.0)
+    context = controller.CreateDefaultContext()
+    arm = np.concatenate([vehicle.working, np.zeros(JOINTS), np.linspace(1, 6, JOINTS)])
+    controller.GetInputPort("state").FixValue(context, vehicle.trim_state)
+    controller.GetInputPort("base_setpoint").FixValue(context, [*vehicle.p_B, *np.zeros(6)])
+    controller.GetInputPort("joint_setpoint").FixValue(context, arm)
+    Simulator(controller, context).AdvanceTo(PERIOD / 2)
+    reaction = controller.GetOutputPort("reaction").Eval(context)
+    told = controller.GetOutputPort("acceleration").Eval(context)[:3]
+    assert np.all(np.abs(reaction) > 1e-3)
+    np.testing.assert_allclose(told, -reaction * [1, 1, 0], atol=1e-9)
 
 
 @pytest.fixture(scope="module")
