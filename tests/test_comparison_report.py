@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 
+from aerodrake.compare import VARIANTS
 from aerodrake.comparison_report import comparison_table, headline, plot_comparison, residuals
 from aerodrake.flight_log import FlightLog
 from aerodrake.model.equivalent_model import EquivalentModel, Thrust
@@ -125,11 +126,20 @@ def test_the_figure_shows_every_variant(short_flight, tmp_path):
     draw(short_flight, tmp_path / "again.png")
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "again.png").read_bytes()
     assert min(all_of_them.shape[:2]) > 1000
+    three = ("integral", "clik", "modified+online")
+    one_row = draw(short_flight, tmp_path / "c.png", dict.fromkeys(three, log))
     for missing in ("clik", "modified+online"):
-        others = dict.fromkeys({"integral", "clik", "modified+online"} - {missing}, log)
+        others = dict.fromkeys(set(three) - {missing}, log)
         fewer = draw(short_flight, tmp_path / "b.png", others)
-        assert np.abs(all_of_them - fewer).max() > 0.5
+        assert np.abs(one_row - fewer).max() > 0.5
     assert plt.get_fignums() == []
+
+
+@pytest.mark.filterwarnings("error")
+def test_there_is_room_for_all_variants_that_there_are(short_flight, tmp_path):
+    _, log = short_flight
+    crowded = draw(short_flight, tmp_path / "a.png", dict.fromkeys(VARIANTS, log))
+    assert len(crowded) > len(draw(short_flight, tmp_path / "b.png"))
 
 
 @pytest.mark.parametrize("samples", [2, 12])
