@@ -39,7 +39,7 @@ COLORS = {
     "modified+online": ACCENT,
     "clik": "#2b8a3e",
     "fixed_weights": "#9c36b5",
-    "no_flight_model": "#e8590c",
+    "no_flight_model": "#5f3dc4",
     "no_tilt": "#f08c00",
     "no_feedforward": "#0c8599",
     "short_horizon": "#c2255c",
@@ -53,6 +53,7 @@ HEADLINES = {
 """By key of `summary["error"]`, in the order in which they are preferred."""
 
 WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
+LEGEND_COLUMNS = 7
 PANELS = 4
 """Panels of paths, and the one of distances, in a row."""
 PANEL_RATIO = 0.85
@@ -226,7 +227,7 @@ def _errors(axes: Axes, logs: Mapping[str, FlightLog]) -> None:
         axes.set_ylim(low, max(2e3 * errors.max(), 10 * low))
     axes.set(ylabel="end-effector error / mm", xlabel="reference time / s")
     axes.margins(x=0)
-    axes.legend(loc="upper center", ncols=len(COLORS), bbox_to_anchor=(0.5, 1.12))
+    axes.legend(loc="lower center", ncols=LEGEND_COLUMNS, bbox_to_anchor=(0.5, 1.0))
 
 
 def _residual(panels: list[Axes], log: FlightLog, scenario: Scenario) -> None:

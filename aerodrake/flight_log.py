@@ -56,6 +56,9 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
 
 n is the number of joints, k that of rotors, N the horizon. A part of width 1
 is logged as a plain series (T,), the others as (T, width).
+A row shows what was there before the updates of its instant: the sample of the
+instant itself, `measured_*`, and the state that was made of the one before,
+`estimated_*` and `external_acceleration`.
 """
 
 DERIVED = {
