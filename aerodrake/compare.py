@@ -20,6 +20,9 @@ from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop
 from aerodrake.systems.sensors import is_exact
 
+K_B_MODELS = {"position": "paper", "trajectory": "velocity_aware"}
+"""The modified model of each flight interface that knows K_B alone."""
+
 INTERFACE_MODELS = {"position": "paper", "trajectory": "flight"}
 """The modified model of each flight interface, where the scenario names none."""
 
@@ -65,7 +68,9 @@ def _clik(scenario: Scenario) -> Scenario:
 
 
 PARTS: dict[str, Callable[[Scenario], Scenario]] = {
-    "no_flight_model": _with("model", kind="velocity_aware"),
+    "no_flight_model": lambda scenario: _with("model", kind=K_B_MODELS[scenario.flight.interface])(
+        scenario
+    ),
     "no_tilt": _with("mpc", tilt="none"),
     "no_feedforward": _with("flight", feedforward="none"),
     "short_horizon": _with("mpc", span_ticks=1),

@@ -68,7 +68,7 @@ class Sensors:
 class Filter:
     """Kalman filters that make the state of the samples, and tell what disturbs the base.
 
-    Exact samples that are not late pass as they are; the disturbance is told nevertheless.
+    Samples pass as they are with `none`, and where they are exact and not believed to be late.
     """
 
     kind: str = choice("kalman", "none")
@@ -82,7 +82,7 @@ class Filter:
     rate_noise_rad_s: float = quantity(0.01, "rad/s", 1e-6, 10.0)
     joint_noise_rad: float = quantity(0.0009, "rad", 1e-6, 0.2)
     # How fast disturbances of the base's motion and rotation change, per square root of a second.
-    disturbance_m_s3: float = quantity(0.5, "m/s^2/sqrt(s)", 1e-3, 1e3)
+    disturbance_m_s3: float = quantity(0.2, "m/s^2/sqrt(s)", 1e-3, 1e3)
     disturbance_rad_s3: float = quantity(3.0, "rad/s^2/sqrt(s)", 1e-3, 1e4)
 
 
@@ -141,8 +141,9 @@ class Flight:
     attitude_eso_rad_s: float = quantity(15.0, "rad/s", 0.1, 100.0)
     # Of omega_d, the rate at which the desired attitude turns.
     rate_filter_s: float = quantity(0.03, "s", 0.0, 1.0)
-    # What moving the arm takes, by inverse dynamics. Without, the observers find it out.
-    feedforward: str = choice("whole_body", "none")
+    # What moving the arm takes: the observers find it out, or inverse dynamics tell it, which
+    # holds the base stiller and stands less delay and noise.
+    feedforward: str = choice("none", "whole_body")
     max_tilt_rad: float = quantity(0.6, "rad", 0.05, 1.2)
 
 
@@ -212,7 +213,7 @@ class Mpc(Weights):
     # e_E along the horizon: predicted with the linearised p_E, or held as printed.
     error: str = choice("predicted", "frozen")
     # W_5 on changes of the base's acceleration from one stage to the next.
-    w_5: tuple[float, ...] = quantity((1000.0, 1000.0, 1000.0), "1", 0.0, 1e6, length=3)
+    w_5: tuple[float, ...] = quantity((3000.0, 3000.0, 3000.0), "1", 0.0, 1e6, length=3)
     # Of the orientation task: W_6, K_o, and the rate above which the tool is not turned to it.
     w_6: float = quantity(100.0, "1", 0.0, 1e8)
     k_o: float = quantity(8.0, "1/s", 0.0, 50.0)

@@ -14,6 +14,7 @@ from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 from aerodrake.flight_log import PORTS, FlightLog, split_port
 from aerodrake.model.direction import make_direction
 from aerodrake.model.kinematics import Kinematics
+from aerodrake.model.reference import make_reference
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_closed_loop, make_context
@@ -121,7 +122,11 @@ class _Monitor:
         self._flight = flight
         self._context = flight.closed_loop.GetMyContextFromRoot(context)
         self._start = flight.p_E(self._output("true_state"))
-        self._approached = False
+        # A target that is far at first is to be approached before it can be left.
+        target = make_reference(flight.scenario.reference, self._start).evaluate(np.zeros(1))[0][0]
+        distance = float(np.linalg.norm(target - self._start))
+        self._approached = distance <= flight.scenario.allocation.d_h_m
+        self._farthest = LOST_ERROR_M + distance
 
     def time(self) -> float:
         """Reference time, s."""
@@ -140,7 +145,7 @@ class _Monitor:
         target = self._start if is_hovering else self._output("reference")[:3]
         error = float(np.linalg.norm(self._flight.p_E(x) - target))
         self._approached |= error <= self._flight.scenario.allocation.d_h_m and not is_hovering
-        if (self._approached or is_hovering) and error > LOST_ERROR_M:
+        if error > (LOST_ERROR_M if self._approached or is_hovering else self._farthest):
             return f"error of {error:.2f} m {when}"
         return ""
 

@@ -11,7 +11,8 @@ MPC (or CLIK) and setpoint integrator. They meet in seven signals: `state`,
     plant, rotors,
     base_delay (if any)              1 ms                         discrete
     sensors                         10 ms, before 0.25 ms         discrete
-    sensor_noise, gust_noise        10 ms                         unrestricted
+    sensor_noise, gust_noise,
+    state_filter                    10 ms                         unrestricted, so first
     air, wind_force (if any wind)   10 ms                         discrete
     mpc or clik, equivalent_state,
     residual_estimator,
@@ -74,10 +75,10 @@ def make_station(scenario: Scenario) -> Diagram:
     """Plant, rotors, wind, sensors, and flight and arm controllers.
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
-    Outputs: `state` (13 + 2 n), as measured; `true_state`; `thrust` and
-    `thrust_command` (k) N; `joint_torque` (n) N m; `specific_thrust` (1), `disturbance`
-    (6) and `saturated` (1), of the flight controller; `wind_force` (3) N on the base,
-    in the world; `query_object`, geometry for visualizers.
+    Outputs: `sample` and what the filter makes of it, `state` (13 + 2 n each) and
+    `external_acceleration` (3); `true_state`; `thrust` and `thrust_command` (k) N;
+    `joint_torque` (n) N m; `specific_thrust` (1), `disturbance` (6) and `saturated` (1),
+    of the flight controller; `wind_force` (3) N, in the world; `query_object`.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
@@ -174,8 +175,7 @@ def make_station(scenario: Scenario) -> Diagram:
 def make_coordinator(scenario: Scenario) -> Diagram:
     """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
-    Inputs: `state` (13 + 2 n), as measured; `specific_thrust` (1), `disturbance` (6) and
-    `saturated` (1), of the flight controller.
+    Inputs: those of the station's outputs that it meets, as above.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n); `reference` (6), `weights`
     (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (2), `delta` (3),
     `prediction_error` (3), `nominal_prediction_error` (3).

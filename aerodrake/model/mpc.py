@@ -109,8 +109,8 @@ class MpcFormulation:
         and at the last one, room to brake: q + t_s q' within the limits. With
         t_s = v_max / (2 a_max) no joint needs more, so that the next tick's
         program is feasible if this one was, the horizon lasts 2 t_s or longer, and
-        each stage is one tick. Where stages are longer none but the setpoints' own
-        limits stop what the program cannot.
+        each stage is one tick. With longer stages that is not certain: then the last
+        plan goes on, and the setpoint integrator keeps the limits.
         """
         model, limits, N = self.model, self.limits, self.config.horizon
         self._bounded = np.concatenate(

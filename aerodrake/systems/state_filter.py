@@ -25,6 +25,8 @@ class StateFilterSystem(LeafSystem):
     State:
         `estimate` (19 + 2 n) at the time of the base's last sample; `since`
         (steps, 6), accelerations from then to now; and what the outputs show.
+        A sample that is not finite corrects nothing: the base goes on as modelled,
+        and the arm stays where it was.
     Rate:
         `period`, by an *unrestricted* update: these run before the discrete
         updates of the same instant, so that a controller that ticks together
@@ -74,7 +76,11 @@ class StateFilterSystem(LeafSystem):
         since = np.vstack([since, self._acceleration.Eval(context)])
 
         then = Estimate.from_vector(old(self._x_estimate).value())
-        then = self._filter.correct(self._filter.follow(then, since[0]), sample)
+        then = self._filter.follow(then, since[0])
+        if np.isfinite(x).all():
+            then = self._filter.correct(then, sample)
+        else:
+            sample = replace(last, qdot=0 * last.qdot)
         now = then
         for acceleration in since[1:]:
             now = self._filter.follow(now, acceleration)
