@@ -69,8 +69,8 @@ def test_the_search_of_weights_finds_the_cheapest(scenario):
     script = runpy.run_path(str(DIAGRAMS / "search_weights.py"))
     target = np.array([0.5, -0.5, 0.3, 0.0, -0.2])
     search = script["search"]
-    search.__globals__["cost"] = lambda scenarios, decades: np.sum((decades - target) ** 2)
-    cost, best = search(([scenario], 200))
+    search.__globals__["cost"] = lambda scenarios, start, decades: np.sum((decades - target) ** 2)
+    cost, best = search(([scenario], script["START"], 200))
     assert cost < 1e-3
     found = [getattr(best.mpc, w)[0] / start for w, start in script["START"].items()]
     np.testing.assert_allclose(np.log10(found), target, atol=0.05)
@@ -81,4 +81,4 @@ def test_the_search_of_weights_charges_a_metre_for_a_lap_not_flown(scenario):
     script = runpy.run_path(str(DIAGRAMS / "search_weights.py"))
     cost = script["cost"]
     cost.__globals__["PATHS"] = ((FigureEight(), 0.1),)
-    assert cost([replace(scenario, settle_s=0.0)], np.zeros(5)) == 1.0
+    assert cost([replace(scenario, settle_s=0.0)], script["START"], np.zeros(5)) == 1.0

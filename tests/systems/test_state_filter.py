@@ -210,7 +210,8 @@ def test_steady_wind_is_found(scenario, vehicle, feedforward, sensors):
 
 def test_what_moving_the_arm_takes_is_told_with_the_command(scenario, vehicle):
     """Thrust makes up for the vertical part at once; of the rest the base has the opposite."""
-    controller = FlightController(scenario.flight, Rotor(), vehicle, PERIOD, 0.0)
+    flight = replace(scenario.flight, feedforward="whole_body")
+    controller = FlightController(flight, Rotor(), vehicle, PERIOD, 0.0)
     context = controller.CreateDefaultContext()
     arm = np.concatenate([vehicle.working, np.zeros(JOINTS), np.linspace(1, 6, JOINTS)])
     controller.GetInputPort("state").FixValue(context, vehicle.trim_state)
