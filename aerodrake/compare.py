@@ -20,6 +20,9 @@ from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop
 from aerodrake.systems.sensors import is_exact
 
+CLIK_MOST_K_E = 4.0
+"""1/s. At 12 closed-loop inverse kinematics throws the tool about."""
+
 K_B_MODELS = {"position": "paper", "trajectory": "velocity_aware"}
 """The modified model of each flight interface that knows K_B alone."""
 
@@ -62,8 +65,9 @@ def _integral_best(scenario: Scenario) -> Scenario:
 
 
 def _clik(scenario: Scenario) -> Scenario:
-    """With the baseline's K_e, since CLIK believes the command as the integral model does."""
-    own = _with("mpc", k_e=scenario.baseline.k_e)(_with_residual(scenario, "off"))
+    """With a K_e that CLIK stands, since it believes the command."""
+    k_e = tuple(min(gain, CLIK_MOST_K_E) for gain in scenario.mpc.k_e)
+    own = _with("mpc", k_e=k_e)(_with_residual(scenario, "off"))
     return replace(own, controller="clik", orientation=OrientationOff())
 
 
@@ -96,7 +100,7 @@ VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
 `integral` believes the command, `integral_best` does with the weights of the
 section `baseline`. `modified` has the scenario's own model without a residual,
 `+offline` with its network as it is, `+online` with one that learns. `clik` is
-closed-loop inverse kinematics with that section's K_e, and without orientation task;
+closed-loop inverse kinematics, with K_e bounded and without orientation task;
 `fixed_weights` the scenario without allocation. The rest is the scenario without one of `PARTS`.
 """
 

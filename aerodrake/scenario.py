@@ -141,9 +141,9 @@ class Flight:
     attitude_eso_rad_s: float = quantity(15.0, "rad/s", 0.1, 100.0)
     # Of omega_d, the rate at which the desired attitude turns.
     rate_filter_s: float = quantity(0.03, "s", 0.0, 1.0)
-    # What moving the arm takes: the observers find it out, or inverse dynamics tell it, which
-    # holds the base stiller and stands less delay and noise.
-    feedforward: str = choice("none", "whole_body")
+    # What moving the arm takes: told by inverse dynamics, or found out by the observers, which
+    # stands a little more delay and noise, and holds the base less still.
+    feedforward: str = choice("whole_body", "none")
     max_tilt_rad: float = quantity(0.6, "rad", 0.05, 1.2)
 
 

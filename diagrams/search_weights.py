@@ -1,8 +1,7 @@
 """Searches each model's best weights on paths other than the clover: SCENARIO SETS [k_e].
 
-Both try as many: those of START, some spread over a decade about them (Sobol), the others downhill
-(Nelder-Mead). All else stays, K_e too unless it is asked for. A set costs the mean error of a lap,
-1 m if lost, with a network that of both its modes.
+Both try as many: those of START, the scenario's, some about START (Sobol), the others downhill
+(Nelder-Mead). All else stays, K_e too unless asked for. A set costs the mean error over a lap.
 """
 
 import sys
@@ -47,10 +46,11 @@ def search(item: tuple[list[Scenario], dict, int]) -> tuple[float, Scenario]:
     """The lowest cost, and the scenario that has it, of so many sets of weights."""
     scenarios, start, sets = item
     spread = qmc.Sobol(len(start), seed=0).random(8) - 0.5
-    tried = {tuple(d): cost(scenarios, start, d) for d in [np.zeros(len(start)), *spread]}
+    own = np.log10([getattr(scenarios[0].mpc, key)[0] / w for key, w in start.items()])
+    tried = {tuple(d): cost(scenarios, start, d) for d in [0 * own, own, *spread]}
     first = np.array(min(tried, key=tried.__getitem__))
-    simplex = first + np.vstack([0 * first, 0.2 * np.eye(len(first))])
-    options = {"maxfev": max(1, sets - len(tried)), "initial_simplex": simplex}
+    options = {"maxfev": max(1, sets - len(tried))}
+    options["initial_simplex"] = first + np.vstack([0 * first, 0.2 * np.eye(len(first))])
     best = minimize(partial(cost, scenarios, start), first, method="Nelder-Mead", options=options)
     return best.fun, weighted(scenarios[0], start, best.x)
 
