@@ -45,7 +45,7 @@ from aerodrake.model.checkpoint import network_for
 from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.direction import make_direction
 from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.horizon import stage_ticks
+from aerodrake.model.horizon import stage_times
 from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
@@ -187,7 +187,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     limits = SetpointLimits.make(scenario.mpc, vehicle)
     builder = DiagramBuilder()
 
-    stages_s = period * np.append(0, np.cumsum(stage_ticks(scenario.mpc)))
+    stages_s = stage_times(scenario.mpc, period)
     curve = make_reference(scenario.reference, vehicle.p_E)
     reference = builder.AddNamedSystem(
         "reference", ReferenceSystem(curve, vehicle.p_E, scenario.settle_s, stages_s)

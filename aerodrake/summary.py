@@ -108,14 +108,20 @@ def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
 
 
 def _orientation(log: FlightLog) -> dict[str, float | None]:
-    angle, time_s = log.tool_angle_rad, log.time_s
-    flown = angle[time_s >= 0] if angle is not None else np.empty(0)
-    settled = angle[time_s >= SETTLED_AFTER_S] if angle is not None else np.empty(0)
+    angle = log.tool_angle_rad
+    if angle is None:
+        angle = np.empty(0)
+    return _spread(angle, log.time_s[: len(angle)], "rad")
+
+
+def _spread(values: np.ndarray, time_s: np.ndarray, unit: str) -> dict[str, float | None]:
+    """Figures over reference time; null where it was not flown."""
+    flown = values[time_s >= 0]
     return {
-        "mean_rad": _mean(flown),
-        "rms_rad": _rms(flown),
-        "max_rad": rounded(flown.max()) if len(flown) else None,
-        "settled_mean_rad": _mean(settled),
+        f"mean_{unit}": _mean(flown),
+        f"rms_{unit}": _rms(flown),
+        f"max_{unit}": rounded(flown.max()) if len(flown) else None,
+        f"settled_mean_{unit}": _mean(values[time_s >= SETTLED_AFTER_S]),
     }
 
 
@@ -128,13 +134,9 @@ def _errors(
     on_lap = np.zeros_like(flown)
     if lap is not None and end >= lap[1]:
         on_lap = (time_s >= lap[0]) & (time_s <= lap[1])
-    settled = time_s >= SETTLED_AFTER_S
     return {
-        "mean_m": _mean(error[flown]),
-        "rms_m": _rms(error[flown]),
-        "max_m": rounded(error[flown].max()) if flown.any() else None,
+        **_spread(error, time_s, "m"),
         "lap_mean_m": _mean(error[on_lap]),
-        "settled_mean_m": _mean(error[settled]),
         "approach_s": rounded(time_s[near[0]]) if len(near) else None,
     }
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.horizon import stage_ticks
+from aerodrake.model.horizon import stage_times
 from aerodrake.model.mpc import correction_gain
 from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.setpoint import SetpointLimits
@@ -67,7 +67,7 @@ class InverseKinematics:
     ):
         self.mpc, self.model = mpc, model
         self._config, self._limits, self._p_O = config, limits, vehicle.p_O
-        self._stages_s = model.dt * np.append(0, np.cumsum(stage_ticks(mpc)))
+        self._stages_s = stage_times(mpc, model.dt)
 
     def command(self, tick: MpcInputs) -> ClikCommand:
         """The command of one tick.

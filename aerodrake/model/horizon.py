@@ -23,3 +23,8 @@ def stage_ticks(config: Mpc) -> np.ndarray:
     ends = np.round(np.cumsum(ratio**powers)).astype(int)
     ends = np.maximum.accumulate(np.maximum(ends, powers + 1))
     return np.sort(np.diff(ends, prepend=0))
+
+
+def stage_times(config: Mpc, period: float) -> np.ndarray:
+    """(N + 1,) s, from now to the end of each stage, 0 first, for ticks every `period` s."""
+    return period * np.append(0, np.cumsum(stage_ticks(config)))

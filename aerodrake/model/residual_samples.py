@@ -42,7 +42,7 @@ def residual_samples(
     n, samples = model.joints, len(state) - 2
     u = np.hstack([base_setpoint[:, 6:], joint_setpoint[:, 2 * n :]])
     seen, targets = np.empty((samples, len(feature_names(n)))), np.empty((samples, 3))
-    x = None
+    x = None  # At the first tick, which therefore asks for no u_{k-1}.
     for k in range(samples + 1):
         now, after = (VehicleState.from_vector(row) for row in state[k : k + 2])
         x = model.initial_state(

@@ -168,7 +168,7 @@ class FlightController(LeafSystem):
         error = state.p_B - p_d
         integral = old(self._x_integral).value()
         u_v = position_law(config, error, state.v_B - v_d, a_d, position_eso[-1], integral)
-        reaction, torque = self._reaction(context, state, self._attainable(u_v))
+        reaction, torque = self._reaction(context, state, u_v)
         f = desired_thrust(u_v + reaction, config.max_tilt_rad)
         R_d = desired_attitude(f)
         R_d_last = old(self._x_R_d).value().reshape(3, 3)
@@ -220,17 +220,18 @@ class FlightController(LeafSystem):
         return thrust * min(1.0, self._most_thrust / np.linalg.norm(thrust)) - GRAVITY * UP
 
     def _reaction(
-        self, context: Context, state: VehicleState, a_B: np.ndarray
+        self, context: Context, state: VehicleState, u_v: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """What base and arm take to move as commanded without turning, beyond a point mass.
 
         Returns:
-            (3,) m/s^2, force over mass beyond a_B and gravity, in the world, and
-            (3,) N m, torque in the base frame.
+            (3,) m/s^2, force over mass beyond what u_v can be had of and gravity, in
+            the world, and (3,) N m, torque in the base frame.
         """
         if self._whole_body is None:
             omega = state.R_B.T @ state.omega_W
             return np.zeros(3), VectorToSkewSymmetric(omega) @ self._vehicle.inertia @ omega
+        a_B = self._attainable(u_v)
         q_d, qdot_d, qddot_d = self._joint_setpoint.Eval(context).reshape(3, -1)
         # The commanded arm, since the measured one is noisier than its lag is long.
         effort = self._whole_body.effort(replace(state, q=q_d, qdot=qdot_d), a_B, qddot_d)

@@ -21,9 +21,7 @@ class MpcSystem(KinematicController):
     Ports:
         those of every `KinematicController`, and
         in `pointing` (abstract): `Pointing`; unconnected where the tool may point
-            where it likes.
-        `status` is a `QpStatus`, and
-        OSQP's iterations.
+            where it likes. `status` is a `QpStatus`, and OSQP's iterations.
     State:
         beside theirs, `plan` (T (3 + n), the scaled inputs of the last plan at each
         of the T ticks of the horizon).
