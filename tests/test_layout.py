@@ -16,6 +16,7 @@ PACKAGE = Path(aerodrake.__file__).parent
 STOREYS = {
     0: (
         "__init__",
+        "compiled",
         "errors",
         "files",
         "fingerprint",

@@ -9,8 +9,21 @@ import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RollPitchYaw, RotationMatrix
 
+from aerodrake.compiled import compiled
+
 BASE_POSITIONS = 7
 BASE_VELOCITIES = 6
+
+
+@compiled
+def parts(x: np.ndarray) -> tuple[np.ndarray, ...]:
+    """(quaternion, p_B, q, omega_W, v_B, qdot) of a vector (13 + 2 n,), as `VehicleState` has them.
+
+    For compiled equations; views, not copies.
+    """
+    n = (len(x) - BASE_POSITIONS - BASE_VELOCITIES) // 2
+    v = BASE_POSITIONS + n
+    return x[:4], x[4:7], x[7:v], x[v : v + 3], x[v + 3 : v + 6], x[v + 6 :]
 
 
 @dataclass(frozen=True)
@@ -41,8 +54,7 @@ class VehicleState:
     @classmethod
     def from_vector(cls, x: np.ndarray) -> VehicleState:
         """Takes apart [quaternion, p_B, q, omega_W, v_B, qdot]."""
-        nq = BASE_POSITIONS + (len(x) - BASE_POSITIONS - BASE_VELOCITIES) // 2
-        return cls(x[:4], x[4:7], x[7:nq], x[nq : nq + 3], x[nq + 3 : nq + 6], x[nq + 6 :])
+        return cls(*parts(x))
 
     def to_vector(self) -> np.ndarray:
         """The reverse of `from_vector`."""

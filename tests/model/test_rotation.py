@@ -1,0 +1,85 @@
+"""Compiled rotations against Drake's and SciPy's."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RollPitchYaw, RotationMatrix
+from scipy.spatial.transform import Rotation
+
+from aerodrake.model.rotation import (
+    cross,
+    product,
+    roll_pitch_yaw,
+    rotation_matrix,
+    rotation_vector,
+    turned,
+)
+
+numbers = st.floats(-1, 1)
+vectors = st.tuples(numbers, numbers, numbers).map(np.array)
+quaternions = (
+    st.tuples(numbers, numbers, numbers, numbers)
+    .map(np.array)
+    .filter(lambda q: np.linalg.norm(q) > 1e-3)
+)
+
+
+def drakes(quaternion):
+    return RotationMatrix(Quaternion(quaternion / np.linalg.norm(quaternion)))
+
+
+@given(quaternions)
+def test_matrix_is_drakes(q):
+    np.testing.assert_allclose(rotation_matrix(q), drakes(q).matrix(), atol=1e-14)
+
+
+@given(quaternions)
+def test_roll_pitch_yaw_is_drakes(q):
+    R = drakes(q)
+    if abs(np.cos(RollPitchYaw(R).pitch_angle())) > 1e-3:
+        found = roll_pitch_yaw(R.matrix())
+        np.testing.assert_allclose(
+            RollPitchYaw(found).ToRotationMatrix().matrix(), R.matrix(), atol=1e-10
+        )
+        turns = (found - RollPitchYaw(R).vector()) / (2 * np.pi)
+        np.testing.assert_allclose(turns, np.round(turns), atol=1e-9)
+
+
+@given(quaternions, quaternions)
+def test_product_is_drakes(a, b):
+    np.testing.assert_allclose(
+        rotation_matrix(product(a, b)), drakes(a).multiply(drakes(b)).matrix(), atol=1e-12
+    )
+
+
+@given(quaternions, vectors, st.sampled_from([0.0, 1e-14, 1e-9, 1e-3, 1.0, 3.0]))
+def test_turned_is_scipys(q, v, length):
+    v = v * length
+    found = turned(q, v)
+    assert np.linalg.norm(found) == pytest.approx(1, abs=1e-14)
+    wanted = drakes(q).matrix() @ Rotation.from_rotvec(v).as_matrix()
+    np.testing.assert_allclose(rotation_matrix(found), wanted, atol=1e-12)
+
+
+@given(quaternions)
+def test_rotation_vector_is_scipys(q):
+    wanted = Rotation.from_quat(q, scalar_first=True)
+    found = rotation_vector(q)
+    np.testing.assert_allclose(
+        Rotation.from_rotvec(found).as_matrix(), wanted.as_matrix(), atol=1e-9
+    )
+    assert np.linalg.norm(found) <= np.pi + 1e-12
+
+
+def test_small_rotation_vectors_keep_their_digits():
+    v = np.array([3e-11, -2e-10, 1e-9])
+    level = np.array([1.0, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(rotation_vector(turned(level, v)), v, rtol=1e-12)
+    np.testing.assert_array_equal(rotation_vector(-level), np.zeros(3))
+
+
+@given(vectors, vectors)
+def test_cross_is_numpys(a, b):
+    np.testing.assert_allclose(cross(a, b), np.cross(a, b), atol=1e-14)
