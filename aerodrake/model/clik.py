@@ -8,9 +8,9 @@ import numpy as np
 
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.horizon import stage_times
-from aerodrake.model.mpc import correction_gain
 from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.setpoint import SetpointLimits
+from aerodrake.model.tracking import limited_gain
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Clik, Mpc
 
@@ -94,8 +94,8 @@ class InverseKinematics:
         e = tick.end_effector.p_E - tick.reference[0, :3]
         v = (
             tick.reference[1, 3:]
-            - correction_gain(self.mpc, tick) * e
-            - tick.end_effector.J_yaw * tick.yaw_rate
+            - limited_gain(np.array(self.mpc.k_e), e, self.mpc.approach_speed_m_s) * e
+            - tick.end_effector.J_yaw * tick.rpy_rates[2]
         )
         return weighted.T @ np.linalg.solve(weighted @ J.T + self._damping, v)
 

@@ -2,32 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from aerodrake.model.condensing import Condensing, condensed, driven
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.horizon import stage_ticks
+from aerodrake.model.kinematics import Carried
 from aerodrake.model.mpc_inputs import MpcInputs
+from aerodrake.model.posture import posture_cost
 from aerodrake.model.prediction import Prediction
 from aerodrake.model.setpoint import SetpointLimits
-from aerodrake.model.tracking import Target, Tracking, limited_gain
+from aerodrake.model.stage_outputs import StageOutputs
+from aerodrake.model.tracking import add_tracking, limited_gain, place_rows, tilt_matrix
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Mpc
 
 
 @dataclass(frozen=True)
 class MpcProgram:
-    """min z' H z / 2 + g' z with |z| <= 1 and lower <= A z <= upper; u = scale z.
+    """min z' H z / 2 + g' z with |z| <= 1 and lower <= A z <= upper.
 
-    `x_free` (N, nx) are the states under zero input.
+    z (m N,) has the scaled inputs axis by axis: first all stages of the first.
+    `free` (F, N) are the stages' outputs under zero input.
     """
 
     H: np.ndarray
     g: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
-    x_free: np.ndarray
+    free: np.ndarray
 
 
 class MpcFormulation:
@@ -76,33 +82,30 @@ class MpcFormulation:
         vehicle: Vehicle,
     ):
         self.config, self.model, self.limits = config, model, limits
+        self.stage_ticks = ticks = stage_ticks(config)
+        self.prediction = Prediction(model, ticks)
+        self.scale = np.repeat(limits.acceleration, config.horizon)
         self._p_O = vehicle.p_O
         w_2_joints = vehicle.per_joint(config.w_2_joints, "mpc.w_2_joints")
         w_3_joints = vehicle.per_joint(config.w_3_joints, "mpc.w_3_joints")
-        N, m = config.horizon, 3 + model.joints
-        self.stage_ticks = ticks = stage_ticks(config)
-        self.prediction = Prediction(model, ticks)
-        self._ticks = np.repeat(ticks, 3)
-        self.scale = np.tile(limits.acceleration, N)
-        self._tracking = Tracking(config, model, self.prediction, ticks, self.scale)
-        # Everything below is per scaled input z.
-        self._Gamma = self.prediction.Gamma * self.scale
-        # J_2's shares of base and joints, which the allocator weighs anew each tick.
-        self._base_rows = self._Gamma[:, model.base_velocity].reshape(3 * N, -1)
-        self._joint_rows = self._Gamma[:, model.joint_velocity].reshape(model.joints * N, -1)
-        self._w_2_base = np.tile(config.w_2_base, N) * self._ticks
-        self._w_2_joints = np.tile(w_2_joints, N) * np.repeat(ticks, model.joints)
-        self._H_base = self._base_rows.T @ (self._w_2_base[:, None] * self._base_rows)
-        self._H_joints = self._joint_rows.T @ (self._w_2_joints[:, None] * self._joint_rows)
-        w_3 = np.tile([*config.w_3_base, *w_3_joints], N) * np.repeat(ticks, m)
-        w_5 = np.tile([*config.w_5, *np.zeros(model.joints)], N)
-        changes = np.eye(N * m) - np.eye(N * m, k=-m)
-        changes = changes * self.scale
-        self._H_input = np.diag(w_3 * self.scale**2) + changes.T @ (w_5[:, None] * changes)
-        self._g_last = -(w_5 * self.scale)[:m]
-        self._form_rows()
+        self._K_e, self._K_o = np.array(config.k_e), np.full(3, config.k_o)
+        self._W_1, self._W_6 = np.array(config.w_1), np.full(3, config.w_6)
+        self._W_2 = np.array([*config.w_2_base, *w_2_joints])
+        self._W_4 = np.array(config.w_4)
+        self._is_base = np.arange(len(self._W_2)) < 3
+        # Roll and pitch rates count where they are held; yaw's always.
+        self._rates = np.array([1.0, 1.0, 1.0] if config.tilt == "held" else [0.0, 0.0, 1.0])
+        W_3 = np.array([*config.w_3_base, *w_3_joints])
+        W_5 = np.array([*config.w_5, *np.zeros(model.joints)])
+        self._w_5 = W_5 * limits.acceleration
+        change = np.eye(config.horizon) - np.eye(config.horizon, k=-1)
+        H_input = np.multiply.outer(W_3, np.diag(ticks)) + np.multiply.outer(W_5, change.T @ change)
+        H_input *= limits.acceleration[:, None, None] ** 2
+        outputs = StageOutputs(model, self.prediction, model.dt * ticks, limits.acceleration)
+        self._condensing = Condensing.make(outputs, ticks, H_input)
+        self._form_rows(outputs)
 
-    def _form_rows(self) -> None:
+    def _form_rows(self, outputs: StageOutputs) -> None:
         """Bounds on states as unit-norm rows over z.
 
         Base setpoint velocity, joint positions and velocities at each stage;
@@ -112,85 +115,82 @@ class MpcFormulation:
         each stage is one tick. With longer stages that is not certain: then the last
         plan goes on, and the setpoint integrator keeps the limits.
         """
-        model, limits, N = self.model, self.limits, self.config.horizon
-        self._bounded = np.concatenate(
-            [model.setpoint_velocity, model.joint_position, model.joint_velocity]
-        )
+        model, limits, prediction = self.model, self.limits, self.prediction
         high = np.concatenate([limits.velocity[:3], limits.upper[3:], limits.velocity[3:]])
         low = np.concatenate([-limits.velocity[:3], limits.lower[3:], -limits.velocity[3:]])
-        self._t_stop = limits.velocity[3:] / (2 * limits.acceleration[3:])
-        brake = self._Gamma[-1][model.joint_position] + (
-            self._t_stop[:, None] * self._Gamma[-1][model.joint_velocity]
+        bounded = np.concatenate(
+            [model.setpoint_velocity, model.joint_position, model.joint_velocity]
         )
-        rows = np.vstack([self._Gamma[:, self._bounded].reshape(N * len(high), -1), brake])
-        norms = np.linalg.norm(rows, axis=1)
-        self.A = rows / norms[:, None]
-        self._row_norms = norms
-        self._upper = np.concatenate([np.tile(high, N), limits.upper[3:]])
-        self._lower = np.concatenate([np.tile(low, N), limits.lower[3:]])
+        t_stop = limits.velocity[3:] / (2 * limits.acceleration[3:])
+
+        def rows(x: np.ndarray) -> np.ndarray:
+            """What is bounded, of states (N, nx, ...)."""
+            brake = x[-1, model.joint_position] + t_stop[:, None] * x[-1, model.joint_velocity]
+            return np.vstack([x[:, bounded].reshape(len(x) * len(high), -1), brake])
+
+        N, m = self.config.horizon, len(limits.acceleration)
+        by_input = rows(prediction.Gamma).reshape(-1, N, m) * limits.acceleration
+        A = by_input.transpose(0, 2, 1).reshape(-1, m * N)
+        norms = np.linalg.norm(A, axis=1)
+        self.A = A / norms[:, None]
+        self._upper = np.concatenate([np.tile(high, N), limits.upper[3:]]) / norms
+        self._lower = np.concatenate([np.tile(low, N), limits.lower[3:]]) / norms
+        free = np.hstack([rows(prediction.Phi), rows(prediction.Psi)]) / norms[:, None]
+        # The rows and the outputs without inputs, per [x_0, Delta].
+        self._free = np.vstack([free, outputs.free.reshape(-1, free.shape[1])])
 
     def form(self, tick: MpcInputs) -> MpcProgram:
         """The program of one tick."""
-        x_free = self.prediction.free(tick.x_0, tick.delta)
-        H, g = self._H_input.copy(), np.zeros(len(self.scale))
-        g[: len(tick.u_last)] = self._g_last * tick.u_last
-        costs = [self._tracking.cost(target, tick, x_free) for target in self._targets(tick)]
-        for rows, offset, weight in (*costs, self._centring(tick, x_free)):
-            weighted = weight[:, None] * rows
-            H += rows.T @ weighted
-            g += weighted.T @ offset
-        H += tick.w_q * self._H_base + tick.w_m * self._H_joints
-        model = self.model
-        g += tick.w_q * (
-            self._base_rows.T @ (self._w_2_base * x_free[:, model.base_velocity].ravel())
+        config, end_effector = self.config, tick.end_effector
+        free = self._free @ np.concatenate([tick.x_0, tick.delta])
+        rows, free = free[: len(self.A)], free[len(self.A) :].reshape(-1, config.horizon)
+        C, c = posture_cost(
+            config.horizon,
+            self._W_2 * np.where(self._is_base, tick.w_q, tick.w_m),
+            self._W_4 * tick.w_d,
+            end_effector.J_B,
+            end_effector.p_EB - self._p_O,
         )
-        g += tick.w_m * (
-            self._joint_rows.T @ (self._w_2_joints * x_free[:, model.joint_velocity].ravel())
-        )
-        values = np.concatenate(
-            [
-                x_free[:, self._bounded].ravel(),
-                x_free[-1, model.joint_position] + self._t_stop * x_free[-1, model.joint_velocity],
-            ]
-        )
-        return MpcProgram(
-            H=H,
-            g=g,
-            lower=(self._lower - values) / self._row_norms,
-            upper=(self._upper - values) / self._row_norms,
-            x_free=x_free,
-        )
+        for y, reference, K, W in self._targets(tick):
+            add_tracking(
+                C,
+                c,
+                y.value,
+                y.r,
+                y.J_c,
+                y.J_u,
+                tick.rpy_rates * self._rates,
+                reference,
+                K,
+                W,
+                config.tilt == "flatness",
+                config.error == "predicted",
+            )
+        H, g = condensed(self._condensing, C, c, free)
+        g[:: config.horizon] -= self._w_5 * tick.u_last
+        return MpcProgram(H, g, self._lower - rows, self._upper - rows, free)
+
+    def inputs(self, z: np.ndarray) -> np.ndarray:
+        """(N, m), u_0 ... u_{N-1} in m/s^2 and rad/s^2, of the program's z (m N,)."""
+        return (self.scale * z).reshape(-1, self.config.horizon).T
 
     def predict(self, tick: MpcInputs, program: MpcProgram, U: np.ndarray) -> np.ndarray:
-        """(N + 1, 3) m, p_E now and at each stage under U (N (3 + n),), as linearised."""
-        x = np.vstack([tick.x_0, program.x_free + self.prediction.Gamma @ U])
-        return tick.end_effector.p_E + (x - tick.x_0) @ self._tracking.places(tick.end_effector).T
+        """(N + 1, 3) m, p_E now and at each stage under U (N, 3 + n), as linearised."""
+        y = driven(self._condensing, program.free, U.T.ravel() / self.scale)
+        end_effector = tick.end_effector
+        T = tilt_matrix(end_effector.r) * (self.config.tilt == "flatness")
+        moved = place_rows(end_effector.J_c, T) @ y
+        return np.vstack([end_effector.p_E, end_effector.p_E + moved.T])
 
-    def _targets(self, tick: MpcInputs) -> list[Target]:
-        """Of J_1, and of J_6 where the tool is to point somewhere."""
+    def _targets(
+        self, tick: MpcInputs
+    ) -> Iterator[tuple[Carried, np.ndarray, np.ndarray, np.ndarray]]:
+        """What is to follow, its reference, K and W: of J_1, and of J_6 where there is one."""
         config, pointing = self.config, tick.pointing
-        K_e = correction_gain(config, tick)
-        targets = [Target(tick.end_effector, tick.reference, K_e, np.array(config.w_1))]
+        error = tick.end_effector.p_E - tick.reference[0, :3]
+        K_e = limited_gain(self._K_e, error, config.approach_speed_m_s)
+        yield tick.end_effector, tick.reference, K_e, self._W_1
         if pointing is not None:
             error = pointing.axis.value - pointing.reference[0, :3]
-            K_o = limited_gain(np.full(3, config.k_o), error, config.approach_speed_rad_s)
-            targets.append(Target(pointing.axis, pointing.reference, K_o, np.full(3, config.w_6)))
-        return targets
-
-    def _centring(
-        self, tick: MpcInputs, x_free: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """J_4 as (rows over z, offset, weight)."""
-        model, end_effector, N = self.model, tick.end_effector, self.config.horizon
-        joints = model.joint_position
-        moved = x_free[:, joints] - tick.x_0[joints]
-        offset = end_effector.p_EB - self._p_O + moved @ end_effector.J_B.T
-        rows = end_effector.J_B @ self._Gamma[:, joints]
-        weight = np.tile(np.multiply(tick.w_d, self.config.w_4), N) * self._ticks
-        return rows.reshape(3 * N, -1), offset.ravel(), weight
-
-
-def correction_gain(config: Mpc, tick: MpcInputs) -> np.ndarray:
-    """(3,) 1/s, K_e, scaled down where K_e e_E,0 exceeds the approach speed."""
-    error = tick.end_effector.p_E - tick.reference[0, :3]
-    return limited_gain(np.array(config.k_e), error, config.approach_speed_m_s)
+            K_o = limited_gain(self._K_o, error, config.approach_speed_rad_s)
+            yield pointing.axis, pointing.reference, K_o, self._W_6

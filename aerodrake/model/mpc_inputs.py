@@ -31,8 +31,7 @@ class MpcInputs:
         x_0: (nx,) state of the equivalent model.
         u_last: (3 + n,) m/s^2 and rad/s^2, the input until now.
         end_effector: Kinematics at the measured state.
-        xi_u_rates: (2,) rad/s, measured roll and pitch rates.
-        yaw_rate: rad/s, measured.
+        rpy_rates: (3,) rad/s, measured rates of roll, pitch (the paper's xi_u) and yaw.
         reference: (N + 1, 6), p_Ed [m] and p_Ed' [m/s] now and at each stage.
         delta: (3,) m/s, residual velocity.
         w_q, w_m, w_d: From the weight allocator.
@@ -42,8 +41,7 @@ class MpcInputs:
     x_0: np.ndarray
     u_last: np.ndarray
     end_effector: EndEffector
-    xi_u_rates: np.ndarray
-    yaw_rate: float
+    rpy_rates: np.ndarray
     reference: np.ndarray
     delta: np.ndarray
     w_q: float

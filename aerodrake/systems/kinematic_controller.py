@@ -66,7 +66,6 @@ class KinematicController(LeafSystem):
     def tick_inputs(self, context: Context) -> MpcInputs:
         """What the tick at this Context is about."""
         state = VehicleState.from_vector(self._state.Eval(context))
-        rates = state.rpy_rates
         _, _, a_d = self._base_setpoint.Eval(context).reshape(3, -1)
         _, _, qddot_d = self._joint_setpoint.Eval(context).reshape(3, -1)
         _, _, w_q, w_m, w_d = self._weights.Eval(context)
@@ -74,8 +73,7 @@ class KinematicController(LeafSystem):
             x_0=self._x_0.Eval(context),
             u_last=np.concatenate([a_d, qddot_d]),
             end_effector=self._end_effector.Eval(context),
-            xi_u_rates=rates[:2],
-            yaw_rate=rates[2],
+            rpy_rates=state.rpy_rates,
             reference=self._horizon.Eval(context).reshape(-1, 6),
             delta=self._delta.Eval(context),
             w_q=w_q,

@@ -23,8 +23,8 @@ class MpcSystem(KinematicController):
         in `pointing` (abstract): `Pointing`; unconnected where the tool may point
             where it likes. `status` is a `QpStatus`, and OSQP's iterations.
     State:
-        beside theirs, `plan` (T (3 + n), the scaled inputs of the last plan at each
-        of the T ticks of the horizon).
+        beside theirs, `plan` (T (3 + n), m/s^2 and rad/s^2, the inputs of the last plan at
+        each of the T ticks of the horizon).
     Rate:
         the equivalent model's period.
 
@@ -64,9 +64,9 @@ class MpcSystem(KinematicController):
             last = context.get_discrete_state(self._x_plan).value().reshape(-1, self._inputs)
             plan = np.vstack([last[1:], np.zeros(self._inputs)])
         else:
-            stages = result.z.reshape(-1, self._inputs)
+            stages = self._formulation.inputs(result.z)
             plan = np.repeat(stages, self._formulation.stage_ticks, axis=0)
-        U = self._formulation.scale * plan[self._starts].ravel()
+        U = plan[self._starts]
         prediction = self._formulation.predict(tick, program, U)
         discrete.set_value(self._x_plan, plan.ravel())
-        self._command(discrete, U[: self._inputs], prediction, (result.status, result.iterations))
+        self._command(discrete, U[0], prediction, (result.status, result.iterations))

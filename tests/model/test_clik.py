@@ -37,7 +37,7 @@ def wanted(tick: MpcInputs) -> np.ndarray:
     e = tick.end_effector.p_E - tick.reference[0, :3]
     K_e = np.array(MPC.k_e)
     K_e = K_e * min(1, MPC.approach_speed_m_s / np.linalg.norm(K_e * e))
-    return tick.reference[1, 3:] - K_e * e - tick.end_effector.J_c[:, 3] * tick.yaw_rate
+    return tick.reference[1, 3:] - K_e * e - tick.end_effector.J_c[:, 3] * tick.rpy_rates[2]
 
 
 @pytest.mark.parametrize(("w_q", "w_m"), [(1100.0, 9.9), (100.0, 1000.0), (50.0, 50.0)])

@@ -142,9 +142,9 @@ class WrittenOut:
         for k, ticks in enumerate(stage_ticks(config), start=1):
             x, u = self.x(k), self.u(k - 1)
             v, qdot = x[model.base_velocity], x[model.joint_velocity]
-            velocity, known = v + at.J_c[:, 4:] @ qdot, at.J_c[:, 3] * tick.yaw_rate
+            velocity, known = v + at.J_c[:, 4:] @ qdot, at.J_c[:, 3] * tick.rpy_rates[2]
             if config.tilt == "held":
-                known = known + at.J_u @ tick.xi_u_rates
+                known = known + at.J_u @ tick.rpy_rates[:2]
             if config.tilt == "flatness":
                 change = acceleration(model, x) - acceleration(model, self.x(k - 1))
                 velocity = velocity + displaced(at.r, change / (ticks * DT))
@@ -212,7 +212,7 @@ class WrittenOut:
         assert solution.status in solved
         z = np.array(solution.x)
         self.is_exact = solution.status == clarabel.SolverStatus.Solved
-        self.U = np.concatenate([self.u(k) @ z for k in range(self.N)])
+        self.U = np.array([self.u(k) @ z for k in range(self.N)])
         return self.u(0) @ z, float(np.mean(h - G @ z < 1e-4))
 
 
@@ -229,10 +229,10 @@ def test_optimum_is_that_of_the_problem_written_out(option, prepared, tight_scen
         u_0, share = theirs.solve(tick)
         statuses.append(result.status)
         active.append(share)
-        gaps.append(np.abs((ours.scale * result.z)[: len(u_0)] - u_0).max())
+        gaps.append(np.abs(ours.inputs(result.z)[0] - u_0).max())
         if not theirs.is_exact:  # Then it is off, not we: ours is feasible, and cheaper.
             costs = [
-                z @ program.H @ z / 2 + program.g @ z for z in (result.z, theirs.U / ours.scale)
+                z @ program.H @ z / 2 + program.g @ z for z in (result.z, theirs.U.T.ravel() / ours.scale)
             ]
             assert costs[0] <= costs[1] + 1e-9
             assert np.all(ours.A @ result.z <= program.upper + 1e-9)
@@ -252,12 +252,16 @@ def test_prediction_of_the_program_is_the_models(option, prepared, tight_scenari
     u = np.random.default_rng(0).normal(size=(ours.config.horizon, 3 + vehicle.joints))
     free = driven = tick.x_0
     program, at = ours.form(tick), tick.end_effector
-    p_E = ours.predict(tick, program, u.ravel())
+    p_E = ours.predict(tick, program, u)
     for k, ticks in enumerate(ours.stage_ticks):
         for _ in range(ticks):
             free = model.predict(free, np.zeros_like(u[k]), tick.delta)
             driven = model.predict(driven, u[k], tick.delta)
-        np.testing.assert_allclose(program.x_free[k], free, atol=1e-12)
+        places = [*model.base_position, *model.joint_position]
+        m = len(places)
+        np.testing.assert_allclose(
+            program.free[m : 2 * m, k], (free - tick.x_0)[places], atol=1e-12
+        )
         moved = driven - tick.x_0
         place = moved[model.base_position] + at.J_c[:, 4:] @ moved[model.joint_position]
         if ours.config.tilt == "flatness":
@@ -299,7 +303,8 @@ def test_a_feasible_program_is_followed_by_a_feasible_one(horizon, ticks_of, veh
     ours = MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
     first = ticks_of(model)[0]
     tick = dataclasses.replace(first, reference=np.zeros((horizon + 1, 6)), delta=np.zeros(3))
-    speeds = ours.prediction.Gamma[:, model.joint_velocity].sum(axis=(0, 1)) * ours.scale
+    by_input = ours.prediction.Gamma[:, model.joint_velocity].sum(axis=(0, 1))
+    speeds = by_input.reshape(horizon, -1).T.ravel() * ours.scale
     x = tick.x_0.copy()
     x[model.joint_position] = vehicle.upper - 0.8
     for k in range(35):
@@ -311,6 +316,6 @@ def test_a_feasible_program_is_followed_by_a_feasible_one(horizon, ticks_of, veh
             bounds=(-1, 1),
         )
         assert plan.status == 0, f"infeasible at tick {k}"
-        x = model.predict(x, (ours.scale * plan.x)[: 3 + vehicle.joints], tick.delta)
+        x = model.predict(x, ours.inputs(plan.x)[0], tick.delta)
     to_limit = vehicle.upper - x[model.joint_position]
     assert np.all(to_limit >= -1e-6) and np.all(to_limit < 0.2)

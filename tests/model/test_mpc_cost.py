@@ -51,9 +51,9 @@ def cost(config: Mpc, model: EquivalentModel, tick: MpcInputs, p_O, u: np.ndarra
             x = model.predict(x, u[k], tick.delta)
         v, qdot = x[model.base_velocity], x[model.joint_velocity]
         q = x[model.joint_position]
-        turned = at.J_c[:, 3] * tick.yaw_rate + (tilted(x) - before) / (ticks * DT)
+        turned = at.J_c[:, 3] * tick.rpy_rates[2] + (tilted(x) - before) / (ticks * DT)
         if config.tilt == "held":
-            turned = turned + at.J_u @ tick.xi_u_rates
+            turned = turned + at.J_u @ tick.rpy_rates[:2]
         p_Ed, v_Ed = tick.reference[k + 1, :3], tick.reference[k + 1, 3:]
         moved = x[model.base_position] - p_0 + at.J_c[:, 4:] @ (q - q_0)
         e = at.p_E + moved + tilted(x) - tilted(tick.x_0) - p_Ed
@@ -95,7 +95,7 @@ def test_the_program_is_half_the_cost(kind, tilt, error, span, ticks_of, vehicle
     still = cost(config, model, tick, vehicle.p_O, np.zeros((N, 3 + vehicle.joints)))
     for size in (0.1, 1.0, 10.0):
         z = size * rng.normal(size=len(ours.scale))
-        u = (ours.scale * z).reshape(N, -1)
+        u = ours.inputs(z)
         expected = cost(config, model, tick, vehicle.p_O, u) - still
         half = z @ program.H @ z / 2 + program.g @ z
         assert 2 * half == pytest.approx(expected, rel=1e-9, abs=1e-9 * still)

@@ -99,9 +99,9 @@ def tick(mpc, context, values) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def plan(mpc, formulation, context) -> np.ndarray:
     """(T, 3 + n) accelerations at each tick of the horizon."""
     m = 3 + formulation.model.joints
-    z = context.get_discrete_state(3).value().reshape(-1, m)
-    assert len(z) == sum(formulation.stage_ticks)
-    return formulation.scale[:m] * z
+    plan = context.get_discrete_state(3).value().reshape(-1, m)
+    assert len(plan) == sum(formulation.stage_ticks)
+    return plan
 
 
 def by_hand(formulation, values) -> np.ndarray:
@@ -112,8 +112,7 @@ def by_hand(formulation, values) -> np.ndarray:
             x_0=values["x_0"],
             u_last=np.concatenate([values["base_setpoint"][6:], values["joint_setpoint"][12:]]),
             end_effector=values["end_effector"].get_value(),
-            xi_u_rates=rates[:2],
-            yaw_rate=rates[2],
+            rpy_rates=rates,
             reference=values["horizon"].reshape(N + 1, 6),
             delta=values["delta"],
             w_q=WEIGHTS[2],
@@ -123,7 +122,7 @@ def by_hand(formulation, values) -> np.ndarray:
     )
     z = np.linalg.solve(program.H, -program.g)
     assert np.abs(z).max() < 1  # Or it would be no optimum.
-    return (formulation.scale * z).reshape(N, -1)
+    return formulation.inputs(z)
 
 
 def test_first_tick_by_hand(mpc, formulation, values):

@@ -1,0 +1,114 @@
+"""From a quadratic cost on the outputs of the stages to a quadratic program in the inputs."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from aerodrake.compiled import compiled
+from aerodrake.model.stage_outputs import StageOutputs
+
+
+class Condensing(NamedTuple):
+    """What of the program is the same at every tick.
+
+    Attributes:
+        axis: (F,) the axis of each output.
+        kind: (F,) its kind of response.
+        responses: (K, N, N), G of each kind.
+        ticks: (N,) how many each stage lasts.
+        products: (K, K, N, N), G' D G of each pair of kinds, D the ticks of the stages.
+        H_input: (m, N, N), the cost of inputs by axis.
+    """
+
+    axis: np.ndarray
+    kind: np.ndarray
+    responses: np.ndarray
+    ticks: np.ndarray
+    products: np.ndarray
+    H_input: np.ndarray
+
+    @classmethod
+    def make(cls, outputs: StageOutputs, ticks: np.ndarray, H_input: np.ndarray) -> Condensing:
+        """For stages that last `ticks` (N,), and the cost of inputs (m, N, N)."""
+        G, ticks = outputs.responses, ticks.astype(float)
+        products = np.einsum("fki,k,gkj->fgij", G, ticks, G, optimize=True)
+        return cls(outputs.axis, outputs.kind, G, ticks, np.ascontiguousarray(products), H_input)
+
+
+@compiled
+def condensed(
+    form: Condensing, C: np.ndarray, c: np.ndarray, free: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(H (m N, m N), g (m N,)): z' H z / 2 + g' z is half the cost, but for what z leaves alone.
+
+    Args:
+        form: What is the same at every tick.
+        C: (F, F), symmetric, and
+        c: (F, N): the cost is the sum over the stages of ticks (y' C y + 2 c_k' y), and that
+            of the inputs.
+        free: (F, N), y without inputs.
+    """
+    return hessian(form, C), gradient(form, C @ free + c)
+
+
+@compiled
+def hessian(form: Condensing, C: np.ndarray) -> np.ndarray:
+    """(m N, m N), H.
+
+    Block by block of two axes, H_ab = sum of C_fg G_f' D G_g over the outputs f of a and g of b:
+    what the stages add up to is in `products` already.
+    """
+    m, N, _ = form.H_input.shape
+    blocks = np.zeros((m, m, N * N))
+    for a in range(m):
+        blocks[a, a] = form.H_input[a].reshape(N * N)
+    for f in range(len(form.axis)):
+        a = form.axis[f]
+        for g in range(len(form.axis)):
+            b = form.axis[g]
+            if a <= b and C[f, g] != 0.0:
+                block, weight = blocks[a, b], C[f, g]
+                product = form.products[form.kind[f], form.kind[g]].reshape(N * N)
+                for i in range(N * N):
+                    block[i] += weight * product[i]
+    H = np.empty((m * N, m * N))
+    for a in range(m):
+        for b in range(a, m):
+            block = blocks[a, b].reshape(N, N)
+            for i in range(N):
+                for j in range(N):
+                    H[a * N + i, b * N + j] = block[i, j]
+            if a < b:
+                for j in range(N):
+                    for i in range(N):
+                        H[b * N + j, a * N + i] = block[i, j]
+    return H
+
+
+@compiled
+def gradient(form: Condensing, slope: np.ndarray) -> np.ndarray:
+    """(m N,), g of the sum over the stages of ticks y_k' slope_k; slope (F, N)."""
+    m, N, _ = form.H_input.shape
+    g = np.zeros(m * N)
+    for f in range(len(form.axis)):
+        a, G = form.axis[f], form.responses[form.kind[f]]
+        for k in range(N):
+            pull = form.ticks[k] * slope[f, k]
+            for j in range(k + 1):
+                g[a * N + j] += G[k, j] * pull
+    return g
+
+
+@compiled
+def driven(form: Condensing, free: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """(F, N), y under the inputs z (m N,), from y without (F, N)."""
+    N = free.shape[1]
+    y = free.copy()
+    for f in range(len(form.axis)):
+        a, G = form.axis[f], form.responses[form.kind[f]]
+        for k in range(N):
+            for j in range(k + 1):
+                y[f, k] += G[k, j] * z[a * N + j]
+    return y
