@@ -16,11 +16,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from pydrake.math import VectorToSkewSymmetric
 from scipy.linalg import block_diag
 
+from aerodrake.compiled import compiled
 from aerodrake.model.axis_models import AXIS_MODELS, AxisModel
 from aerodrake.model.flight_axis import HIDDEN_STATES, flight_axis
+from aerodrake.model.rotation import cross
 from aerodrake.model.vehicle import GRAVITY
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Scenario
@@ -59,12 +60,20 @@ class Thrust:
             external_acceleration: (3,) m/s^2, d.
             disturbance: (3+,) m/s^2, h first.
         """
-        axis = state.R_B[:, 2]
-        b = specific_thrust * axis
-        b[2] -= GRAVITY
-        r = specific_thrust * (VectorToSkewSymmetric(state.omega_W) @ axis)
-        r[2] = 0.0
+        b, r = _tilted(state.R_B, state.omega_W, specific_thrust)
         return cls(b, r, external_acceleration, disturbance[:3])
+
+
+@compiled
+def _tilted(
+    R_B: np.ndarray, omega_W: np.ndarray, specific_thrust: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """(b, r) of `Thrust`."""
+    axis = R_B[:, 2].copy()
+    b, r = specific_thrust * axis, specific_thrust * cross(omega_W, axis)
+    b[2] -= GRAVITY
+    r[2] = 0.0
+    return b, r
 
 
 @dataclass(frozen=True)
@@ -132,6 +141,17 @@ class EquivalentModel:
     def joints(self) -> int:
         """n."""
         return self.B.shape[1] - 3
+
+    @cached_property
+    def _thrust(self) -> np.ndarray:
+        """(4, 3) indices of b, r, d and h in x; none in the models with K_B alone."""
+        names = [name for name in ("b", "r", "d", "h") if name in self.axis_states]
+        return np.array([self.base_state(name) for name in names])
+
+    @cached_property
+    def _hidden_rows(self) -> tuple[np.ndarray, np.ndarray]:
+        """A and B of what nobody measures."""
+        return self.A[self.hidden], self.B[self.hidden]
 
     def base_state(self, name: str) -> np.ndarray:
         """(3,) indices in x of a state that each axis of the base has."""
@@ -208,12 +228,13 @@ class EquivalentModel:
         x[self.setpoint_velocity] = v_d
         x[self.joint_position] = joint_setpoint[:n]
         x[self.joint_velocity] = joint_setpoint[n : 2 * n]
-        if thrust is not None and "b" in self.axis_states:
-            for name, value in vars(thrust).items():
-                x[self.base_state(name)] = value
+        if thrust is not None and len(self._thrust):
+            x[self._thrust] = np.stack([thrust.b, thrust.r, thrust.d, thrust.h])
         if last is not None and len(self.hidden):
-            u = np.concatenate([base_setpoint[6:], joint_setpoint[2 * n :]])
-            x[self.hidden] = self.A[self.hidden] @ last + self.B[self.hidden] @ u
+            A, B = self._hidden_rows
+            x[self.hidden] = A @ last + B @ np.concatenate(
+                [base_setpoint[6:], joint_setpoint[2 * n :]]
+            )
         return x
 
     def predict(self, x: np.ndarray, u: np.ndarray, delta: np.ndarray) -> np.ndarray:

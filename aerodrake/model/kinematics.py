@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from pydrake.math import RollPitchYaw, RotationMatrix, VectorToSkewSymmetric
+from pydrake.math import VectorToSkewSymmetric
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from aerodrake.compiled import compiled
+from aerodrake.model.rotation import cross
 from aerodrake.model.vehicle import BASE_FRAME, TOOL_AXIS, TOOL_FRAME, add_robot
 from aerodrake.model.vehicle_state import VehicleState
 
@@ -108,27 +110,41 @@ class Kinematics:
     def end_effector(self, state: VehicleState) -> EndEffector:
         """Position of the end-effector at `state`."""
         p_EB, J_B = self.arm(state.q)
-        R_B = state.R_B
-        r = R_B @ p_EB
-        J_yaw, J_u = _turning(R_B, r)
-        J_c = np.column_stack([np.eye(3), J_yaw, R_B @ J_B])
+        r, J_c, J_u = carried(state.R_B, p_EB, J_B, moves=True)
         return EndEffector(r=r, J_c=J_c, J_u=J_u, p_E=state.p_B + r, p_EB=p_EB, J_B=J_B)
 
     def tool_axis(self, state: VehicleState) -> ToolAxis:
         """Direction of the tool's axis at `state`."""
         t_B, J_B = self.arm_axis(state.q)
-        R_B = state.R_B
-        t = R_B @ t_B
-        J_yaw, J_u = _turning(R_B, t)
-        return ToolAxis(r=t, J_c=np.column_stack([np.zeros((3, 3)), J_yaw, R_B @ J_B]), J_u=J_u)
+        t, J_c, J_u = carried(state.R_B, t_B, J_B, moves=False)
+        return ToolAxis(r=t, J_c=J_c, J_u=J_u)
 
 
-def _turning(R_B: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(r' per yaw' (3,), r' per [roll', pitch'] (3, 2)) of an r (3,) that turns with the base."""
-    _, pitch, yaw = RollPitchYaw(RotationMatrix(R_B)).vector()
-    # The axes about which roll, pitch and yaw turn the base, in the world.
-    axis_roll = np.array([np.cos(yaw) * np.cos(pitch), np.sin(yaw) * np.cos(pitch), -np.sin(pitch)])
-    axis_pitch = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
-    axis_yaw = np.array([0.0, 0.0, 1.0])
-    turned = -VectorToSkewSymmetric(r) @ np.column_stack([axis_roll, axis_pitch, axis_yaw])
-    return turned[:, 2], turned[:, :2]
+@compiled
+def carried(
+    R_B: np.ndarray, p: np.ndarray, J_B: np.ndarray, moves: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(r (3,), J_c (3, 4 + n), J_u (3, 2)) as `Carried` has them, of what the arm carries.
+
+    Args:
+        R_B: (3, 3).
+        p: (3,), in the base frame.
+        J_B: (3, n), p' per q', in the base frame.
+        moves: Whether it moves with the base, as places do and directions do not.
+    """
+    n = J_B.shape[1]
+    r = np.zeros(3)
+    J_c, J_u = np.zeros((3, 4 + n)), np.empty((3, 2))
+    for i in range(3):
+        J_c[i, i] = 1.0 if moves else 0.0
+        for j in range(3):
+            r[i] += R_B[i, j] * p[j]
+            for k in range(n):
+                J_c[i, 4 + k] += R_B[i, j] * J_B[j, k]
+    # The axes about which roll, pitch and yaw turn the base: its own x, that level and to
+    # the left of it, and up.
+    level = np.sqrt(R_B[0, 0] * R_B[0, 0] + R_B[1, 0] * R_B[1, 0])
+    left = np.array([-R_B[1, 0] / level, R_B[0, 0] / level, 0.0])
+    J_u[:, 0], J_u[:, 1] = cross(np.ascontiguousarray(R_B[:, 0]), r), cross(left, r)
+    J_c[:, 3] = np.array([-r[1], r[0], 0.0])
+    return r, J_c, J_u

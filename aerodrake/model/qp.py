@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.solvers import MathematicalProgram, OsqpSolver, SolverOptions
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.lapack import dpotrf, dpotrs, dtrtri
 
+from aerodrake.compiled import compiled
 from aerodrake.model.active_set import exchange_active_set
 
 FEASIBILITY = 1e-6
 """By how much the unconstrained minimiser may exceed a scaled bound and still be the solution."""
+
+MOST_EXCHANGES = 100
+"""How many bounds may be exchanged before OSQP is asked."""
 
 ACCEPTED_RESIDUAL = 1e-3
 """Largest scaled OSQP residual with which an iterate counts as an answer."""
@@ -21,40 +25,48 @@ ACCEPTED_RESIDUAL = 1e-3
 class QpStatus(IntEnum):
     """How the answer came about, best first.
 
-    UNCONSTRAINED and SOLVED are exact: the conditions of optimality were
-    checked. INACCURATE is an OSQP iterate with small residuals.
+    UNCONSTRAINED, EXCHANGED and SOLVED are exact: the conditions of optimality were
+    checked. The active bounds of EXCHANGED were found from those of the tick before,
+    those of SOLVED from OSQP's iterate. INACCURATE is such an iterate with small residuals.
     """
 
     UNCONSTRAINED = 0
-    SOLVED = 1
-    INACCURATE = 2
-    FAILED = 3
+    EXCHANGED = 1
+    SOLVED = 2
+    INACCURATE = 3
+    FAILED = 4
 
 
-@dataclass(frozen=True)
-class QpResult:
+class QpResult(NamedTuple):
     """The answer to one program.
 
     Attributes:
         z: (nz,) the minimiser; zeros if it failed.
         status: How it came about.
         iterations: Of OSQP; 0 where it was not needed.
+        active: (nz + rows,) which bounds hold z, those of the box first: 1 for upper,
+            -1 for lower, 0 for none.
     """
 
     z: np.ndarray
     status: QpStatus
     iterations: int
+    active: np.ndarray
 
 
 class CondensedQp:
     """min z' H z / 2 + g' z  subject to  |z| <= 1,  lower <= A z <= upper.
 
     Scaled by the caller: z by the input bounds, the rows of A to unit norm. A
-    stays, the rest changes from call to call. Four things make it fast and
-    exact: the unconstrained minimiser is the solution whenever it satisfies
-    every bound; rows that no z in the box can violate are screened out; the
-    cost is scaled by its mean diagonal; and OSQP's iterate, which tells what
-    bounds are active, is made exact by exchanging them.
+    stays, the rest changes from call to call. What makes it fast and exact:
+
+    1. The unconstrained minimiser is the solution whenever it satisfies every bound.
+    2. Rows that no z in the box can violate are screened out.
+    3. Bounds that were active a tick ago mostly still are: a few exchanges of
+       `exchange_active_set` make them those of this program.
+    4. Else OSQP's iterate, of the cost scaled by its mean diagonal, tells which they are.
+
+    Where not even that makes it exact, the iterate counts if its residuals are small.
 
     Args:
         A: (rows, nz), rows of unit norm.
@@ -93,29 +105,46 @@ class CondensedQp:
         g: np.ndarray,
         lower: np.ndarray,
         upper: np.ndarray,
+        active: np.ndarray | None = None,
     ) -> QpResult:
         """Solves one program.
 
         Args:
-            H: (nz, nz), symmetric and positive definite.
+            H: (nz, nz), symmetric and positive definite, row by row in memory.
             g: (nz,).
             lower, upper: (rows,).
+            active: (nz + rows,), those of a similar program; without, or where none
+                were, the bounds that the unconstrained minimiser violates.
         """
-        failed = QpResult(np.zeros_like(g), QpStatus.FAILED, 0)
-        if not (np.isfinite(g).all() and np.isfinite(H).all()):
-            return failed
+        # Symmetric: the transpose, as LAPACK wants it, is the same without a copy.
+        factor, is_indefinite = dpotrf(H.T, lower=1, clean=0)
+        free, _ = dpotrs(factor, -g, lower=1)
+        if is_indefinite or not (np.isfinite(factor.diagonal()).all() and np.isfinite(free).all()):
+            return self._failed(0)
+        lower, upper = screened(lower, upper, self._reach)
+        violated = violations(free, self.A @ free, lower, upper)
+        if not violated.any():
+            return QpResult(np.clip(free, -1, 1), QpStatus.UNCONSTRAINED, 0, violated)
         if np.isnan(lower).any() or np.isnan(upper).any():
-            return failed
-        try:
-            factor = cho_factor(H, check_finite=False)
-        except np.linalg.LinAlgError:
-            return failed
-        free = -cho_solve(factor, g, check_finite=False)
-        if self._is_feasible(free, lower, upper):
-            return QpResult(np.clip(free, -1, 1), QpStatus.UNCONSTRAINED, 0)
+            return self._failed(0)
+        guess = violated if active is None or not active.any() else active
+        inverse = np.triu(dtrtri(factor, lower=1)[0].T)
+        is_exact, z, active = exchange_active_set(
+            inverse, free, self.A, lower, upper, guess, MOST_EXCHANGES
+        )
+        if is_exact:
+            return QpResult(np.clip(z, -1, 1), QpStatus.EXCHANGED, 0, active)
+        return self._by_osqp(H, g, lower, upper, inverse, free)
 
-        lower = np.where(lower > -self._reach, lower, -np.inf)
-        upper = np.where(upper < self._reach, upper, np.inf)
+    def _by_osqp(
+        self,
+        H: np.ndarray,
+        g: np.ndarray,
+        lower: np.ndarray,
+        upper: np.ndarray,
+        inverse: np.ndarray,
+        free: np.ndarray,
+    ) -> QpResult:
         scale = 1 / np.diag(H).mean()
         self._cost.evaluator().UpdateCoefficients(H * scale, g * scale, 0, True)
         self._rows.evaluator().set_bounds(lower, upper)
@@ -124,26 +153,52 @@ class CondensedQp:
         z = result.get_x_val()
         # An infeasible program comes back with a z that is huge, but finite.
         if not (np.isfinite(z).all() and np.abs(z).max() < 2):
-            return QpResult(failed.z, QpStatus.FAILED, details.iter)
-        live = np.isfinite(lower) | np.isfinite(upper)
-        box = np.ones(len(z))
-        prices = result.GetDualSolution(self._rows)[live]
-        exact = exchange_active_set(
-            factor,
-            free,
-            np.vstack([np.eye(len(z)), self.A[live]]),
-            np.concatenate([-box, lower[live]]),
-            np.concatenate([box, upper[live]]),
-            np.concatenate([result.GetDualSolution(self._box), prices]),
+            return self._failed(details.iter)
+        prices = np.concatenate(
+            [result.GetDualSolution(self._box), result.GetDualSolution(self._rows)]
         )
-        if exact is not None:
-            return QpResult(np.clip(exact, -1, 1), QpStatus.SOLVED, details.iter)
+        clear = np.abs(prices) > 1e-3 * np.abs(prices).max(initial=0.0)
+        guess = -np.sign(prices).astype(np.int64) * clear  # Prices of upper bounds are negative.
+        is_exact, exact, active = exchange_active_set(
+            inverse, free, self.A, lower, upper, guess, MOST_EXCHANGES
+        )
+        if is_exact:
+            return QpResult(np.clip(exact, -1, 1), QpStatus.SOLVED, details.iter, active)
         if max(details.primal_res, details.dual_res) < ACCEPTED_RESIDUAL:
-            return QpResult(np.clip(z, -1, 1), QpStatus.INACCURATE, details.iter)
-        return QpResult(failed.z, QpStatus.FAILED, details.iter)
+            return QpResult(np.clip(z, -1, 1), QpStatus.INACCURATE, details.iter, guess)
+        return self._failed(details.iter)
 
-    def _is_feasible(self, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
-        if np.abs(z).max() > 1 + FEASIBILITY:
-            return False
-        value = self.A @ z
-        return bool((value >= lower - FEASIBILITY).all() and (value <= upper + FEASIBILITY).all())
+    def _failed(self, iterations: int) -> QpResult:
+        rows, nz = self.A.shape
+        return QpResult(
+            np.zeros(nz), QpStatus.FAILED, iterations, np.zeros(nz + rows, dtype=np.int64)
+        )
+
+
+@compiled
+def screened(
+    lower: np.ndarray, upper: np.ndarray, reach: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(lower, upper), each (rows,), infinite where no value within +- `reach` can be beyond."""
+    return np.where(lower <= -reach, -np.inf, lower), np.where(upper >= reach, np.inf, upper)
+
+
+@compiled
+def violations(
+    z: np.ndarray, value: np.ndarray, lower: np.ndarray, upper: np.ndarray
+) -> np.ndarray:
+    """(nz + rows,), 1 where an upper bound of z or of `value` is exceeded, -1 a lower one, else 0.
+
+    Numbers that are none exceed every bound, and are exceeded.
+    """
+    nz = len(z)
+    found = np.zeros(nz + len(value), dtype=np.int64)
+    for i in range(nz):
+        if not abs(z[i]) <= 1 + FEASIBILITY:
+            found[i] = 1 if z[i] > 0 else -1
+    for i in range(len(value)):
+        if not value[i] <= upper[i] + FEASIBILITY:
+            found[nz + i] = 1
+        elif not value[i] >= lower[i] - FEASIBILITY:
+            found[nz + i] = -1
+    return found

@@ -34,6 +34,21 @@ def roll_pitch_yaw(R: np.ndarray) -> np.ndarray:
 
 
 @compiled
+def rpy_rates(R: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """(3,) rad/s, how fast roll, pitch and yaw of R (3, 3) change at omega (3,) rad/s.
+
+    Args:
+        omega: In the frame that R leads to; pitch is to be within +- 90 deg.
+    """
+    # Along the level axis ahead, and the one to its left, about which pitch turns.
+    level = np.sqrt(R[0, 0] * R[0, 0] + R[1, 0] * R[1, 0])
+    ahead_x, ahead_y = R[0, 0] / level, R[1, 0] / level
+    ahead = ahead_x * omega[0] + ahead_y * omega[1]
+    pitch_rate = ahead_x * omega[1] - ahead_y * omega[0]
+    return np.array([ahead / level, pitch_rate, omega[2] - R[2, 0] / level * ahead])
+
+
+@compiled
 def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(4,) the quaternion of the rotation b (4,), followed by a (4,)."""
     return np.array(

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from pydrake.common.eigen_geometry import Quaternion
-from pydrake.math import RollPitchYaw, RotationMatrix
 
 from aerodrake.compiled import compiled
+from aerodrake.model.rotation import roll_pitch_yaw, rotation_matrix, rpy_rates
 
 BASE_POSITIONS = 7
 BASE_VELOCITIES = 6
@@ -65,17 +64,14 @@ class VehicleState:
     @cached_property
     def R_B(self) -> np.ndarray:
         """(3, 3) rotation from the base to the world frame."""
-        return RotationMatrix(Quaternion(self._unit_quaternion())).matrix()
+        return rotation_matrix(self.quaternion)
 
     @property
     def rpy(self) -> np.ndarray:
         """(3,) rad, roll, pitch and yaw: the paper's Theta_B."""
-        return RollPitchYaw(Quaternion(self._unit_quaternion())).vector()
+        return roll_pitch_yaw(self.R_B)
 
     @property
     def rpy_rates(self) -> np.ndarray:
         """(3,) rad/s, time derivative of Theta_B."""
-        return RollPitchYaw(self.rpy).CalcRpyDtFromAngularVelocityInParent(self.omega_W)
-
-    def _unit_quaternion(self) -> np.ndarray:
-        return self.quaternion / np.linalg.norm(self.quaternion)
+        return rpy_rates(self.R_B, self.omega_W)

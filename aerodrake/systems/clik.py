@@ -42,4 +42,4 @@ class ClikSystem(KinematicController):
         if not np.isfinite(u).all():
             u, status = np.zeros_like(u), QpStatus.FAILED
         prediction = self._inverse.predict(tick, command.velocity)
-        self._command(discrete, u, prediction, (status, 0))
+        self._command(context, discrete, u, prediction, (status, 0))

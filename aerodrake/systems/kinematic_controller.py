@@ -27,8 +27,9 @@ class KinematicController(LeafSystem):
         out `u` (3 + n): m/s^2 and rad/s^2, accelerations of the setpoints.
         out `prediction` (3 (N + 1)): m, p_E now and as predicted at each stage.
         out `status` (2): a `QpStatus`, and the solver's iterations.
+        out `weights` (5), `delta` (3): those that the last tick was given.
     State:
-        `u`, `prediction` and `status`, of the last tick.
+        `u`, `prediction`, `status`, `weights` and `delta`, of the last tick.
     Rate:
         the equivalent model's period.
 
@@ -61,6 +62,10 @@ class KinematicController(LeafSystem):
         self.DeclareStateOutputPort("u", self._x_u)
         self.DeclareStateOutputPort("prediction", self._x_prediction)
         self.DeclareStateOutputPort("status", self._x_status)
+        self._x_weights = self.DeclareDiscreteState(np.zeros(5))
+        self._x_delta = self.DeclareDiscreteState(np.zeros(3))
+        self.DeclareStateOutputPort("weights", self._x_weights)
+        self.DeclareStateOutputPort("delta", self._x_delta)
         self.DeclarePeriodicDiscreteUpdateEvent(model.dt, 0.0, self._update)
 
     def tick_inputs(self, context: Context) -> MpcInputs:
@@ -86,6 +91,7 @@ class KinematicController(LeafSystem):
 
     def _command(
         self,
+        context: Context,
         discrete: DiscreteValues,
         u: np.ndarray,
         prediction: np.ndarray,
@@ -95,3 +101,5 @@ class KinematicController(LeafSystem):
         discrete.set_value(self._x_u, u)
         discrete.set_value(self._x_prediction, prediction.ravel())
         discrete.set_value(self._x_status, status)
+        discrete.set_value(self._x_weights, self._weights.Eval(context))
+        discrete.set_value(self._x_delta, self._delta.Eval(context))

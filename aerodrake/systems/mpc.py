@@ -24,7 +24,8 @@ class MpcSystem(KinematicController):
             where it likes. `status` is a `QpStatus`, and OSQP's iterations.
     State:
         beside theirs, `plan` (T (3 + n), m/s^2 and rad/s^2, the inputs of the last plan at
-        each of the T ticks of the horizon).
+        each of the T ticks of the horizon), and `active`, the bounds that held it, as
+        `QpResult` has them, from which the next tick's are looked for.
     Rate:
         the equivalent model's period.
 
@@ -45,6 +46,7 @@ class MpcSystem(KinematicController):
         self._x_plan = self.DeclareDiscreteState(
             np.zeros(sum(formulation.stage_ticks) * self._inputs)
         )
+        self._x_active = self.DeclareDiscreteState(sum(formulation.A.shape))
 
     def tick_inputs(self, context: Context) -> MpcInputs:
         """What the tick at this Context is about."""
@@ -57,7 +59,8 @@ class MpcSystem(KinematicController):
         tick = self.tick_inputs(context)
         start = time.perf_counter()
         program = self._formulation.form(tick)
-        result = self._qp.solve(program.H, program.g, program.lower, program.upper)
+        active = context.get_discrete_state(self._x_active).value().astype(np.int64)
+        result = self._qp.solve(program.H, program.g, program.lower, program.upper, active)
         self.tick_ms.append(1e3 * (time.perf_counter() - start))
 
         if result.status is QpStatus.FAILED:
@@ -69,4 +72,5 @@ class MpcSystem(KinematicController):
         U = plan[self._starts]
         prediction = self._formulation.predict(tick, program, U)
         discrete.set_value(self._x_plan, plan.ravel())
-        self._command(discrete, U[0], prediction, (result.status, result.iterations))
+        discrete.set_value(self._x_active, result.active)
+        self._command(context, discrete, U[0], prediction, (result.status, result.iterations))

@@ -99,7 +99,7 @@ def tick(mpc, context, values) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def plan(mpc, formulation, context) -> np.ndarray:
     """(T, 3 + n) accelerations at each tick of the horizon."""
     m = 3 + formulation.model.joints
-    plan = context.get_discrete_state(3).value().reshape(-1, m)
+    plan = context.get_discrete_state(5).value().reshape(-1, m)
     assert len(plan) == sum(formulation.stage_ticks)
     return plan
 
@@ -196,7 +196,7 @@ def test_a_target_that_runs_away_is_solved_within_bounds(mpc, formulation, value
     context = mpc.CreateDefaultContext()
     values["horizon"] = values["horizon"] + np.tile([5.0, -5.0, 5.0, 5.0, -5.0, 5.0], N + 1)
     u, prediction, status = tick(mpc, context, values)
-    assert status[0] == QpStatus.SOLVED and 0 < status[1] <= CONFIG.max_iterations
+    assert tuple(status) == (QpStatus.EXCHANGED, 0)
     limits = np.concatenate([CONFIG.base_acceleration_m_s2, vehicle.acceleration])
     assert np.all(np.abs(plan(mpc, formulation, context)) <= limits * (1 + 1e-9))
     assert np.any(np.abs(u) > 0.99 * limits)
