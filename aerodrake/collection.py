@@ -13,7 +13,7 @@ from aerodrake.dataset import load_samples, save_samples
 from aerodrake.errors import BadInput
 from aerodrake.fingerprint import digest, plant_hash
 from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.residual_network import feature_names
+from aerodrake.model.residual_features import feature_names
 from aerodrake.model.residual_samples import residual_samples
 from aerodrake.model.training import Flight
 from aerodrake.processes import run_parallel

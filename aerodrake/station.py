@@ -41,7 +41,6 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, Mu
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
-from aerodrake.model.checkpoint import network_for
 from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.direction import make_direction
 from aerodrake.model.equivalent_model import EquivalentModel
@@ -199,9 +198,13 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         "weight_allocator", WeightAllocator(scenario.allocation, period)
     )
     equivalent_state = builder.AddNamedSystem("equivalent_state", EquivalentState(model))
+    network = None
+    if scenario.residual.mode != "off":
+        from aerodrake.model.checkpoint import network_for  # torch takes a second to import.
+
+        network = network_for(scenario, n)
     residual_estimator = builder.AddNamedSystem(
-        "residual_estimator",
-        ResidualEstimator(network_for(scenario, n), model, scenario.residual),
+        "residual_estimator", ResidualEstimator(network, model, scenario.residual)
     )
     # Named `mpc` or `clik`; the ports are the same.
     controller = builder.AddNamedSystem(
@@ -249,9 +252,8 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     for system, ports in (
         (setpoint_integrator, ("base_setpoint", "joint_setpoint")),
         (reference, ("reference",)),
-        (weight_allocator, ("weights",)),
-        (controller, ("u", "prediction", "status")),
-        (residual_estimator, ("delta", "prediction_error", "nominal_prediction_error")),
+        (controller, ("u", "prediction", "status", "weights", "delta")),
+        (residual_estimator, ("prediction_error", "nominal_prediction_error")),
     ):
         for port in ports:
             builder.ExportOutput(system.GetOutputPort(port), port)
@@ -259,10 +261,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
 
 
 def make_closed_loop(scenario: Scenario) -> Diagram:
-    """The coordinator flying the station.
-
-    Outputs: all of both, and `query_object` for visualizers.
-    """
+    """The coordinator flying the station; its outputs are all of both."""
     builder = DiagramBuilder()
     station = builder.AddSystem(make_station(scenario))
     coordinator = builder.AddSystem(make_coordinator(scenario))

@@ -12,7 +12,8 @@ import torch
 from aerodrake.errors import BadInput
 from aerodrake.files import is_stored_zip, locate, read_bounded, write_whole
 from aerodrake.fingerprint import plant_hash
-from aerodrake.model.residual_network import HIDDEN, ResidualNetwork, feature_names
+from aerodrake.model.residual_features import HIDDEN, feature_names
+from aerodrake.model.residual_network import ResidualNetwork
 from aerodrake.scenario import Scenario
 
 FORMAT = 1
@@ -40,7 +41,7 @@ class Provenance:
 
 
 def network_for(scenario: Scenario, joints: int) -> ResidualNetwork:
-    """The network that a scenario names; an untrained one where it names none.
+    """The network that a scenario with a residual names; an untrained one where it names none.
 
     Raises:
         BadInput: if the checkpoint cannot be used, or serves another flight interface.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from aerodrake.model.equivalent_model import EquivalentModel, Thrust
-from aerodrake.model.residual_network import feature_names, features
+from aerodrake.model.residual_features import feature_names, features
 from aerodrake.model.vehicle_state import VehicleState
 
 
@@ -54,7 +54,6 @@ def residual_samples(
             x,
         )
         if k > 0:
-            seen[k - 1] = features(now, u[k - 1])
-            predicted = model.predict(x, u[k], np.zeros(3))
-            targets[k - 1] = after.v_B - predicted[model.base_velocity]
+            seen[k - 1] = features(state[k], u[k - 1])
+            targets[k - 1] = after.v_B - model.next_velocity(x, u[k])
     return seen, targets

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydrake.common.value import AbstractValue, Value
@@ -18,9 +19,12 @@ from pydrake.systems.framework import (
 
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.online_learner import LearnerState, OnlineLearner
-from aerodrake.model.residual_network import PHI_SIZE, ResidualNetwork, features
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.residual_features import PHI_SIZE, features
+from aerodrake.model.vehicle_state import VehicleState, parts
 from aerodrake.scenario import Residual
+
+if TYPE_CHECKING:  # torch takes a second to import.
+    from aerodrake.model.residual_network import ResidualNetwork
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class _Tick:
     """All that one tick computes."""
 
     sample: _Sample | None  # Completed at this tick.
-    learned: LearnerState  # From it as well.
+    learned: LearnerState | None  # From it as well; None where nothing is learned.
     x: np.ndarray  # (nx,)
     phi: np.ndarray  # (33,)
     delta: np.ndarray  # (3,) m/s
@@ -83,19 +87,20 @@ class ResidualEstimator(LeafSystem):
     Rate: the period of the model, from time 0.
 
     Args:
-        network: Copied; later changes to it are not seen.
+        network: Copied; later changes to it are not seen. None with the mode `off`.
         model: Whose residual is estimated. With the `integral` kind, where Delta
             has no effect, there is nothing to learn.
         config: Mode, learning rate, batch and guards; the checkpoint is not read.
     """
 
-    def __init__(self, network: ResidualNetwork, model: EquivalentModel, config: Residual):
+    def __init__(self, network: ResidualNetwork | None, model: EquivalentModel, config: Residual):
         super().__init__()
         self._network = copy.deepcopy(network)
         self._model = model
         self._gain = model.C[model.base_velocity].diagonal()
         self._mode = config.mode
-        self._learner = OnlineLearner(config, network.last_layer(), self._gain)
+        theta = np.zeros((3, PHI_SIZE)) if network is None else network.last_layer()
+        self._learner = OnlineLearner(config, theta, self._gain)
 
         n = model.joints
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
@@ -127,7 +132,7 @@ class ResidualEstimator(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(model.dt, 0.0, self._update)
 
     def _calc_tick(self, context: Context, tick: AbstractValue) -> None:
-        state = VehicleState.from_vector(self._state.Eval(context))
+        state = self._state.Eval(context)
         base, arm = self._base_setpoint.Eval(context), self._joint_setpoint.Eval(context)
         saturated = self._saturated.Eval(context)
         u = np.concatenate([base[6:], arm[2 * self._model.joints :]])
@@ -137,19 +142,26 @@ class ResidualEstimator(LeafSystem):
         if not np.isfinite(np.concatenate([x, inputs, phi, saturated])).all():
             tick.set_value(None)
             return
-        sample, learned = self._complete(context, state.v_B, u), self._learned(context)
+        sample, learned = self._complete(context, parts(state)[4], u), None
         if sample is not None and self._mode == "online":
-            learned = self._learner.step(learned, sample.phi, sample.target, saturated[0] > 0.5)
-        tick.set_value(_Tick(sample, learned, x, phi, learned.theta @ phi))
+            learned = self._learner.step(
+                self._learned(context), sample.phi, sample.target, saturated[0] > 0.5
+            )
+        theta = self._layer(context) if learned is None else learned.theta
+        tick.set_value(_Tick(sample, learned, x, phi, theta @ phi))
 
     def _complete(self, context: Context, v_B: np.ndarray, u: np.ndarray) -> _Sample | None:
         """The sample that began one tick ago, now that `u` was applied and `v_B` measured."""
         if not self._numbers(context, self._pending)[0]:
             return None
-        x, phi = self._numbers(context, self._x), self._numbers(context, self._phi).copy()
-        nominal = self._model.predict(x, u, np.zeros(3))[self._model.base_velocity]
-        delta = self._numbers(context, self._theta).reshape(-1, PHI_SIZE) @ phi
+        phi = self._numbers(context, self._phi).copy()
+        nominal = self._model.next_velocity(self._numbers(context, self._x), u)
+        delta = self._layer(context) @ phi
         return _Sample(phi, v_B - nominal, nominal + self._gain * delta - v_B)
+
+    def _layer(self, context: Context) -> np.ndarray:
+        """(3, 33), theta of the tick before."""
+        return self._numbers(context, self._theta).reshape(-1, PHI_SIZE)
 
     def _learned(self, context: Context) -> LearnerState:
         """Copied from the state: what is computed of it outlives the context's numbers."""
@@ -173,10 +185,11 @@ class ResidualEstimator(LeafSystem):
         state.set_value(self._pending, [tick is not None])
         if tick is None:
             return
-        state.set_value(self._theta, tick.learned.theta.ravel())
-        state.set_value(self._phis, tick.learned.phis.ravel())
-        state.set_value(self._targets, tick.learned.targets.ravel())
-        state.set_value(self._seen, [tick.learned.seen])
+        if tick.learned is not None:
+            state.set_value(self._theta, tick.learned.theta.ravel())
+            state.set_value(self._phis, tick.learned.phis.ravel())
+            state.set_value(self._targets, tick.learned.targets.ravel())
+            state.set_value(self._seen, [tick.learned.seen])
         state.set_value(self._x, tick.x)
         state.set_value(self._phi, tick.phi)
         if tick.sample is not None:

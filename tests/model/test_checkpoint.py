@@ -19,7 +19,8 @@ from aerodrake.model.checkpoint import (
     provenance_notes,
     save,
 )
-from aerodrake.model.residual_network import FeatureScaler, ResidualNetwork, feature_names
+from aerodrake.model.residual_features import feature_names
+from aerodrake.model.residual_network import FeatureScaler, ResidualNetwork
 from aerodrake.scenario import Flight, Model, Residual, Scenario
 
 JOINTS = 6

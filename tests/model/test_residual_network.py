@@ -4,12 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from aerodrake.model.residual_network import (
-    FeatureScaler,
-    ResidualNetwork,
-    feature_names,
-    features,
-)
+from aerodrake.model.residual_features import feature_names, features
+from aerodrake.model.residual_network import FeatureScaler, ResidualNetwork
 from aerodrake.model.vehicle_state import VehicleState
 
 JOINTS = 6
@@ -39,7 +35,7 @@ def test_features_have_names_and_their_order(joints):
         qdot=np.arange(joints) + 20.0,
     )
     u = np.arange(3 + joints) + 30.0
-    named = dict(zip(feature_names(joints), features(state, u), strict=True))
+    named = dict(zip(feature_names(joints), features(state.to_vector(), u), strict=True))
 
     assert len(named) == 12 + 3 * joints
     assert named["roll_rad"] == pytest.approx(0)

@@ -13,7 +13,8 @@ from pydrake.systems.framework import Context
 
 from aerodrake.model.axis_models import AXIS_MODELS
 from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.residual_network import ResidualNetwork, features
+from aerodrake.model.residual_features import features
+from aerodrake.model.residual_network import ResidualNetwork
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Model, Residual, Scenario
 from aerodrake.systems.residual_estimator import ResidualEstimator
@@ -116,7 +117,7 @@ def straightforward(network, model, mode, learning_rate, batch, flight):
                     predicted = bases + network(seen) @ c.T
                     ((predicted - measured) ** 2).sum(dim=1).mean().backward()
                     sgd.step()
-            now = features(state, u)
+            now = features(tick["state"], u)
             if mode != "off":
                 delta = network(torch.tensor(now)).detach().numpy()
         log["delta"].append(delta)
@@ -203,7 +204,7 @@ def test_delta_is_bounded_however_badly_it_learns(seed, size):
         VehicleState.from_vector(tick["state"]).v_B[:] *= size ** rng.uniform()
         delta = drive(estimator, context, [tick])["delta"][0]
         u = np.concatenate([tick["base_setpoint"][6:], tick["joint_setpoint"][2 * JOINTS :]])
-        phi = network.phi(features(VehicleState.from_vector(tick["state"]), u))
+        phi = network.phi(features(tick["state"], u))
         away = np.linalg.norm(delta - network.last_layer() @ phi)
         assert away <= drift * np.linalg.norm(phi) * (1 + 1e-9)
 
@@ -237,7 +238,7 @@ def test_the_update_comes_before_the_inference():
 
     def phi(tick):
         u = np.concatenate([tick["base_setpoint"][6:], tick["joint_setpoint"][2 * JOINTS :]])
-        return network.phi(features(VehicleState.from_vector(tick["state"]), u))
+        return network.phi(features(tick["state"], u))
 
     gain = model.C[model.base_velocity].diagonal()
     target = -log["nominal_prediction_error"][1]
