@@ -2,29 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import MultibodyForces
 
 from aerodrake.model.vehicle import add_robot
-from aerodrake.model.vehicle_state import VehicleState
-
-
-@dataclass(frozen=True)
-class Effort:
-    """What a motion takes.
-
-    Attributes:
-        force: (3,) N, on the base's origin, in the world.
-        torque: (3,) N m, about it, in the base frame.
-        joint_torque: (n,) N m.
-    """
-
-    force: np.ndarray
-    torque: np.ndarray
-    joint_torque: np.ndarray
 
 
 class WholeBody:
@@ -39,20 +21,20 @@ class WholeBody:
         add_robot(self._plant, robot)
         self._plant.Finalize()
         self._context = self._plant.CreateDefaultContext()
+        self._gravity = MultibodyForces(self._plant)  # And the joints' damping.
 
-    def effort(self, state: VehicleState, a_B: np.ndarray, qddot: np.ndarray) -> Effort:
-        """What it takes to give base and joints these accelerations, without turning the base.
+    def effort(self, x: np.ndarray, vdot: np.ndarray) -> np.ndarray:
+        """(6 + n,), what it takes to give base and joints these accelerations.
 
         Args:
-            state: Where they are, and how fast.
-            a_B: (3,) m/s^2, of the base's origin in the world.
-            qddot: (n,) rad/s^2.
+            x: (13 + 2 n,) where they are, and how fast, as `VehicleState` has it.
+            vdot: (6 + n,) rad/s^2 and m/s^2 of the base, of its origin, in the world;
+                rad/s^2 of the joints.
+
+        Returns:
+            N m about the base's origin and N, in the world; N m of the joints.
         """
         plant, context = self._plant, self._context
-        plant.SetPositionsAndVelocities(context, state.to_vector())
-        gravity = MultibodyForces(plant)
-        plant.CalcForceElementsContribution(context, gravity)
-        forces = plant.CalcInverseDynamics(
-            context, np.concatenate([np.zeros(3), a_B, qddot]), gravity
-        )
-        return Effort(forces[3:6], state.R_B.T @ forces[:3], forces[6:])
+        plant.SetPositionsAndVelocities(context, x)
+        plant.CalcForceElementsContribution(context, self._gravity)
+        return plant.CalcInverseDynamics(context, vdot, self._gravity)
