@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from aerodrake.model.vehicle import BASE_FRAME, add_robot
 from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.model.whole_body import WholeBody
+from aerodrake.model.whole_body import WholeBody, commanded_motion, rigid_body_effort
 
 G = 9.81
 
@@ -182,3 +182,34 @@ def test_one_call_leaves_nothing_for_the_next(whole_body, vehicle):
     effort_of(whole_body, other, -a_B, qddot)
     again = effort_of(whole_body, first, a_B, qddot)
     np.testing.assert_array_equal(np.concatenate(before), np.concatenate(again))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_commanded_motion_has_the_base_as_measured_and_the_arm_as_commanded(vehicle, seed):
+    state, n = moving(vehicle, seed), vehicle.joints
+    q_d, qdot_d, qddot_d = np.random.default_rng(seed).normal(size=(3, n))
+    x, vdot = commanded_motion(
+        state.to_vector(), np.concatenate([q_d, qdot_d, qddot_d]), np.array([1.0, 2.0, 3.0])
+    )
+    found = VehicleState.from_vector(x)
+    for part in ("quaternion", "p_B", "omega_W", "v_B"):
+        np.testing.assert_array_equal(getattr(found, part), getattr(state, part))
+    np.testing.assert_array_equal(found.q, q_d)
+    np.testing.assert_array_equal(found.qdot, qdot_d)
+    np.testing.assert_array_equal(vdot, [0, 0, 0, 1, 2, 3, *qddot_d])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rigid_body_effort_is_the_change_of_momentum_and_weight(vehicle, seed):
+    """Angular momentum R J omega of a body that turns at a constant rate, by differences."""
+    state, a_B = moving(vehicle, seed), np.array([1.0, -2.0, 3.0])
+    effort = rigid_body_effort(vehicle.mass, vehicle.inertia, state.to_vector(), a_B)
+    np.testing.assert_allclose(effort[3:], vehicle.mass * (a_B + [0, 0, G]), rtol=1e-12)
+
+    def angular_momentum(t: float) -> np.ndarray:
+        R = Rotation.from_rotvec(t * state.omega_W).as_matrix() @ state.R_B
+        return R @ vehicle.inertia @ R.T @ state.omega_W
+
+    h = 1e-5
+    rate = (angular_momentum(h) - angular_momentum(-h)) / (2 * h)
+    np.testing.assert_allclose(effort[:3], rate, atol=1e-8)
