@@ -51,7 +51,7 @@ from aerodrake.model.mpc import MpcFormulation
 from aerodrake.model.payload import add_payload
 from aerodrake.model.reference import make_reference
 from aerodrake.model.setpoint import SetpointLimits
-from aerodrake.model.thrust_allocation import ThrustAllocation
+from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
 from aerodrake.scenario import Scenario
 from aerodrake.sensors import make_sensors
@@ -99,7 +99,7 @@ def make_station(scenario: Scenario) -> Diagram:
         make_rotors(
             rotor,
             scenario.mismatch,
-            ThrustAllocation.make(vehicle, rotor).allocate(vehicle.trim_wrench),
+            allocate(ThrustAllocation.make(vehicle, rotor), vehicle.trim_wrench),
             rates.plant_step_s,
         ),
     )

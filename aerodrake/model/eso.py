@@ -3,49 +3,70 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from aerodrake.compiled import compiled
 
-class ExtendedStateObserver:
+
+class ExtendedStateObserver(NamedTuple):
     """Estimates the states of y^(m) = u + h, per axis, and the disturbance h.
 
     Cao et al. 2023 have it in continuous time with all poles at -w; this is
     its exact discretisation, with all poles at exp(-w dt), so that it stays
     well damped at any rate.
 
-    Args:
-        order: m, 1 for a velocity that is measured, 2 for a position.
-        bandwidth: w, rad/s.
-        dt: s, sampling period.
+    Attributes:
+        A: (m + 1, m + 1), over a period.
+        B: (m + 1, 1), likewise.
+        L: (m + 1, 1), of the innovation.
     """
 
-    def __init__(self, order: int, bandwidth: float, dt: float):
-        beta = math.exp(-bandwidth * dt)
-        if order == 1:
-            self.A = np.array([[1, dt], [0, 1]])
-            self.B = np.array([dt, 0])
-            self.L = np.array([1 - beta**2, (1 - beta) ** 2 / dt])
-        elif order == 2:
-            self.A = np.array([[1, dt, dt**2 / 2], [0, 1, dt], [0, 0, 1]])
-            self.B = np.array([dt**2 / 2, dt, 0])
-            self.L = np.array(
-                [
-                    1 - beta**3,
-                    1.5 * (1 - beta) ** 2 * (1 + beta) / dt,
-                    (1 - beta) ** 3 / dt**2,
-                ]
-            )
-        else:
-            raise ValueError(f"order must be 1 or 2, got {order}")
+    A: np.ndarray
+    B: np.ndarray
+    L: np.ndarray
 
-    def step(self, x: np.ndarray, u: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """The estimate at the present sample.
+    @classmethod
+    def make(cls, order: int, bandwidth: float, dt: float) -> ExtendedStateObserver:
+        """For m = `order`, 1 for a velocity that is measured, 2 for a position.
 
         Args:
-            x: (m + 1, axes), the estimate at the sample before: [y, ..., h].
-            u: (axes,), the known input since then.
-            y: (axes,), what is measured now.
+            order: m.
+            bandwidth: w, rad/s.
+            dt: s, sampling period.
         """
-        predicted = self.A @ x + np.outer(self.B, u)
-        return predicted + np.outer(self.L, y - predicted[0])
+        beta = math.exp(-bandwidth * dt)
+        if order == 1:
+            return cls(
+                A=np.array([[1.0, dt], [0.0, 1.0]]),
+                B=np.array([[dt], [0.0]]),
+                L=np.array([[1 - beta**2], [(1 - beta) ** 2 / dt]]),
+            )
+        if order == 2:
+            return cls(
+                A=np.array([[1.0, dt, dt**2 / 2], [0.0, 1.0, dt], [0.0, 0.0, 1.0]]),
+                B=np.array([[dt**2 / 2], [dt], [0.0]]),
+                L=np.array(
+                    [
+                        [1 - beta**3],
+                        [1.5 * (1 - beta) ** 2 * (1 + beta) / dt],
+                        [(1 - beta) ** 3 / dt**2],
+                    ]
+                ),
+            )
+        raise ValueError(f"order must be 1 or 2, got {order}")
+
+
+@compiled
+def observe(eso: ExtendedStateObserver, x: np.ndarray, u: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """(m + 1, axes), the estimate at the present sample: A x + B u + L (y - its first row).
+
+    Args:
+        eso: The observer.
+        x: (m + 1, axes), the estimate at the sample before: [y, ..., h].
+        u: (axes,), the known input since then.
+        y: (axes,), what is measured now.
+    """
+    predicted = eso.A @ x + eso.B * u
+    return predicted + eso.L * (y - predicted[0])

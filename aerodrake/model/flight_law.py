@@ -7,17 +7,48 @@ al., "Geometric tracking control of a quadrotor UAV on SE(3)", 2010.
 
 from __future__ import annotations
 
-import numpy as np
-from pydrake.math import VectorToSkewSymmetric
+from typing import NamedTuple
 
+import numpy as np
+
+from aerodrake.compiled import compiled
+from aerodrake.model.rotation import cross, vee
 from aerodrake.model.vehicle import GRAVITY
 from aerodrake.scenario import Flight
 
 UP = np.array([0.0, 0.0, 1.0])
 
 
+class PositionGains(NamedTuple):
+    """Per axis: (3,) 1/s^2 of position, 1/s of velocity, 1/s^3 of the integral."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+    integral: np.ndarray
+
+    @classmethod
+    def make(cls, config: Flight) -> PositionGains:
+        """Those of the scenario."""
+        gains = config.position_gain, config.velocity_gain, config.integral_gain
+        return cls(*(np.array(gain, dtype=float) for gain in gains))
+
+
+class AttitudeGains(NamedTuple):
+    """Per axis of the base: (3,) 1/s^2 of attitude, 1/s of the rate."""
+
+    attitude: np.ndarray
+    rate: np.ndarray
+
+    @classmethod
+    def make(cls, config: Flight) -> AttitudeGains:
+        """Those of the scenario."""
+        gains = config.attitude_gain, config.rate_gain
+        return cls(*(np.array(gain, dtype=float) for gain in gains))
+
+
+@compiled
 def position_law(
-    gains: Flight,
+    gains: PositionGains,
     position_error: np.ndarray,
     velocity_error: np.ndarray,
     feedforward: np.ndarray,
@@ -27,7 +58,7 @@ def position_law(
     """u_v = a_d - k_v (v - v_d) - k_p (p - p_d) - k_i integral - h, m/s^2.
 
     Args:
-        gains: Those of the scenario.
+        gains: k_p, k_v, k_i.
         position_error: (3,) m, p - p_d.
         velocity_error: (3,) m/s, v - v_d.
         feedforward: (3,) m/s^2, a_d.
@@ -38,44 +69,45 @@ def position_law(
     """
     return (
         feedforward
-        - velocity_error * gains.velocity_gain
-        - position_error * gains.position_gain
-        - integral * gains.integral_gain
+        - velocity_error * gains.velocity
+        - position_error * gains.position
+        - integral * gains.integral
         - disturbance
     )
 
 
+@compiled
 def desired_thrust(u_v: np.ndarray, max_tilt: float) -> np.ndarray:
     """(3,) m/s^2, the specific thrust u_v + g, tilted by at most `max_tilt` rad.
 
     Height goes before horizontal acceleration, and thrust never points down.
     """
-    thrust = u_v + GRAVITY * UP
-    thrust[2] = max(thrust[2], 0.2 * GRAVITY)
-    horizontal = np.hypot(thrust[0], thrust[1])
-    most = thrust[2] * np.tan(max_tilt)
-    if horizontal > most:
-        thrust[:2] *= most / horizontal
-    return thrust
+    up = max(u_v[2] + GRAVITY, 0.2 * GRAVITY)
+    horizontal = np.hypot(u_v[0], u_v[1])
+    most = up * np.tan(max_tilt)
+    share = most / horizontal if horizontal > most else 1.0
+    return np.array([share * u_v[0], share * u_v[1], up])
 
 
+@compiled
 def desired_attitude(thrust: np.ndarray, yaw: float = 0.0) -> np.ndarray:
     """(3, 3), the attitude whose z axis is along `thrust` and whose yaw angle is `yaw` rad."""
-    z = thrust / np.linalg.norm(thrust)
+    z = thrust / np.sqrt(np.sum(thrust * thrust))
     left = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
-    x = VectorToSkewSymmetric(left) @ z
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, VectorToSkewSymmetric(z) @ x, z])
+    x = cross(left, z)
+    x /= np.sqrt(np.sum(x * x))
+    return np.column_stack((x, cross(z, x), z))
 
 
+@compiled
 def attitude_error(R: np.ndarray, R_d: np.ndarray) -> np.ndarray:
     """(3,) e_R = vee(R_d' R - R' R_d) / 2 in the base frame (Lee et al. 2010)."""
-    S = R_d.T @ R
-    return 0.5 * np.array([S[2, 1] - S[1, 2], S[0, 2] - S[2, 0], S[1, 0] - S[0, 1]])
+    return vee(R_d.T @ R)
 
 
+@compiled
 def attitude_law(
-    gains: Flight,
+    gains: AttitudeGains,
     error: np.ndarray,
     rate_error: np.ndarray,
     disturbance: np.ndarray,
@@ -83,9 +115,9 @@ def attitude_law(
     """u_omega = -k_R e_R - k_omega (omega - omega_d) - h_omega, rad/s^2.
 
     Args:
-        gains: Those of the scenario.
+        gains: k_R, k_omega.
         error: (3,) e_R.
         rate_error: (3,) rad/s, omega - omega_d in the base frame.
         disturbance: (3,) rad/s^2, h_omega of the attitude ESO.
     """
-    return -(error * gains.attitude_gain + rate_error * gains.rate_gain + disturbance)
+    return -(error * gains.attitude + rate_error * gains.rate + disturbance)

@@ -84,6 +84,22 @@ def rotation_vector(quaternion: np.ndarray) -> np.ndarray:
 
 
 @compiled
+def vee(R: np.ndarray) -> np.ndarray:
+    """(3,) of the skew part (R - R') / 2; of a rotation, its axis times the sine of its angle."""
+    return 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+
+
+@compiled
+def turn(R: np.ndarray) -> np.ndarray:
+    """(3,) rad, the rotation vector of a rotation matrix (3, 3) of less than half a turn."""
+    v = vee(R)
+    sine = np.sqrt(np.sum(v * v))
+    if sine == 0:
+        return v
+    return v * (np.arctan2(sine, (R[0, 0] + R[1, 1] + R[2, 2] - 1) / 2) / sine)
+
+
+@compiled
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(3,) a x b."""
     return np.array(

@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from aerodrake.compiled import compiled
 
-class RotorLag:
+
+class RotorLag(NamedTuple):
     """f' = (command - f) / tau, over a period in which the command is held.
 
-    Args:
-        lag_up: s, tau where thrust rises.
-        lag_down: s, tau where it falls.
+    Attributes:
+        up: s, tau where thrust rises.
+        down: s, tau where it falls.
         dt: s, period.
     """
 
-    def __init__(self, lag_up: float, lag_down: float, dt: float):
-        self._up, self._down, self._dt = lag_up, lag_down, dt
+    up: float
+    down: float
+    dt: float
 
-    def advance(self, thrust: np.ndarray, command: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(thrust at the end, mean thrust), each (k,) N, from thrust (k,) N at the start."""
-        tau = np.where(command > thrust, self._up, self._down)
-        decay = np.exp(-self._dt / tau)
-        gap = thrust - command
-        return command + gap * decay, command + gap * (1 - decay) * tau / self._dt
+
+@compiled
+def advance(
+    lag: RotorLag, thrust: np.ndarray, command: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(thrust at the end, mean thrust), each (k,) N, from thrust (k,) N at the start."""
+    end, mean = np.empty_like(thrust), np.empty_like(thrust)
+    for i in range(len(thrust)):
+        tau = lag.up if command[i] > thrust[i] else lag.down
+        decay = np.exp(-lag.dt / tau)
+        gap = thrust[i] - command[i]
+        end[i] = command[i] + gap * decay
+        mean[i] = command[i] + gap * (1 - decay) * tau / lag.dt
+    return end, mean

@@ -2,29 +2,36 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from aerodrake.compiled import compiled
 from aerodrake.errors import BadInput
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Rotor
 
 
-class ThrustAllocation:
-    """Inverts the mixer; where thrust runs out, tilt and thrust go before yaw.
+class ThrustAllocation(NamedTuple):
+    """The rotors as a wrench is shared among them.
 
-    Roll and pitch torque keep the vehicle upright, so they are served first;
-    collective thrust gets what they leave, and yaw what is left after both.
-
-    Args:
+    Attributes:
         mixer: (4, k), from thrusts to [collective thrust, torque x, y, z].
+        inverse: (4, k), for each component of the wrench, the thrusts that give one of it
+            and nothing else.
         minimum: N, smallest thrust of a rotor.
         maximum: N, largest thrust of a rotor.
     """
 
-    def __init__(self, mixer: np.ndarray, minimum: float, maximum: float):
-        self.mixer = mixer
-        self._inverse = np.linalg.pinv(mixer)
-        self._minimum, self._maximum = minimum, maximum
+    mixer: np.ndarray
+    inverse: np.ndarray
+    minimum: float
+    maximum: float
+
+    @classmethod
+    def of(cls, mixer: np.ndarray, minimum: float, maximum: float) -> ThrustAllocation:
+        """For a mixer (4, k) and limits in N."""
+        return cls(mixer, np.ascontiguousarray(np.linalg.pinv(mixer).T), minimum, maximum)
 
     @classmethod
     def make(cls, vehicle: Vehicle, rotor: Rotor) -> ThrustAllocation:
@@ -34,23 +41,32 @@ class ThrustAllocation:
             BadInput: if they cannot lift it without tilting it.
         """
         mixer = vehicle.rotors.mixer(rotor.torque_ratio_m)
-        allocation = cls(mixer, rotor.min_thrust_n, rotor.max_thrust_n)
-        if not (allocation._inverse[:, 0] > 1e-6).all():
+        allocation = cls.of(mixer, rotor.min_thrust_n, rotor.max_thrust_n)
+        if not (allocation.inverse[0] > 1e-6).all():
             raise BadInput(vehicle.robot, "", "expected rotors all around the base's origin")
         return allocation
 
-    def allocate(self, wrench: np.ndarray) -> np.ndarray:
-        """(k,) N, rotor thrusts for wrench (4,) [N, N m, N m, N m]."""
-        lift = self._inverse[:, 0]
-        tilt = self._inverse[:, 1:3] @ wrench[1:3]
-        yaw = self._inverse[:, 3] * wrench[3]
-        spread = tilt.max() - tilt.min()
-        if spread > self._maximum - self._minimum:
-            tilt *= (self._maximum - self._minimum) / spread
-        least = ((self._minimum - tilt) / lift).max()
-        most = ((self._maximum - tilt) / lift).min()
-        thrust = lift * min(max(wrench[0], least), most) + tilt
-        room = np.where(yaw > 0, self._maximum - thrust, thrust - self._minimum)
-        share = np.divide(room, np.abs(yaw), out=np.ones_like(yaw), where=yaw != 0)
-        yaw *= np.clip(share.min(), 0.0, 1.0)
-        return np.clip(thrust + yaw, self._minimum, self._maximum)
+
+@compiled
+def allocate(rotors: ThrustAllocation, wrench: np.ndarray) -> np.ndarray:
+    """(k,) N, rotor thrusts for wrench (4,) [N, N m, N m, N m].
+
+    Where thrust runs out, tilt and thrust go before yaw. Roll and pitch torque
+    keep the vehicle upright, so they are served first; collective thrust gets
+    what they leave, and yaw what is left after both.
+    """
+    minimum, maximum, per_lift = rotors.minimum, rotors.maximum, rotors.inverse[0]
+    tilt = rotors.inverse[1] * wrench[1] + rotors.inverse[2] * wrench[2]
+    yaw = rotors.inverse[3] * wrench[3]
+    spread = tilt.max() - tilt.min()
+    if spread > maximum - minimum:
+        tilt *= (maximum - minimum) / spread
+    least = ((minimum - tilt) / per_lift).max()
+    most = ((maximum - tilt) / per_lift).min()
+    thrust = per_lift * min(max(wrench[0], least), most) + tilt
+    share = 1.0
+    for i in range(len(yaw)):
+        room = maximum - thrust[i] if yaw[i] > 0 else thrust[i] - minimum
+        if abs(yaw[i]) > room:
+            share = min(share, max(room, 0.0) / abs(yaw[i]))
+    return np.minimum(np.maximum(thrust + share * yaw, minimum), maximum)

@@ -1,34 +1,20 @@
-"""Inverse dynamics of base and arm together."""
+"""What it takes to move base and arm."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import MultibodyForces
 
-from aerodrake.model.vehicle import add_robot
-from aerodrake.model.vehicle_state import VehicleState
-
-
-@dataclass(frozen=True)
-class Effort:
-    """What a motion takes.
-
-    Attributes:
-        force: (3,) N, on the base's origin, in the world.
-        torque: (3,) N m, about it, in the base frame.
-        joint_torque: (n,) N m.
-    """
-
-    force: np.ndarray
-    torque: np.ndarray
-    joint_torque: np.ndarray
+from aerodrake.compiled import compiled
+from aerodrake.model.flight_law import UP
+from aerodrake.model.rotation import cross, rotation_matrix
+from aerodrake.model.vehicle import GRAVITY, add_robot
+from aerodrake.model.vehicle_state import parts
 
 
 class WholeBody:
-    """M(q) v' + C(q, v) v - tau_g(q), of the robot as its URDF has it.
+    """Inverse dynamics, M(q) v' + C(q, v) v - tau_g(q), of the robot as its URDF has it.
 
     Args:
         robot: A `package://aerodrake/...` URI, or the path of a URDF.
@@ -39,20 +25,59 @@ class WholeBody:
         add_robot(self._plant, robot)
         self._plant.Finalize()
         self._context = self._plant.CreateDefaultContext()
+        self._gravity = MultibodyForces(self._plant)  # And the joints' damping.
 
-    def effort(self, state: VehicleState, a_B: np.ndarray, qddot: np.ndarray) -> Effort:
-        """What it takes to give base and joints these accelerations, without turning the base.
+    def effort(self, x: np.ndarray, vdot: np.ndarray) -> np.ndarray:
+        """(6 + n,), what it takes to give base and joints these accelerations.
 
         Args:
-            state: Where they are, and how fast.
-            a_B: (3,) m/s^2, of the base's origin in the world.
-            qddot: (n,) rad/s^2.
+            x: (13 + 2 n,) where they are, and how fast, as `VehicleState` has it.
+            vdot: (6 + n,) rad/s^2 and m/s^2 of the base, of its origin, in the world;
+                rad/s^2 of the joints.
+
+        Returns:
+            N m about the base's origin and N, in the world; N m of the joints.
         """
         plant, context = self._plant, self._context
-        plant.SetPositionsAndVelocities(context, state.to_vector())
-        gravity = MultibodyForces(plant)
-        plant.CalcForceElementsContribution(context, gravity)
-        forces = plant.CalcInverseDynamics(
-            context, np.concatenate([np.zeros(3), a_B, qddot]), gravity
-        )
-        return Effort(forces[3:6], state.R_B.T @ forces[:3], forces[6:])
+        plant.SetPositionsAndVelocities(context, x)
+        plant.CalcForceElementsContribution(context, self._gravity)
+        return plant.CalcInverseDynamics(context, vdot, self._gravity)
+
+
+@compiled
+def commanded_motion(
+    state: np.ndarray, joint_setpoint: np.ndarray, a_B: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The state (13 + 2 n,) with the arm as commanded, and v' (6 + n,) with no turn of the base.
+
+    The commanded arm, since the measured one is noisier than its lag is long.
+
+    Args:
+        state: (13 + 2 n,) measured.
+        joint_setpoint: (3 n,) q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
+        a_B: (3,) m/s^2, of the base's origin in the world.
+    """
+    n = len(joint_setpoint) // 3
+    q_d, qdot_d, qddot_d = joint_setpoint[:n], joint_setpoint[n : 2 * n], joint_setpoint[2 * n :]
+    quaternion, p_B, _, omega_W, v_B, _ = parts(state)
+    x = np.concatenate((quaternion, p_B, q_d, omega_W, v_B, qdot_d))
+    return x, np.concatenate((np.zeros(3), a_B, qddot_d))
+
+
+@compiled
+def rigid_body_effort(
+    mass: float, inertia: np.ndarray, state: np.ndarray, a_B: np.ndarray
+) -> np.ndarray:
+    """(6,) what `WholeBody.effort` says of the base, for a rigid body with its mass at the origin.
+
+    Args:
+        mass: kg.
+        inertia: (3, 3) kg m^2 in the base frame.
+        state: (13 + 2 n,) measured.
+        a_B: (3,) m/s^2, of the base's origin in the world.
+    """
+    quaternion, _, _, omega_W, _, _ = parts(state)
+    R = rotation_matrix(quaternion)
+    omega = R.T @ omega_W
+    torque = cross(omega, inertia @ omega)
+    return np.concatenate((R @ torque, mass * (a_B + GRAVITY * UP)))

@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-from pydrake.math import RotationMatrix, VectorToSkewSymmetric
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.eso import ExtendedStateObserver
-from aerodrake.model.flight_law import (
-    UP,
-    attitude_error,
-    attitude_law,
-    desired_attitude,
-    desired_thrust,
-    position_law,
-)
-from aerodrake.model.rotor_lag import RotorLag
-from aerodrake.model.thrust_allocation import ThrustAllocation
-from aerodrake.model.vehicle import GRAVITY, Vehicle
+from aerodrake.model.flight_memory import initial_memory
+from aerodrake.model.inner_loop import InnerLoop, inner_loop
+from aerodrake.model.outer_loop import OuterLoop, outer_loop
+from aerodrake.model.thrust_allocation import allocate
+from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.model.whole_body import WholeBody
+from aerodrake.model.whole_body import WholeBody, commanded_motion, rigid_body_effort
 from aerodrake.scenario import Flight, Rotor
 
-UNSATURATED = 1e-6
-"""m/s^2, N or N m: what a command may miss by rounding."""
+MEMORY, ACCELERATION = 0, 2
+"""Groups of the state, which are in the order of what `inner_loop` returns."""
 
 
 class FlightController(LeafSystem):
@@ -54,11 +44,10 @@ class FlightController(LeafSystem):
         Whoever reads these at the instant of a sample reads what was computed at
         the sample before, since the one for this sample follows after `offset`.
     State:
-        `position_eso` (3, 3), `attitude_eso` (2, 3), `integral` (3) of the
-        position error, `thrust` (k) that the rotors are believed to give at the
-        next sample, `thrust_command` (k), `acceleration` (6), `reaction` (3) of
-        the arm, m/s^2, `R_d` (3, 3), the last desired attitude, `omega_d` (3)
-        rad/s, its filtered rate, in its own frame, and `saturated` (1).
+        what the loops remember (30 + k), as `initial_memory` has it: observers,
+        integral of the position error, last desired attitude and its rate, and
+        the thrust that the rotors are believed to give at the next sample. And
+        each output.
     Rate:
         `period`, after `offset`, so that it sees what the MPC commanded at
         the same sample.
@@ -94,155 +83,48 @@ class FlightController(LeafSystem):
         offset: float,
     ):
         super().__init__()
-        self._config = config
-        self._vehicle = vehicle
-        self._period = period
-        self._inverse_inertia = np.linalg.inv(vehicle.inertia)
-        self._allocation = ThrustAllocation.make(vehicle, rotor)
-        self._lag = RotorLag(rotor.lag_up_s, rotor.lag_down_s, period)
-        self._position_eso = ExtendedStateObserver(2, config.position_eso_rad_s, period)
-        self._attitude_eso = ExtendedStateObserver(1, config.attitude_eso_rad_s, period)
-
-        self._most_thrust = len(vehicle.rotors.names) * rotor.max_thrust_n / vehicle.mass
-        trim = self._allocation.allocate(vehicle.trim_wrench)
+        self._outer = OuterLoop.make(config, rotor, vehicle, period)
+        self._inner = InnerLoop.make(config, rotor, vehicle, period)
         is_fed = config.feedforward == "whole_body"
         self._whole_body = WholeBody(vehicle.robot) if is_fed else None
+
+        trim = allocate(self._inner.rotors, vehicle.trim_wrench)
         known = vehicle.trim_wrench[1:] * is_fed
-        trim_h = self._inverse_inertia @ (known - vehicle.trim_wrench[1:])
+        trim_h = self._inner.inverse_inertia @ (known - vehicle.trim_wrench[1:])
+        still = np.zeros(3)
+        self.trim_acceleration = np.concatenate([still, -trim_h])
+
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(vehicle.joints))
         self._setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * vehicle.joints)
-        self._x_position = self.DeclareDiscreteState(np.concatenate([vehicle.p_B, np.zeros(6)]))
-        self._x_attitude = self.DeclareDiscreteState(np.concatenate([np.zeros(3), trim_h]))
-        self._x_integral = self.DeclareDiscreteState(np.zeros(3))
-        self._x_thrust = self.DeclareDiscreteState(trim)
-        self._x_command = self.DeclareDiscreteState(trim)
-        self.trim_acceleration = np.concatenate([np.zeros(3), -trim_h])
-        self._x_acceleration = self.DeclareDiscreteState(self.trim_acceleration)
-        self._x_reaction = self.DeclareDiscreteState(np.zeros(3))
-        self._x_R_d = self.DeclareDiscreteState(np.eye(3).ravel())
-        self._x_omega_d = self.DeclareDiscreteState(np.zeros(3))
-        self._x_saturated = self.DeclareDiscreteState(np.zeros(1))
-        self._smoothing = period / (period + config.rate_filter_s)
-        self.DeclareStateOutputPort("thrust_command", self._x_command)
-        self.DeclareStateOutputPort("acceleration", self._x_acceleration)
-        self.DeclareStateOutputPort("reaction", self._x_reaction)
-        self.DeclareVectorOutputPort(
-            "specific_thrust",
-            1,
-            self._calc_specific_thrust,
-            {self.discrete_state_ticket(self._x_thrust)},
-        )
-        self.DeclareVectorOutputPort(
-            "disturbance",
-            6,
-            self._calc_disturbance,
-            {
-                self.discrete_state_ticket(self._x_position),
-                self.discrete_state_ticket(self._x_attitude),
-                self.discrete_state_ticket(self._x_reaction),
-            },
-        )
-        self.DeclareStateOutputPort("saturated", self._x_saturated)
+        self.DeclareDiscreteState(initial_memory(vehicle.p_B, trim_h, trim))
+        for name, x_0 in (
+            ("thrust_command", trim),
+            ("acceleration", self.trim_acceleration),
+            ("reaction", still),
+            ("specific_thrust", [trim.sum() / vehicle.mass]),
+            ("disturbance", np.concatenate([still, trim_h])),
+            ("saturated", [0.0]),
+        ):
+            self.DeclareStateOutputPort(name, self.DeclareDiscreteState(x_0))
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        config, vehicle = self._config, self._vehicle
-        old = context.get_discrete_state
-        state = VehicleState.from_vector(self._state.Eval(context))
-        p_d, v_d, a_d = self._setpoint.Eval(context).reshape(3, -1)
-        if config.interface == "position":
-            v_d = a_d = np.zeros(3)
-        R = state.R_B
-        omega = R.T @ state.omega_W
-
-        # What the rotors gave since the last sample.
-        linear, angular = old(self._x_acceleration).value().reshape(2, 3)
-        position_eso = self._position_eso.step(
-            old(self._x_position).value().reshape(3, 3), linear, state.p_B
+        last = context.get_discrete_state()
+        x, believed = last.value(MEMORY), last.value(ACCELERATION)
+        state = self._state.Eval(context)
+        position, u_v, a_B = outer_loop(
+            self._outer, x, believed, state, self._setpoint.Eval(context)
         )
-        attitude_eso = self._attitude_eso.step(
-            old(self._x_attitude).value().reshape(2, 3), angular, omega
-        )
+        effort = self._effort(context, state, a_B)
+        found = inner_loop(self._inner, x, believed, state, position, u_v, a_B, effort)
+        for group, value in enumerate(found):
+            discrete.set_value(group, value)
 
-        error = state.p_B - p_d
-        integral = old(self._x_integral).value()
-        u_v = position_law(config, error, state.v_B - v_d, a_d, position_eso[-1], integral)
-        reaction, torque = self._reaction(context, state, u_v)
-        f = desired_thrust(u_v + reaction, config.max_tilt_rad)
-        R_d = desired_attitude(f)
-        R_d_last = old(self._x_R_d).value().reshape(3, 3)
-        turned = RotationMatrix(R_d_last.T @ R_d).ToAngleAxis()
-        omega_d = old(self._x_omega_d).value()
-        omega_d = omega_d + self._smoothing * (
-            turned.axis() * (turned.angle() / self._period) - omega_d
-        )
-        rate_error = omega - R.T @ R_d @ omega_d
-        u_omega = attitude_law(config, attitude_error(R, R_d), rate_error, attitude_eso[-1])
-
-        wanted = np.concatenate(
-            [[vehicle.mass * (f @ R[:, 2])], vehicle.inertia @ u_omega + torque]
-        )
-        command = self._allocation.allocate(wanted)
-        missing = np.append(
-            u_v + reaction + GRAVITY * UP - f, wanted - self._allocation.mixer @ command
-        )
-        saturated = not np.abs(missing).max() <= UNSATURATED
-        thrust, mean = self._lag.advance(old(self._x_thrust).value(), command)
-        lift, turn = self._allocation.mixer @ command, self._allocation.mixer @ mean
-        halfway = R[:, 2] + (VectorToSkewSymmetric(state.omega_W) @ R[:, 2]) * (self._period / 2)
-        acceleration = np.concatenate(
-            [
-                halfway * (lift[0] / vehicle.mass) - GRAVITY * UP - reaction,
-                self._inverse_inertia @ (turn[1:] - torque),
-            ]
-        )
-        if not saturated:
-            integral = integral + self._period * error
-
-        for index, value in (
-            (self._x_position, position_eso.ravel()),
-            (self._x_attitude, attitude_eso.ravel()),
-            (self._x_integral, integral),
-            (self._x_thrust, thrust),
-            (self._x_command, command),
-            (self._x_acceleration, acceleration),
-            (self._x_reaction, reaction),
-            (self._x_R_d, R_d.ravel()),
-            (self._x_omega_d, omega_d),
-            (self._x_saturated, [saturated]),
-        ):
-            discrete.set_value(index, value)
-
-    def _attainable(self, u_v: np.ndarray) -> np.ndarray:
-        """(3,) m/s^2, as much of u_v as tilt and thrust allow."""
-        thrust = desired_thrust(u_v, self._config.max_tilt_rad)
-        return thrust * min(1.0, self._most_thrust / np.linalg.norm(thrust)) - GRAVITY * UP
-
-    def _reaction(
-        self, context: Context, state: VehicleState, u_v: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """What base and arm take to move as commanded without turning, beyond a point mass.
-
-        Returns:
-            (3,) m/s^2, force over mass beyond what u_v can be had of and gravity, in
-            the world, and (3,) N m, torque in the base frame.
-        """
+    def _effort(self, context: Context, state: np.ndarray, a_B: np.ndarray) -> np.ndarray:
+        """(6,) or more: what it takes to give the base a_B and no angular acceleration."""
         if self._whole_body is None:
-            omega = state.R_B.T @ state.omega_W
-            return np.zeros(3), VectorToSkewSymmetric(omega) @ self._vehicle.inertia @ omega
-        a_B = self._attainable(u_v)
-        q_d, qdot_d, qddot_d = self._joint_setpoint.Eval(context).reshape(3, -1)
-        # The commanded arm, since the measured one is noisier than its lag is long.
-        effort = self._whole_body.effort(replace(state, q=q_d, qdot=qdot_d), a_B, qddot_d)
-        return effort.force / self._vehicle.mass - a_B - GRAVITY * UP, effort.torque
-
-    def _calc_specific_thrust(self, context: Context, output: BasicVector) -> None:
-        thrust = context.get_discrete_state(self._x_thrust).value()
-        output.SetFromVector([thrust.sum() / self._vehicle.mass])
-
-    def _calc_disturbance(self, context: Context, output: BasicVector) -> None:
-        h = context.get_discrete_state(self._x_position).value()[-3:]
-        reaction = context.get_discrete_state(self._x_reaction).value()
-        h_omega = context.get_discrete_state(self._x_attitude).value()[-3:]
-        output.SetFromVector(np.concatenate([h - reaction, h_omega]))
+            return rigid_body_effort(self._inner.mass, self._inner.inertia, state, a_B)
+        return self._whole_body.effort(
+            *commanded_motion(state, self._joint_setpoint.Eval(context), a_B)
+        )

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from aerodrake.model.eso import ExtendedStateObserver
+from aerodrake.model.eso import ExtendedStateObserver, observe
 
 CASES = [(order, w, dt) for order in (1, 2) for w in (3.0, 15.0, 80.0) for dt in (0.005, 0.02)]
 
@@ -25,7 +25,7 @@ def chain(order: int, dt: float, start: np.ndarray, u: np.ndarray, h: np.ndarray
 
 @pytest.mark.parametrize(("order", "w", "dt"), CASES)
 def test_poles(order, w, dt):
-    eso = ExtendedStateObserver(order, w, dt)
+    eso = ExtendedStateObserver.make(order, w, dt)
     # error+ = (I - L C) A error, since the sample corrects the prediction.
     correct = np.eye(order + 1) - np.outer(eso.L, np.eye(order + 1)[0])
     poles = np.linalg.eigvals(correct @ eso.A)
@@ -41,10 +41,10 @@ def test_follows_an_exact_chain_without_bias(order, w, dt):
     rng = np.random.default_rng(0)
     h, u = rng.normal(size=3), rng.normal(size=(50, 3))
     truth = chain(order, dt, rng.normal(size=(order, 3)), u, h)
-    eso = ExtendedStateObserver(order, w, dt)
+    eso = ExtendedStateObserver.make(order, w, dt)
     x = np.vstack([truth[0], h])
     for u_k, sample in zip(u, truth[1:], strict=True):
-        x = eso.step(x, u_k, sample[0])
+        x = observe(eso, x, u_k, sample[0])
         np.testing.assert_allclose(x, np.vstack([sample, h]), atol=1e-9)
 
 
@@ -54,13 +54,13 @@ def test_finds_a_constant_disturbance(order, w, dt):
     h = np.array([2.0, -1.0, 0.5])
     u = rng.normal(size=(round(25 / (w * dt)), 3))
     truth = chain(order, dt, np.zeros((order, 3)), u, h)
-    eso = ExtendedStateObserver(order, w, dt)
+    eso = ExtendedStateObserver.make(order, w, dt)
     x = np.zeros((order + 1, 3))
     for k, u_k in enumerate(u):
-        x = eso.step(x, u_k, truth[k + 1, 0])
+        x = observe(eso, x, u_k, truth[k + 1, 0])
     np.testing.assert_allclose(x, np.vstack([truth[-1], h]), atol=1e-4)
 
 
 def test_other_orders_are_refused():
     with pytest.raises(ValueError, match="order"):
-        ExtendedStateObserver(3, 1.0, 0.01)
+        ExtendedStateObserver.make(3, 1.0, 0.01)

@@ -11,6 +11,8 @@ from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from aerodrake.model.flight_law import (
+    AttitudeGains,
+    PositionGains,
     attitude_error,
     attitude_law,
     desired_attitude,
@@ -65,10 +67,12 @@ def test_desired_thrust(u_v, max_tilt):
 
 def test_position_law_makes_the_error_linear():
     """Under p'' = u_v + h the error obeys e''' = -k_v e'' - k_p e' - k_i e for any p_d."""
-    gains = Flight(
-        position_gain=(9.0, 25.0, 4.0),
-        velocity_gain=(5.0, 10.0, 4.0),
-        integral_gain=(1.0, 2.0, 0.5),
+    gains = PositionGains.make(
+        Flight(
+            position_gain=(9.0, 25.0, 4.0),
+            velocity_gain=(5.0, 10.0, 4.0),
+            integral_gain=(1.0, 2.0, 0.5),
+        )
     )
     h = np.array([1.0, -2.0, 0.5])
     amplitude = np.array([0.3, -0.2, 0.1])
@@ -83,9 +87,7 @@ def test_position_law_makes_the_error_linear():
     start = np.concatenate([e_0, amplitude + edot_0, np.zeros(3)])
     end = solve_ivp(slope, (0, 2), start, rtol=1e-10, atol=1e-12).y[:, -1].reshape(3, 3)
     for i in range(3):
-        k_p, k_v, k_i = (
-            getattr(gains, f"{name}_gain")[i] for name in ("position", "velocity", "integral")
-        )
+        k_p, k_v, k_i = (gain[i] for gain in gains)
         error = expm(2 * np.array([[0, 1, 0], [-k_p, -k_v, -k_i], [1, 0, 0]])) @ [
             e_0[i],
             edot_0[i],
@@ -98,7 +100,7 @@ def test_position_law_makes_the_error_linear():
 @pytest.mark.parametrize("seed", range(3))
 def test_attitude_law_turns_the_base_upright(seed):
     """omega' = u_omega + h_omega brings any attitude within 120 degrees to the desired one."""
-    gains, h = Flight(), np.array([3.0, -2.0, 1.0])
+    gains, h = AttitudeGains.make(Flight()), np.array([3.0, -2.0, 1.0])
     R_d = random_rotation(seed).matrix()
     axis = np.random.default_rng(seed).normal(size=3)
     start = Rotation.from_matrix(R_d) * Rotation.from_rotvec(2.1 * axis / np.linalg.norm(axis))

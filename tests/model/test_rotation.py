@@ -14,7 +14,9 @@ from aerodrake.model.rotation import (
     roll_pitch_yaw,
     rotation_matrix,
     rotation_vector,
+    turn,
     turned,
+    vee,
 )
 
 numbers = st.floats(-1, 1)
@@ -78,6 +80,20 @@ def test_small_rotation_vectors_keep_their_digits():
     level = np.array([1.0, 0.0, 0.0, 0.0])
     np.testing.assert_allclose(rotation_vector(turned(level, v)), v, rtol=1e-12)
     np.testing.assert_array_equal(rotation_vector(-level), np.zeros(3))
+
+
+@given(quaternions)
+def test_vee_is_drakes_axis_by_the_sine(q):
+    turn_of = drakes(q).ToAngleAxis()
+    expected = turn_of.axis() * np.sin(turn_of.angle())
+    np.testing.assert_allclose(vee(drakes(q).matrix()), expected, atol=1e-12)
+
+
+@given(vectors, st.sampled_from([0.0, 1e-14, 1e-9, 1e-3, 1.0, 1.5]))
+def test_turn_is_the_vector_that_scipy_turned_by(v, length):
+    """Up to 1.5 sqrt(3) rad."""
+    v = v * length
+    np.testing.assert_allclose(turn(Rotation.from_rotvec(v).as_matrix()), v, atol=1e-14)
 
 
 @given(vectors, vectors)

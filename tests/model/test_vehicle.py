@@ -12,7 +12,7 @@ from pydrake.multibody.tree import RevoluteJoint
 
 import aerodrake.model.vehicle as module
 from aerodrake.errors import BadInput
-from aerodrake.model.thrust_allocation import ThrustAllocation
+from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle import BASE_FRAME, TOOL_FRAME, Vehicle, add_robot
 from aerodrake.scenario import Rotor, Scenario
 
@@ -119,7 +119,7 @@ def test_trim_is_an_equilibrium(scenario, vehicle):
     plant = floating_plant(scenario.vehicle.robot)
     context = plant.CreateDefaultContext()
     plant.SetPositionsAndVelocities(context, vehicle.trim_state)
-    thrust = ThrustAllocation.make(vehicle, Rotor()).allocate(vehicle.trim_wrench)
+    thrust = allocate(ThrustAllocation.make(vehicle, Rotor()), vehicle.trim_wrench)
     forces = []
     for p, spin, f in zip(vehicle.rotors.p_B, vehicle.rotors.spin, thrust, strict=True):
         force = ExternallyAppliedSpatialForce()

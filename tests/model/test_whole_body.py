@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from aerodrake.model.vehicle import BASE_FRAME, add_robot
 from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.model.whole_body import WholeBody
+from aerodrake.model.whole_body import WholeBody, commanded_motion, rigid_body_effort
 
 G = 9.81
 
@@ -30,6 +30,15 @@ def plant(vehicle) -> MultibodyPlant:
     add_robot(plant, vehicle.robot)
     plant.Finalize()
     return plant
+
+
+def effort_of(whole_body, state: VehicleState, a_B, qddot) -> tuple[np.ndarray, ...]:
+    """Force (3,) and torque (3,) on the base, in the world, and joint torques (n,).
+
+    Without angular acceleration of the base.
+    """
+    effort = whole_body.effort(state.to_vector(), np.concatenate([np.zeros(3), a_B, qddot]))
+    return effort[3:6], effort[:3], effort[6:]
 
 
 def still(vehicle) -> VehicleState:
@@ -52,23 +61,23 @@ def centre_of_mass(plant, state: VehicleState) -> np.ndarray:
 
 
 def test_hovering_takes_the_trim(whole_body, vehicle):
-    effort = whole_body.effort(still(vehicle), np.zeros(3), np.zeros(vehicle.joints))
-    np.testing.assert_allclose(effort.force, [0, 0, vehicle.mass * G], atol=1e-9)
-    np.testing.assert_allclose(effort.torque, vehicle.trim_wrench[1:], atol=1e-9)
-    np.testing.assert_allclose(effort.joint_torque, vehicle.trim_torque, atol=1e-9)
+    force, torque, joint_torque = effort_of(
+        whole_body, still(vehicle), np.zeros(3), np.zeros(vehicle.joints)
+    )
+    np.testing.assert_allclose(force, [0, 0, vehicle.mass * G], atol=1e-9)
+    np.testing.assert_allclose(torque, vehicle.trim_wrench[1:], atol=1e-9)
+    np.testing.assert_allclose(joint_torque, vehicle.trim_torque, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_still_arm_is_a_point_mass_where_its_centre_of_mass_is(whole_body, plant, vehicle, seed):
-    """At any attitude: m (a + g), and its moment about the base's origin, in the base frame."""
+    """At any attitude: m (a + g), and its moment about the base's origin."""
     state = replace(moving(vehicle, seed, scale=0.0), p_B=np.array([1.0, 2, 3]))
     a_B = np.random.default_rng(seed).normal(size=3)
-    effort = whole_body.effort(state, a_B, np.zeros(vehicle.joints))
-    force = vehicle.mass * (a_B + [0, 0, G])
-    np.testing.assert_allclose(effort.force, force, atol=1e-9)
-    moment = np.cross(centre_of_mass(plant, state), force)
-    np.testing.assert_allclose(effort.torque, state.R_B.T @ moment, atol=1e-9)
-    assert np.linalg.norm(effort.torque) > 0.1
+    force, torque, _ = effort_of(whole_body, state, a_B, np.zeros(vehicle.joints))
+    np.testing.assert_allclose(force, vehicle.mass * (a_B + [0, 0, G]), atol=1e-9)
+    np.testing.assert_allclose(torque, np.cross(centre_of_mass(plant, state), force), atol=1e-9)
+    assert np.linalg.norm(torque) > 0.1
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -80,7 +89,7 @@ def test_force_is_the_change_of_momentum_and_gravity(whole_body, plant, vehicle,
     state, rng = moving(vehicle, seed), np.random.default_rng(seed + 10)
     state.omega_W[:] = state.v_B[:] = 0.0
     qddot = rng.normal(size=vehicle.joints)
-    effort = whole_body.effort(state, np.zeros(3), qddot)
+    force, torque, _ = effort_of(whole_body, state, np.zeros(3), qddot)
 
     def momenta(t: float) -> np.ndarray:
         """(6,) angular about the base's origin and linear, in the world."""
@@ -94,9 +103,9 @@ def test_force_is_the_change_of_momentum_and_gravity(whole_body, plant, vehicle,
     h = 1e-5
     angular, linear = np.split((momenta(h) - momenta(-h)) / (2 * h), 2)
     weight = np.array([0, 0, vehicle.mass * G])
-    np.testing.assert_allclose(effort.force, linear + weight, rtol=1e-7, atol=1e-6)
+    np.testing.assert_allclose(force, linear + weight, rtol=1e-7, atol=1e-6)
     moment = angular + np.cross(centre_of_mass(plant, state), weight)
-    np.testing.assert_allclose(effort.torque, state.R_B.T @ moment, rtol=1e-7, atol=1e-6)
+    np.testing.assert_allclose(torque, moment, rtol=1e-7, atol=1e-6)
 
 
 def accelerations(plant, state: VehicleState, force, torque_W, joint_torque) -> np.ndarray:
@@ -122,8 +131,7 @@ def test_forward_dynamics_under_the_effort_are_the_accelerations_asked_for(
     """M v' + C v - tau_g there and back, also with a base that turns; it keeps its rate."""
     state, rng = moving(vehicle, seed), np.random.default_rng(seed + 20)
     a_B, qddot = rng.normal(size=3), rng.normal(size=vehicle.joints)
-    effort = whole_body.effort(state, a_B, qddot)
-    vdot = accelerations(plant, state, effort.force, state.R_B @ effort.torque, effort.joint_torque)
+    vdot = accelerations(plant, state, *effort_of(whole_body, state, a_B, qddot))
     np.testing.assert_allclose(vdot, [0, 0, 0, *a_B, *qddot], atol=1e-7)
 
 
@@ -132,7 +140,7 @@ def test_power_of_the_effort_is_that_of_the_energy(whole_body, plant, vehicle, s
     """And of what the joints' damping takes."""
     state, rng = moving(vehicle, seed), np.random.default_rng(seed + 30)
     a_B, qddot = rng.normal(size=3), rng.normal(size=vehicle.joints)
-    effort = whole_body.effort(state, a_B, qddot)
+    force, torque, joint_torque = effort_of(whole_body, state, a_B, qddot)
 
     def energy(t: float) -> float:
         """J, with the base at a constant rate."""
@@ -154,11 +162,7 @@ def test_power_of_the_effort_is_that_of_the_energy(whole_body, plant, vehicle, s
         return v @ plant.CalcMassMatrix(context) @ v / 2 + plant.CalcPotentialEnergy(context)
 
     h = 1e-5
-    power = (
-        effort.force @ state.v_B
-        + (state.R_B @ effort.torque) @ state.omega_W
-        + effort.joint_torque @ state.qdot
-    )
+    power = force @ state.v_B + torque @ state.omega_W + joint_torque @ state.qdot
     joints = (plant.get_joint(i) for i in plant.GetJointIndices())
     damping = np.array(
         [
@@ -174,8 +178,38 @@ def test_power_of_the_effort_is_that_of_the_energy(whole_body, plant, vehicle, s
 def test_one_call_leaves_nothing_for_the_next(whole_body, vehicle):
     first, other = (moving(vehicle, seed) for seed in (0, 1))
     a_B, qddot = np.ones(3), np.ones(vehicle.joints)
-    before = whole_body.effort(first, a_B, qddot)
-    whole_body.effort(other, -a_B, qddot)
-    again = whole_body.effort(first, a_B, qddot)
-    np.testing.assert_array_equal(before.force, again.force)
-    np.testing.assert_array_equal(before.joint_torque, again.joint_torque)
+    before = effort_of(whole_body, first, a_B, qddot)
+    effort_of(whole_body, other, -a_B, qddot)
+    again = effort_of(whole_body, first, a_B, qddot)
+    np.testing.assert_array_equal(np.concatenate(before), np.concatenate(again))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_commanded_motion_has_the_base_as_measured_and_the_arm_as_commanded(vehicle, seed):
+    state, n = moving(vehicle, seed), vehicle.joints
+    q_d, qdot_d, qddot_d = np.random.default_rng(seed).normal(size=(3, n))
+    x, vdot = commanded_motion(
+        state.to_vector(), np.concatenate([q_d, qdot_d, qddot_d]), np.array([1.0, 2.0, 3.0])
+    )
+    found = VehicleState.from_vector(x)
+    for part in ("quaternion", "p_B", "omega_W", "v_B"):
+        np.testing.assert_array_equal(getattr(found, part), getattr(state, part))
+    np.testing.assert_array_equal(found.q, q_d)
+    np.testing.assert_array_equal(found.qdot, qdot_d)
+    np.testing.assert_array_equal(vdot, [0, 0, 0, 1, 2, 3, *qddot_d])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rigid_body_effort_is_the_change_of_momentum_and_weight(vehicle, seed):
+    """Angular momentum R J omega of a body that turns at a constant rate, by differences."""
+    state, a_B = moving(vehicle, seed), np.array([1.0, -2.0, 3.0])
+    effort = rigid_body_effort(vehicle.mass, vehicle.inertia, state.to_vector(), a_B)
+    np.testing.assert_allclose(effort[3:], vehicle.mass * (a_B + [0, 0, G]), rtol=1e-12)
+
+    def angular_momentum(t: float) -> np.ndarray:
+        R = Rotation.from_rotvec(t * state.omega_W).as_matrix() @ state.R_B
+        return R @ vehicle.inertia @ R.T @ state.omega_W
+
+    h = 1e-5
+    rate = (angular_momentum(h) - angular_momentum(-h)) / (2 * h)
+    np.testing.assert_allclose(effort[:3], rate, atol=1e-8)
