@@ -70,7 +70,7 @@ def make_sensors(
     filtered = builder.AddNamedSystem(
         "state_filter",
         StateFilterSystem(
-            StateFilter(state_filter, period),
+            StateFilter.make(state_filter, period),
             state_filter.kind == "none" or is_exact_now,
             joints,
             period,

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from aerodrake.compiled import compiled
 from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.vehicle_state import parts
 from aerodrake.scenario import Arm
 
 
-@dataclass(frozen=True)
-class JointPid:
+class JointPid(NamedTuple):
     """torque = k_p e + k_d e' + integral, within limits, without windup.
 
     Attributes:
@@ -35,20 +36,38 @@ class JointPid:
         k_d = vehicle.joint_inertia * 2 * arm.damping * arm.bandwidth_rad_s
         return cls(k_p, k_d, k_p * arm.integral_rad_s, vehicle.effort, dt)
 
-    def torque(self, error: np.ndarray, rate_error: np.ndarray, integral: np.ndarray) -> np.ndarray:
-        """(n,) N m, for errors (n,) rad and rad/s and the integral (n,) N m."""
-        wanted = self.k_p * error + self.k_d * rate_error + integral
-        return np.clip(wanted, -self.effort, self.effort)
 
-    def integrate(
-        self, error: np.ndarray, rate_error: np.ndarray, integral: np.ndarray
-    ) -> np.ndarray:
-        """(n,) N m, the integral one period later.
+@compiled
+def control(
+    pid: JointPid, state: np.ndarray, setpoint: np.ndarray, integral: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Torques, and the integral one period later.
 
-        It holds still where the torque is at its limit and the error would
-        drive it further out, and never exceeds the limit by itself.
-        """
-        wanted = self.k_p * error + self.k_d * rate_error + integral
-        winding = (np.abs(wanted) > self.effort) & (wanted * error > 0)
-        moved = integral + np.where(winding, 0.0, self.k_i * error * self.dt)
-        return np.clip(moved, -self.effort, self.effort)
+    The integral holds still where the torque is at its limit and the error would
+    drive it further out, and never exceeds the limit by itself.
+
+    Args:
+        pid: Gains and limits.
+        state: (13 + 2 n,) measured, as `VehicleState` has it.
+        setpoint: (3 n,) q_d, q_d', q_d''; a PID has no use for q_d''.
+        integral: (n,) N m.
+
+    Returns:
+        (n,) N m each.
+    """
+    _, _, q, _, _, qdot = parts(state)
+    n = len(q)
+    torque, moved = np.empty(n), np.empty(n)
+    for i in range(n):
+        error, rate_error = setpoint[i] - q[i], setpoint[n + i] - qdot[i]
+        wanted = pid.k_p[i] * error + pid.k_d[i] * rate_error + integral[i]
+        torque[i] = _clipped(wanted, pid.effort[i])
+        winding = abs(wanted) > pid.effort[i] and wanted * error > 0
+        step = 0.0 if winding else pid.k_i[i] * error * pid.dt
+        moved[i] = _clipped(integral[i] + step, pid.effort[i])
+    return torque, moved
+
+
+@compiled
+def _clipped(value: float, limit: float) -> float:
+    return np.minimum(np.maximum(value, -limit), limit)

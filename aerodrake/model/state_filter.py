@@ -2,44 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
-from pydrake.common.eigen_geometry import AngleAxis, Quaternion
 from scipy.linalg import solve_discrete_are
 
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.compiled import compiled
+from aerodrake.model.rotation import (
+    apply,
+    conjugate,
+    product,
+    rotation_matrix,
+    rotation_vector,
+    turned,
+)
+from aerodrake.model.vehicle_state import parts
 from aerodrake.scenario import Filter
 
 JOINT_WALK_RAD = 1e-4
 """Standard deviation, per sample, of what the measured joint rates miss of the joints' motion."""
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """Where the vehicle is believed to be.
-
-    Attributes:
-        state: As measured it would be.
-        d: (3,) m/s^2, acceleration of the base beyond the modelled one, in the world.
-        delta: (3,) rad/s^2, the same of its rotation, in the base frame.
-    """
-
-    state: VehicleState
-    d: np.ndarray
-    delta: np.ndarray
-
-    def to_vector(self) -> np.ndarray:
-        """(19 + 2 n,) [d, delta, state]."""
-        return np.concatenate([self.d, self.delta, self.state.to_vector()])
-
-    @classmethod
-    def from_vector(cls, x: np.ndarray) -> Estimate:
-        """The reverse of `to_vector`."""
-        return cls(VehicleState.from_vector(x[6:]), x[:3], x[3:6])
-
-
-class StateFilter:
+class StateFilter(NamedTuple):
     """Steady-state Kalman filters of the base's motion, of its rotation, and of the joints.
 
     Motion along each axis is the chain p' = v, v' = a + d, d' = noise, of which
@@ -51,76 +35,137 @@ class StateFilter:
     Base samples that are late are met with the estimate of their own time, from
     which the modelled accelerations since then lead to the present.
 
-    Args:
-        config: Noise of samples and disturbances, and lateness.
+    An estimate is a vector (19 + 2 n,), [d, delta, x]: d, m/s^2, is the acceleration of
+    the base beyond the modelled one, in the world; delta, rad/s^2, the same of its
+    rotation, in the base frame; x what would be measured, as `VehicleState` has it.
+
+    Attributes:
+        motion: (3, 2) gains of [p, v, d] for [p, v] as measured.
+        rotation: (3, 2) likewise of [attitude, rate, delta].
+        joint: Gain of a joint's angle.
+        steps: How many samples late the base's are.
         dt: s, between samples.
     """
 
-    def __init__(self, config: Filter, dt: float):
-        self.steps = round(config.delay_s / dt)
-        """How many samples late the base's are."""
-        self._dt = dt
-        self._motion = _chain_gain(
-            config.position_noise_m, config.velocity_noise_m_s, config.disturbance_m_s3, dt
-        )
-        self._rotation = _chain_gain(
-            config.attitude_noise_rad, config.rate_noise_rad_s, config.disturbance_rad_s3, dt
-        )
+    motion: np.ndarray
+    rotation: np.ndarray
+    joint: float
+    steps: int
+    dt: float
+
+    @classmethod
+    def make(cls, config: Filter, dt: float) -> StateFilter:
+        """For noise of samples and disturbances, and lateness, of the scenario."""
         r, q = config.joint_noise_rad**2, JOINT_WALK_RAD**2
         P = (q + np.sqrt(q**2 + 4 * q * r)) / 2
-        self._joint = P / (P + r)
-
-    def correct(self, predicted: Estimate, sample: VehicleState) -> Estimate:
-        """The estimate at a sample's own time, from the one predicted for it."""
-        x, L, M = predicted.state, self._motion, self._rotation
-        p, v = sample.p_B - x.p_B, sample.v_B - x.v_B
-        R = x.R_B
-        turn = AngleAxis(R.T @ sample.R_B)
-        theta = turn.axis() * turn.angle()
-        omega = R.T @ (sample.omega_W - x.omega_W)
-        correction = M @ np.stack([theta, omega])
-        turned = _turned(x.quaternion, correction[0])
-        state = replace(
-            x,
-            quaternion=turned,
-            p_B=x.p_B + L[0] @ [p, v],
-            v_B=x.v_B + L[1] @ [p, v],
-            omega_W=x.omega_W + R @ correction[1],
+        return cls(
+            motion=_chain_gain(
+                config.position_noise_m, config.velocity_noise_m_s, config.disturbance_m_s3, dt
+            ),
+            rotation=_chain_gain(
+                config.attitude_noise_rad, config.rate_noise_rad_s, config.disturbance_rad_s3, dt
+            ),
+            joint=float(P / (P + r)),
+            steps=round(config.delay_s / dt),
+            dt=dt,
         )
-        return Estimate(state, predicted.d + L[2] @ [p, v], predicted.delta + correction[2])
 
-    def follow(self, now: Estimate, acceleration: np.ndarray) -> Estimate:
-        """The estimate of the base one sample later.
 
-        Args:
-            now: Its joints are left as they are.
-            acceleration: (6,) m/s^2 in the world and rad/s^2 in the base frame,
-                modelled, held until then.
-        """
-        x, dt = now.state, self._dt
-        a, R = acceleration[:3] + now.d, x.R_B
-        omega = R.T @ x.omega_W
-        alpha = acceleration[3:] + now.delta
-        turned = _turned(x.quaternion, dt * omega + dt**2 / 2 * alpha)
-        rotated = replace(x, quaternion=turned)
-        state = replace(
-            rotated,
-            p_B=x.p_B + dt * x.v_B + dt**2 / 2 * a,
-            v_B=x.v_B + dt * a,
-            omega_W=rotated.R_B @ (omega + dt * alpha),
-        )
-        return Estimate(state, now.d, now.delta)
+@compiled
+def update(
+    gains: StateFilter, memory: np.ndarray, acceleration: np.ndarray, sample: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Takes in a sample.
 
-    def joints(self, q: np.ndarray, rate: np.ndarray, sample: VehicleState) -> np.ndarray:
-        """(n,) rad, joint angles at a sample, which is never late.
+    One that is not finite corrects nothing: the base goes on as modelled, and the
+    arm stays where it was.
 
-        Args:
-            q: (n,) rad, the estimate at the sample before.
-            rate: (n,) rad/s, measured then.
-            sample: Measured now.
-        """
-        predicted = q + self._dt / 2 * (rate + sample.qdot)
-        return predicted + self._joint * (sample.q - predicted)
+    Args:
+        gains: And lateness.
+        memory: (19 + 2 n + 6 steps,) the last one: estimate of the base at its last
+            sample and of the joints, and the accelerations from then on.
+        acceleration: (6,) modelled, since the sample before this one, as in `follow`.
+        sample: (13 + 2 n,) of the base, late, and of the joints.
+
+    Returns:
+        The memory now, and the estimate (19 + 2 n,) as of now.
+    """
+    size = 6 + len(sample)
+    now = follow(gains, memory[:size], memory[size:] if gains.steps else acceleration)
+    if np.all(np.isfinite(sample)):
+        now = correct(gains, now, sample)
+    else:
+        parts(now[6:])[-1][:] = 0.0
+    found = np.empty(len(memory))
+    found[:size] = now
+    if gains.steps:
+        found[size:-6] = memory[size + 6 :]
+        found[-6:] = acceleration
+        for k in range(size, len(found), 6):
+            now = follow(gains, now, found[k : k + 6])
+    return found, now
+
+
+@compiled
+def follow(gains: StateFilter, estimate: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    """The estimate (19 + 2 n,) one sample later, joints left as they are.
+
+    Args:
+        gains: Of which dt.
+        estimate: (19 + 2 n,)
+        acceleration: (6,) m/s^2 in the world and rad/s^2 in the base frame,
+            modelled, held until then.
+    """
+    dt, later = gains.dt, estimate.copy()
+    d, delta = estimate[:3], estimate[3:6]
+    quaternion, p_B, _, omega_W, v_B, _ = parts(later[6:])
+    turn, omega = np.empty(3), apply(rotation_matrix(quaternion).T, omega_W)
+    for i in range(3):
+        a, alpha = acceleration[i] + d[i], acceleration[3 + i] + delta[i]
+        p_B[i] += dt * v_B[i] + dt**2 / 2 * a
+        v_B[i] += dt * a
+        turn[i] = dt * omega[i] + dt**2 / 2 * alpha
+        omega[i] += dt * alpha
+    quaternion[:] = turned(quaternion, turn)
+    omega_W[:] = apply(rotation_matrix(quaternion), omega)
+    return later
+
+
+@compiled
+def correct(gains: StateFilter, predicted: np.ndarray, sample: np.ndarray) -> np.ndarray:
+    """The estimate (19 + 2 n,) at a sample's own time.
+
+    Args:
+        gains: Of all.
+        predicted: (19 + 2 n,) for the base at that time; its joints are still those
+            of the sample before, and move at the mean of both measured rates.
+        sample: (13 + 2 n,)
+    """
+    found = predicted.copy()
+    d, delta = found[:3], found[3:6]
+    quaternion, p_B, q, omega_W, v_B, qdot = parts(found[6:])
+    quaternion_m, p_m, q_m, omega_m, v_m, qdot_m = parts(sample)
+
+    R = rotation_matrix(quaternion)
+    turn = rotation_vector(product(conjugate(quaternion), quaternion_m))
+    omega, omega_m = apply(R.T, omega_W), apply(R.T, omega_m)
+    L, M = gains.motion, gains.rotation
+    for i in range(3):
+        p, v = p_m[i] - p_B[i], v_m[i] - v_B[i]
+        p_B[i] += L[0, 0] * p + L[0, 1] * v
+        v_B[i] += L[1, 0] * p + L[1, 1] * v
+        d[i] += L[2, 0] * p + L[2, 1] * v
+        theta, rate = turn[i], omega_m[i] - omega[i]
+        turn[i] = M[0, 0] * theta + M[0, 1] * rate
+        omega[i] += M[1, 0] * theta + M[1, 1] * rate
+        delta[i] += M[2, 0] * theta + M[2, 1] * rate
+    quaternion[:] = turned(quaternion, turn)
+    omega_W[:] = apply(R, omega)
+    for i in range(len(q)):
+        q[i] += gains.dt / 2 * (qdot[i] + qdot_m[i])
+        q[i] += gains.joint * (q_m[i] - q[i])
+        qdot[i] = qdot_m[i]
+    return found
 
 
 def _chain_gain(value: float, rate: float, walk: float, dt: float) -> np.ndarray:
@@ -138,11 +183,3 @@ def _chain_gain(value: float, rate: float, walk: float, dt: float) -> np.ndarray
     R = np.diag(np.square([value, rate]))
     P = solve_discrete_are(F.T, H.T, np.outer(G, G), R)
     return P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
-
-
-def _turned(quaternion: np.ndarray, by: np.ndarray) -> np.ndarray:
-    """(4,) the attitude turned by a rotation vector (3,) in its own frame."""
-    angle = np.linalg.norm(by)
-    axis = by / angle if angle > 1e-12 else np.array([1.0, 0.0, 0.0])
-    unit = quaternion / np.linalg.norm(quaternion)
-    return Quaternion(unit).multiply(AngleAxis(angle, axis).quaternion()).wxyz()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.joint_pid import JointPid
+from aerodrake.model.joint_pid import JointPid, control
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import VehicleState
 
@@ -41,9 +41,11 @@ class ArmController(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(pid.dt, offset, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        state = VehicleState.from_vector(self._state.Eval(context))
-        q_d, qdot_d, _ = self._setpoint.Eval(context).reshape(3, -1)
-        error, rate_error = q_d - state.q, qdot_d - state.qdot
-        integral = context.get_discrete_state(self._x_integral).value()
-        discrete.set_value(self._x_torque, self._pid.torque(error, rate_error, integral))
-        discrete.set_value(self._x_integral, self._pid.integrate(error, rate_error, integral))
+        torque, integral = control(
+            self._pid,
+            self._state.Eval(context),
+            self._setpoint.Eval(context),
+            discrete.value(self._x_integral),  # As in the context: an update begins with it.
+        )
+        discrete.set_value(self._x_torque, torque)
+        discrete.set_value(self._x_integral, integral)

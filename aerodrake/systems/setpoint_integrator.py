@@ -12,7 +12,7 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
-from aerodrake.model.setpoint import SetpointLimits, integrate
+from aerodrake.model.setpoint import SetpointLimits, evaluate, segment
 
 
 class SetpointIntegrator(LeafSystem):
@@ -23,8 +23,8 @@ class SetpointIntegrator(LeafSystem):
         out `base_setpoint` (9): p_d, v_d, a_d.
         out `joint_setpoint` (3 n): q_d, q_d', q_d''.
     State:
-        `position` and `velocity` (3 + n) of the setpoints, and time, at the
-        last tick.
+        positions and velocities (3 + n each) of the setpoints at the last tick,
+        and its time.
     Rate:
         `period`; between ticks the outputs are the exact polynomials in time.
 
@@ -38,35 +38,31 @@ class SetpointIntegrator(LeafSystem):
         super().__init__()
         self._limits = limits
         self._period = period
-        m = len(position)
+        m = self._axes = len(position)
         self._u = self.DeclareVectorInputPort("u", m)
-        self._x_position = self.DeclareDiscreteState(position)
-        self._x_velocity = self.DeclareDiscreteState(np.zeros(m))
-        self._x_time = self.DeclareDiscreteState(np.zeros(1))
-        # One evaluation serves both ports and the update.
-        self._now = self.DeclareCacheEntry(
-            "setpoint", ValueProducer(lambda: Value(object()), self._calc_setpoint)
+        self.DeclareDiscreteState(np.concatenate([position, np.zeros(m + 1)]))
+        # Does not change with time: between ticks only polynomials are evaluated.
+        self._segment = self.DeclareCacheEntry(
+            "segment",
+            ValueProducer(lambda: Value(object()), self._calc_segment),
+            {self.xd_ticket(), self._u.ticket()},
         )
         self.DeclareVectorOutputPort("base_setpoint", 9, self._calc_base)
         self.DeclareVectorOutputPort("joint_setpoint", 3 * (m - 3), self._calc_joints)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
-    def _calc_setpoint(self, context: Context, setpoint: AbstractValue) -> None:
-        """(3, 3 + n), position, velocity and acceleration."""
-        p = context.get_discrete_state(self._x_position).value()
-        v = context.get_discrete_state(self._x_velocity).value()
-        since = context.get_time() - context.get_discrete_state(self._x_time).value()[0]
-        u = self._limits.admissible(p, v, self._u.Eval(context), self._period)
-        setpoint.set_value(np.stack([*integrate(p, v, u, since), u]))
+    def _calc_segment(self, context: Context, output: AbstractValue) -> None:
+        x = context.get_discrete_state_vector().value()
+        output.set_value(segment(self._limits, x, self._u.Eval(context), self._period))
 
     def _calc_base(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._now.Eval(context)[:, :3].ravel())
+        output.SetFromVector(evaluate(self._segment.Eval(context), context.get_time(), 0, 3))
 
     def _calc_joints(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._now.Eval(context)[:, 3:].ravel())
+        now = evaluate(self._segment.Eval(context), context.get_time(), 3, self._axes)
+        output.SetFromVector(now)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        p, v, _ = self._now.Eval(context)
-        discrete.set_value(self._x_position, p)
-        discrete.set_value(self._x_velocity, v)
-        discrete.set_value(self._x_time, [context.get_time()])
+        time = context.get_time()
+        now = evaluate(self._segment.Eval(context), time, 0, self._axes)
+        discrete.set_value(np.append(now[: 2 * self._axes], time))

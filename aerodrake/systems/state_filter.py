@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from pydrake.systems.framework import Context, LeafSystem, State
 
-from aerodrake.model.state_filter import Estimate, StateFilter
+from aerodrake.model.state_filter import StateFilter, update
 from aerodrake.model.vehicle_state import VehicleState
 
 
@@ -23,10 +21,9 @@ class StateFilterSystem(LeafSystem):
         out `external_acceleration` (3): m/s^2 in the world, what accelerates the base
             beside thrust and gravity, the arm's reaction included.
     State:
-        `estimate` (19 + 2 n) at the time of the base's last sample; `since`
-        (steps, 6), accelerations from then to now; and what the outputs show.
-        A sample that is not finite corrects nothing: the base goes on as modelled,
-        and the arm stays where it was.
+        `memory` (19 + 2 n + 6 steps): estimate, of the base at the time of its last
+        sample, and accelerations from then to now; and what the outputs show.
+        A sample that is not finite corrects nothing.
     Rate:
         `period`, by an *unrestricted* update: these run before the discrete
         updates of the same instant, so that a controller that ticks together
@@ -56,11 +53,10 @@ class StateFilterSystem(LeafSystem):
         self._sample = self.DeclareVectorInputPort("sample", VehicleState.size(joints))
         self._acceleration = self.DeclareVectorInputPort("acceleration", 6)
         self._reaction = self.DeclareVectorInputPort("reaction", 3)
-        start = Estimate(
-            VehicleState.from_vector(initial), -trim_acceleration[:3], -trim_acceleration[3:]
+        since = np.tile(trim_acceleration, state_filter.steps)
+        self._x_memory = self.DeclareDiscreteState(
+            np.concatenate([-trim_acceleration, initial, since])
         )
-        self._x_estimate = self.DeclareDiscreteState(start.to_vector())
-        self._x_since = self.DeclareDiscreteState(np.tile(trim_acceleration, state_filter.steps))
         self._x_state = self.DeclareDiscreteState(initial)
         self.DeclareStateOutputPort("state", self._x_state)
         self._x_external = self.DeclareDiscreteState(np.zeros(3))
@@ -68,28 +64,14 @@ class StateFilterSystem(LeafSystem):
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def _update(self, context: Context, state: State) -> None:
-        x = self._sample.Eval(context)
-        sample = VehicleState.from_vector(x)
-        old = context.get_discrete_state
-        last = VehicleState.from_vector(old(self._x_state).value())
-        since = old(self._x_since).value().reshape(-1, 6)
-        since = np.vstack([since, self._acceleration.Eval(context)])
-
-        then = Estimate.from_vector(old(self._x_estimate).value())
-        then = self._filter.follow(then, since[0])
-        if np.isfinite(x).all():
-            then = self._filter.correct(then, sample)
-        else:
-            sample = replace(last, qdot=0 * last.qdot)
-        now = then
-        for acceleration in since[1:]:
-            now = self._filter.follow(now, acceleration)
-        q = self._filter.joints(last.q, last.qdot, sample)
-        found = replace(now.state, q=q, qdot=sample.qdot)
-        for group, value in (
-            (self._x_estimate, then.to_vector()),
-            (self._x_since, since[1:].ravel()),
-            (self._x_state, x if self._passes else found.to_vector()),
-            (self._x_external, now.d - self._reaction.Eval(context)),
-        ):
-            state.get_mutable_discrete_state(group).SetFromVector(value)
+        discrete = state.get_mutable_discrete_state()
+        sample = self._sample.Eval(context)
+        memory, now = update(
+            self._filter,
+            discrete.value(self._x_memory),
+            self._acceleration.Eval(context),
+            sample,
+        )
+        discrete.set_value(self._x_memory, memory)
+        discrete.set_value(self._x_state, sample if self._passes else now[6:])
+        discrete.set_value(self._x_external, now[:3] - self._reaction.Eval(context))

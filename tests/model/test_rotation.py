@@ -9,8 +9,11 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 from scipy.spatial.transform import Rotation
 
 from aerodrake.model.rotation import (
+    apply,
+    conjugate,
     cross,
     product,
+    quaternion_of,
     roll_pitch_yaw,
     rotation_matrix,
     rotation_vector,
@@ -47,6 +50,21 @@ def test_roll_pitch_yaw_is_drakes(q):
         )
         turns = (found - RollPitchYaw(R).vector()) / (2 * np.pi)
         np.testing.assert_allclose(turns, np.round(turns), atol=1e-9)
+
+
+@given(vectors, st.sampled_from([1e-9, 1.0, 7.0]))
+def test_quaternion_of_roll_pitch_yaw_is_drakes(rpy, size):
+    found = quaternion_of(size * rpy)
+    assert np.linalg.norm(found) == pytest.approx(1, abs=1e-14)
+    wanted = RollPitchYaw(size * rpy).ToRotationMatrix().matrix()
+    np.testing.assert_allclose(rotation_matrix(found), wanted, atol=1e-14)
+
+
+@given(quaternions)
+def test_conjugate_is_the_rotation_back(q):
+    np.testing.assert_allclose(
+        rotation_matrix(conjugate(q)), drakes(q).inverse().matrix(), atol=1e-14
+    )
 
 
 @given(quaternions, quaternions)
@@ -99,3 +117,10 @@ def test_turn_is_the_vector_that_scipy_turned_by(v, length):
 @given(vectors, vectors)
 def test_cross_is_numpys(a, b):
     np.testing.assert_allclose(cross(a, b), np.cross(a, b), atol=1e-14)
+
+
+@given(vectors, vectors, vectors, vectors)
+def test_apply_is_numpys(a, b, c, v):
+    R = np.array([a, b, c])
+    np.testing.assert_allclose(apply(R, v), R @ v, atol=1e-14)
+    np.testing.assert_allclose(apply(R.T, v), R.T @ v, atol=1e-14)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
-from aerodrake.model.setpoint import SetpointLimits, integrate
+from aerodrake.model.setpoint import SetpointLimits, admissible, evaluate, integrate, segment
 from aerodrake.scenario import Mpc
 
 DT = 0.02
@@ -22,7 +23,7 @@ def assert_within_limits(p, v, commands):
     """Flies the commands and looks at ends of ticks and, since both are polynomials, inside."""
     ticks = []
     for wanted in commands:
-        u = LIMITS.admissible(p, v, wanted, DT)
+        u = admissible(LIMITS, p, v, wanted, DT)
         ticks.append((p, v, u))
         p, v = integrate(p, v, u, DT)
     p, v, u = np.array(ticks).transpose(1, 0, 2)
@@ -50,6 +51,25 @@ def test_integrates_polynomials_exactly():
     assert at[0] == pytest.approx(p(v)) and speed[0] == pytest.approx(p.deriv()(v))
 
 
+@given(
+    arrays(float, (2, 3), elements=st.floats(-0.1, 0.1)),
+    arrays(float, 3, elements=st.floats(-30, 30)),
+    st.floats(0, 1),
+)
+def test_a_segment_is_a_parabola_on_each_axis(start, u, share):
+    """From the tick on, with the acceleration that is admissible there."""
+    p, v = start
+    tick = 7.0
+    found = segment(LIMITS, np.array([*p, *v, tick]), u, DT)
+    time = tick + share * DT
+    allowed = admissible(LIMITS, p, v, u, DT)
+    paths = [np.polynomial.Polynomial(c) for c in zip(p, v, allowed / 2, strict=True)]
+    expected = np.array([[path.deriv(k)(time - tick) for path in paths] for k in range(3)])
+    for first, end in ((0, 3), (0, 1), (1, 3)):
+        now = evaluate(found, time, first, end).reshape(3, -1)
+        np.testing.assert_allclose(now, expected[:, first:end], atol=1e-13)
+
+
 @given(command_sequences())
 def test_limits_hold_whatever_is_commanded(commands):
     assert_within_limits(np.zeros(3), np.zeros(3), commands)
@@ -73,14 +93,19 @@ def test_what_needs_no_limiting_passes_unchanged(seed):
     p = rng.uniform(-0.05, 0.05, 3)
     v = rng.uniform(-0.3, 0.3, 3)
     u = rng.uniform(-1, 1, 3) * LIMITS.acceleration * 0.99
-    np.testing.assert_array_equal(LIMITS.admissible(p, v, u, DT), u)
+    np.testing.assert_array_equal(admissible(LIMITS, p, v, u, DT), u)
+
+
+def test_what_is_not_a_number_stays_visible():
+    u = admissible(LIMITS, np.zeros(3), np.zeros(3), np.array([np.nan, 99.0, 0.0]), DT)
+    np.testing.assert_array_equal(u, [np.nan, 15.0, 0.0])
 
 
 def test_braking_reaches_rest_as_fast_as_it_can():
     """Asked for rest within a tick, it gives what the acceleration limit lets it."""
     p, v = np.array([0.0, 1.5, 0.0]), np.array([1.0, -3.0, 0.001])
     for _ in range(int(np.ceil(np.max(np.abs(v) / LIMITS.acceleration) / DT))):
-        u = LIMITS.admissible(p, v, -v / DT, DT)
+        u = admissible(LIMITS, p, v, -v / DT, DT)
         assert np.all(np.abs(u) <= LIMITS.acceleration)
         p, slower = integrate(p, v, u, DT)
         expected = np.maximum(np.abs(v) - LIMITS.acceleration * DT, 0)
@@ -92,7 +117,7 @@ def test_braking_reaches_rest_as_fast_as_it_can():
 def test_pushed_against_a_limit_it_comes_to_rest_there():
     p, v, last = np.zeros(3), np.zeros(3), np.full(3, np.nan)
     for _ in range(TICKS):
-        last = LIMITS.admissible(p, v, LIMITS.acceleration, DT)
+        last = admissible(LIMITS, p, v, LIMITS.acceleration, DT)
         p, v = integrate(p, v, last, DT)
     np.testing.assert_allclose(p[1:], LIMITS.upper[1:], atol=1e-6)
     np.testing.assert_allclose(v[1:], 0, atol=1e-6)

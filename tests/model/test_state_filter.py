@@ -12,7 +12,7 @@ from scipy.interpolate import PPoly
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from aerodrake.model.state_filter import JOINT_WALK_RAD, Estimate, StateFilter
+from aerodrake.model.state_filter import JOINT_WALK_RAD, StateFilter, correct, follow, update
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Filter
 
@@ -39,8 +39,13 @@ def rest(**parts: np.ndarray) -> VehicleState:
     return replace(zero, **{"quaternion": np.array([1.0, 0, 0, 0]), **parts})
 
 
-def estimate(d=(0, 0, 0), delta=(0, 0, 0), **parts: np.ndarray) -> Estimate:
-    return Estimate(rest(**parts), np.array(d, dtype=float), np.array(delta, dtype=float))
+def estimate(d=(0, 0, 0), delta=(0, 0, 0), **parts: np.ndarray) -> np.ndarray:
+    """(19 + 2 n,)"""
+    return np.concatenate([d, delta, rest(**parts).to_vector()])
+
+
+def state_of(estimate: np.ndarray) -> VehicleState:
+    return VehicleState.from_vector(estimate[6:])
 
 
 def quaternion(turn: Rotation) -> np.ndarray:
@@ -76,25 +81,27 @@ def riccati(value: float, rate: float, walk: float) -> tuple[np.ndarray, np.ndar
 def test_gains_are_where_the_riccati_recursion_ends(config, axis):
     """By what the filter makes of a unit error, of value or rate, on one axis."""
     e = np.eye(3)[axis]
-    state_filter = StateFilter(config, DT)
+    gains = StateFilter.make(config, DT)
     predicted = estimate()
     L, _, _ = riccati(config.position_noise_m, config.velocity_noise_m_s, config.disturbance_m_s3)
     for k, sample in enumerate([rest(p_B=e), rest(v_B=e)]):
-        found = state_filter.correct(predicted, sample)
+        found = correct(gains, predicted, sample.to_vector())
         expected = np.outer(L[:, k], e)
-        np.testing.assert_allclose([found.state.p_B, found.state.v_B, found.d], expected, rtol=1e-6)
-        np.testing.assert_array_equal(found.delta, 0)
+        np.testing.assert_allclose(
+            [state_of(found).p_B, state_of(found).v_B, found[:3]], expected, rtol=1e-6
+        )
+        np.testing.assert_array_equal(found[3:6], 0)
 
     M, _, _ = riccati(config.attitude_noise_rad, config.rate_noise_rad_s, config.disturbance_rad_s3)
     turned = quaternion(Rotation.from_rotvec(e))
     for k, sample in enumerate([rest(quaternion=turned), rest(omega_W=e)]):
-        found = state_filter.correct(predicted, sample)
-        theta = turn_of(found.state).as_rotvec()
+        found = correct(gains, predicted, sample.to_vector())
+        theta = turn_of(state_of(found)).as_rotvec()
         expected = np.outer(M[:, k], e)
         np.testing.assert_allclose(
-            [theta, found.state.omega_W, found.delta], expected, rtol=1e-6, atol=1e-15
+            [theta, state_of(found).omega_W, found[3:6]], expected, rtol=1e-6, atol=1e-15
         )
-        np.testing.assert_array_equal(found.d, 0)
+        np.testing.assert_array_equal(found[:3], 0)
 
 
 def test_errors_have_the_covariance_that_the_recursion_predicts():
@@ -104,16 +111,16 @@ def test_errors_have_the_covariance_that_the_recursion_predicts():
     _, P, G = riccati(*noise, CONFIG.disturbance_m_s3)
     F = expm(DT * np.eye(3, k=1))
     random = np.random.default_rng(0)
-    state_filter = StateFilter(CONFIG, DT)
+    gains = StateFilter.make(CONFIG, DT)
     x, now = np.zeros((3, 3)), estimate()  # Rows p, v, d.
     errors = []
     for k in range(samples):
         known = np.array([3 * np.sin(0.02 * k), 1.0, -2.0])
         x = F @ x + np.outer([DT**2 / 2, DT, 0], known) + np.outer(G, random.normal(size=3))
         z = x[:2] + np.array(noise)[:, None] * random.normal(size=(2, 3))
-        predicted = state_filter.follow(now, np.append(known, np.zeros(3)))
-        now = state_filter.correct(predicted, rest(p_B=z[0], v_B=z[1]))
-        errors.append(x - [now.state.p_B, now.state.v_B, now.d])
+        predicted = follow(gains, now, np.append(known, np.zeros(3)))
+        now = correct(gains, predicted, rest(p_B=z[0], v_B=z[1]).to_vector())
+        errors.append(x - [state_of(now).p_B, state_of(now).v_B, now[:3]])
     white = np.linalg.solve(np.linalg.cholesky(P), np.hstack(errors[100:]))
     # Some 10 samples hang together: four standard errors of 1100 or so that do not.
     np.testing.assert_allclose(white @ white.T / white.shape[1], np.eye(3), atol=0.17)
@@ -128,20 +135,20 @@ def test_errors_have_the_covariance_that_the_recursion_predicts():
 def test_known_accelerations_make_up_for_lateness_exactly(start, d, held):
     """Against integrals of accelerations that are held."""
     now = estimate(d=d, p_B=start[0], v_B=start[1])
-    state_filter = StateFilter(Filter(), DT)
+    gains = StateFilter.make(Filter(), DT)
     for a in held:
-        now = state_filter.follow(now, np.append(a, np.zeros(3)))
+        now = follow(gains, now, np.append(a, np.zeros(3)))
     times = DT * np.arange(len(held) + 1)
     v = PPoly((held + d)[None], times).antiderivative()
-    np.testing.assert_allclose(now.state.v_B, start[1] + v(times[-1]), atol=1e-12)
+    np.testing.assert_allclose(state_of(now).v_B, start[1] + v(times[-1]), atol=1e-12)
     p = start[0] + start[1] * times[-1] + v.antiderivative()(times[-1])
-    np.testing.assert_allclose(now.state.p_B, p, atol=1e-12)
-    np.testing.assert_array_equal(now.d, d)
+    np.testing.assert_allclose(state_of(now).p_B, p, atol=1e-12)
+    np.testing.assert_array_equal(now[:3], d)
 
 
 @pytest.mark.parametrize(("delay_s", "steps"), [(0.0, 0), (0.01, 1), (0.03, 3), (0.07, 7)])
 def test_lateness_is_counted_in_samples(delay_s, steps):
-    assert StateFilter(Filter(delay_s=delay_s), DT).steps == steps
+    assert StateFilter.make(Filter(delay_s=delay_s), DT).steps == steps
 
 
 @given(attitude=rotation, axis=rotation, motion=arrays(float, 3, elements=st.floats(-30, 30)))
@@ -152,17 +159,17 @@ def test_rotation_about_an_axis_that_stays_is_composed_exactly(attitude, axis, m
     rate, alpha, delta = motion
     R = Rotation.from_quat(attitude, scalar_first=True)
     now = estimate(delta=delta * e, quaternion=attitude, omega_W=R.apply(rate * e))
-    state_filter = StateFilter(Filter(), DT)
+    gains = StateFilter.make(Filter(), DT)
     for _ in range(30):
-        now = state_filter.follow(now, np.append(np.zeros(3), alpha * e))
+        now = follow(gains, now, np.append(np.zeros(3), alpha * e))
     t = 30 * DT
     angle = rate * t + (alpha + delta) * t**2 / 2
     expected = R * Rotation.from_rotvec(angle * e)
-    np.testing.assert_allclose(turn_of(now.state).as_matrix(), expected.as_matrix(), atol=1e-12)
+    np.testing.assert_allclose(turn_of(state_of(now)).as_matrix(), expected.as_matrix(), atol=1e-12)
     omega = expected.apply((rate + (alpha + delta) * t) * e)
-    np.testing.assert_allclose(now.state.omega_W, omega, atol=1e-11)
-    np.testing.assert_allclose(np.linalg.norm(now.state.quaternion), 1, atol=1e-12)
-    np.testing.assert_allclose(now.delta, delta * e)
+    np.testing.assert_allclose(state_of(now).omega_W, omega, atol=1e-11)
+    np.testing.assert_allclose(np.linalg.norm(state_of(now).quaternion), 1, atol=1e-12)
+    np.testing.assert_allclose(now[3:6], delta * e)
 
 
 @given(attitude=rotation, omega=vector, alpha=vector)
@@ -170,7 +177,7 @@ def test_rotation_whose_axis_changes_is_followed_to_third_order(attitude, omega,
     """Rates exactly; attitude up to dt^3 / 12 omega x alpha, against a hundred smaller turns."""
     R = Rotation.from_quat(attitude, scalar_first=True)
     now = estimate(quaternion=attitude, omega_W=R.apply(omega))
-    found = StateFilter(Filter(), DT).follow(now, np.append(np.zeros(3), alpha)).state
+    found = state_of(follow(StateFilter.make(Filter(), DT), now, np.append(np.zeros(3), alpha)))
     np.testing.assert_allclose(found.R_B.T @ found.omega_W, omega + DT * alpha, atol=1e-12)
     turned, steps = R, 100
     for k in range(steps):
@@ -196,26 +203,28 @@ def test_attitude_errors_are_rotations_in_the_base_frame(attitude, turn, omega, 
         quaternion=signs[1] * quaternion(R * Rotation.from_rotvec(turn)),
         omega_W=omega + R.apply(rate_error),
     )
-    found = StateFilter(CONFIG, DT).correct(predicted, sample)
+    found = correct(StateFilter.make(CONFIG, DT), predicted, sample.to_vector())
     theta, rate, delta = M @ np.stack([turn, rate_error])
     expected = R * Rotation.from_rotvec(theta)
-    np.testing.assert_allclose(turn_of(found.state).as_matrix(), expected.as_matrix(), atol=1e-7)
-    np.testing.assert_allclose(found.state.omega_W, omega + R.apply(rate), atol=1e-6)
-    np.testing.assert_allclose(found.delta, delta, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(
+        turn_of(state_of(found)).as_matrix(), expected.as_matrix(), atol=1e-7
+    )
+    np.testing.assert_allclose(state_of(found).omega_W, omega + R.apply(rate), atol=1e-6)
+    np.testing.assert_allclose(found[3:6], delta, rtol=1e-6, atol=1e-6)
 
 
 @given(attitude=rotation, omega=vector, p=vector, v=vector, d=vector, delta=vector)
 def test_a_sample_that_is_as_predicted_changes_nothing(attitude, omega, p, v, d, delta):
     R = Rotation.from_quat(attitude, scalar_first=True)
     predicted = estimate(d, delta, quaternion=quaternion(R), omega_W=omega, p_B=p, v_B=v)
-    found = StateFilter(CONFIG, DT).correct(predicted, predicted.state)
-    np.testing.assert_allclose(found.to_vector(), predicted.to_vector(), atol=1e-12)
+    found = correct(StateFilter.make(CONFIG, DT), predicted, predicted[6:])
+    np.testing.assert_allclose(found, predicted, atol=1e-12)
 
 
 @pytest.mark.parametrize("config", [Filter(), CONFIG])
 def test_a_step_of_the_disturbances_is_followed_without_bias(config):
     d, delta = np.array([1.0, -2.0, 0.5]), np.array([0.0, 0.0, 4.0])
-    state_filter = StateFilter(config, DT)
+    gains = StateFilter.make(config, DT)
     now = estimate()
     for k in range(1, 401):
         t = k * DT
@@ -225,12 +234,12 @@ def test_a_step_of_the_disturbances_is_followed_without_bias(config):
             quaternion=quaternion(Rotation.from_rotvec(delta * t**2 / 2)),
             omega_W=delta * t,
         )
-        now = state_filter.correct(state_filter.follow(now, np.zeros(6)), sample)
-    np.testing.assert_allclose(now.d, d, rtol=1e-6)
-    np.testing.assert_allclose(now.delta, delta, rtol=1e-6, atol=1e-9)
-    np.testing.assert_allclose(now.state.p_B, sample.p_B, rtol=1e-8)
-    np.testing.assert_allclose(now.state.v_B, sample.v_B, rtol=1e-7)
-    np.testing.assert_allclose(turn_of(now.state).as_matrix(), sample.R_B, atol=1e-8)
+        now = correct(gains, follow(gains, now, np.zeros(6)), sample.to_vector())
+    np.testing.assert_allclose(now[:3], d, rtol=1e-6)
+    np.testing.assert_allclose(now[3:6], delta, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(state_of(now).p_B, sample.p_B, rtol=1e-8)
+    np.testing.assert_allclose(state_of(now).v_B, sample.v_B, rtol=1e-7)
+    np.testing.assert_allclose(turn_of(state_of(now)).as_matrix(), sample.R_B, atol=1e-8)
 
 
 def test_joints_follow_their_scalar_kalman_filter():
@@ -242,24 +251,53 @@ def test_joints_follow_their_scalar_kalman_filter():
         K = P / (P + config.joint_noise_rad**2)
         P *= 1 - K
     q, rate, new_rate, measured = np.random.default_rng(1).normal(size=(4, JOINTS))
-    found = StateFilter(config, DT).joints(q, rate, rest(q=measured, qdot=new_rate))
+    sample = rest(q=measured, qdot=new_rate).to_vector()
+    found = correct(StateFilter.make(config, DT), estimate(q=q, qdot=rate), sample)
     predicted = q + DT * (rate + new_rate) / 2
-    np.testing.assert_allclose(found, (1 - K) * predicted + K * measured, rtol=1e-10)
+    np.testing.assert_allclose(state_of(found).q, (1 - K) * predicted + K * measured, rtol=1e-10)
+    np.testing.assert_array_equal(state_of(found).qdot, new_rate)
 
 
 def test_joints_that_speed_up_steadily_are_followed_exactly():
-    state_filter = StateFilter(Filter(), DT)
+    gains = StateFilter.make(Filter(), DT)
     start, speed_up = np.linspace(-1, 1, JOINTS), np.linspace(5, -3, JOINTS)
-    q = start
-    for k in range(50):
-        t = (k + 1) * DT
+    now = estimate(q=start)
+    for k in range(1, 51):
+        t = k * DT
         sample = rest(q=start + speed_up * t**2 / 2, qdot=speed_up * t)
-        q = state_filter.joints(q, speed_up * k * DT, sample)
-    np.testing.assert_allclose(q, sample.q, atol=1e-12)
+        now = correct(gains, follow(gains, now, np.zeros(6)), sample.to_vector())
+    np.testing.assert_allclose(state_of(now).q, sample.q, atol=1e-12)
 
 
-def test_an_estimate_as_a_vector_and_back():
-    x = np.arange(6.0 + VehicleState.size(JOINTS))
-    found = Estimate.from_vector(x)
-    np.testing.assert_array_equal(found.to_vector(), x)
-    np.testing.assert_array_equal([found.d, found.delta], x[:6].reshape(2, 3))
+@pytest.mark.parametrize("steps", [0, 1, 3])
+def test_a_late_sample_corrects_the_estimate_of_its_own_time(steps):
+    """All samples and accelerations at hand, the filter is run from the start each time."""
+    random = np.random.default_rng(2)
+    gains = StateFilter.make(replace(CONFIG, delay_s=steps * DT), DT)
+    rows = 12
+    accelerations = random.normal(size=(rows + steps, 6))
+    samples = random.normal(size=(rows, VehicleState.size(JOINTS)))
+    start = estimate(q=np.ones(JOINTS))
+    memory = np.concatenate([start, *accelerations[:steps]])
+    for k in range(rows):
+        memory, now = update(gains, memory, accelerations[steps + k], samples[k])
+        expected = start
+        for a, sample in zip(accelerations[: k + 1], samples[: k + 1], strict=False):
+            expected = correct(gains, follow(gains, expected, a), sample)
+        for a in accelerations[k + 1 : k + 1 + steps]:
+            expected = follow(gains, expected, a)
+        np.testing.assert_array_equal(now, expected)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+@pytest.mark.parametrize("place", [0, 5, 12, -1])
+def test_a_sample_that_is_not_finite_corrects_nothing(wrong, place):
+    gains = StateFilter.make(CONFIG, DT)
+    a = np.arange(6.0)
+    before = estimate(d=np.ones(3), v_B=np.ones(3), q=np.ones(JOINTS), qdot=np.ones(JOINTS))
+    sample = rest(p_B=np.ones(3)).to_vector()
+    sample[place] = wrong
+    _, found = update(gains, before, a, sample)
+    expected = follow(gains, before, a)
+    expected[-JOINTS:] = 0.0
+    np.testing.assert_array_equal(found, expected)

@@ -174,6 +174,21 @@ def test_a_command_that_changes_between_ticks_counts_from_the_last_tick():
     np.testing.assert_allclose(driver.advance(2 * DT), expected, atol=1e-7)
 
 
+def test_between_ticks_limits_are_not_looked_at(monkeypatch):
+    """Once after each tick, and once before the first, however often outputs are asked for."""
+    looked, calc = [], SetpointIntegrator._calc_segment
+
+    def count(system, context, output):
+        looked.append(context.get_time())
+        calc(system, context, output)
+
+    monkeypatch.setattr(SetpointIntegrator, "_calc_segment", count)
+    driver = Driver()
+    for k in range(100):
+        driver.advance(k * 0.001 + 1e-9)
+    np.testing.assert_allclose(looked, DT * np.array([0, 0, 1, 2, 3, 4]), atol=1e-8)
+
+
 def test_ports_rate_and_feedthrough():
     system = SetpointIntegrator(LIMITS, START, DT)
     assert system.GetInputPort("u").size() == SIZE

@@ -37,7 +37,7 @@ TRIM = np.concatenate([[1, 0, 0, 0, 0.3, -0.2, 1.5], np.linspace(-1, 1, JOINTS),
 
 def make_filter(config: Filter, trim_acceleration: np.ndarray) -> StateFilterSystem:
     """One that filters."""
-    equations = StateFilter(config, PERIOD)
+    equations = StateFilter.make(config, PERIOD)
     return StateFilterSystem(equations, False, JOINTS, PERIOD, TRIM, trim_acceleration)
 
 
