@@ -7,7 +7,7 @@ import pytest
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RotationMatrix
 
-from aerodrake.flight_log import DERIVED, PORTS, FlightLog, split_port
+from aerodrake.flight_log import DERIVED, PORTS, FlightLog, key_columns
 from aerodrake.scenario import Mpc, Scenario
 from aerodrake.station import make_closed_loop
 
@@ -24,16 +24,14 @@ def test_parts_cover_their_ports_exactly(vehicle, horizon):
     closed_loop = make_closed_loop(Scenario(mpc=Mpc(horizon=horizon)))
     sizes = {"1": 1, "3": 3, "4": 4, "n": vehicle.joints, "k": len(vehicle.rotors.names),
              "3(N+1)": 3 * (horizon + 1)}  # fmt: skip
+    ports = {port: closed_loop.GetOutputPort(port).size() for port in PORTS}
     for port, parts in PORTS.items():
-        size = closed_loop.GetOutputPort(port).size()
-        assert sum(sizes[width] for _, width in parts) == size, port
-        split = split_port(port, np.arange(2 * size, dtype=float).reshape(2, size))
-        assert list(split) == [key for key, _ in parts]
-        for key, width in parts:
-            expected = (2,) if width == "1" else (2, sizes[width])
-            assert split[key].shape == expected, key
-        columns = [part[:, None] if part.ndim == 1 else part for part in split.values()]
-        np.testing.assert_array_equal(np.hstack(columns)[0], np.arange(size))
+        assert sum(sizes[width] for _, width in parts) == ports[port], port
+    columns, row = key_columns(ports), np.arange(sum(ports.values()))
+    assert list(columns) == KEYS
+    for key, width in (part for parts in PORTS.values() for part in parts):
+        assert np.shape(row[columns[key]]) == (() if width == "1" else (sizes[width],)), key
+    np.testing.assert_array_equal(np.hstack([row[part] for part in columns.values()]), row)
 
 
 def test_every_vector_of_the_closed_loop_is_logged(vehicle):
@@ -43,7 +41,8 @@ def test_every_vector_of_the_closed_loop_is_logged(vehicle):
         for port in map(closed_loop.get_output_port, range(closed_loop.num_output_ports()))
         if port.size()
     }
-    assert ports == {*PORTS, "u"}  # u stands in the setpoints, as a_d and qddot_d.
+    # u stands in the setpoints, as a_d and qddot_d; the reference is known after the flight.
+    assert ports == {*PORTS, "u", "reference"}
 
 
 def test_names_are_unique():
