@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +73,9 @@ DERIVED = {
 }
 """Keys that are not a port's, with their meaning."""
 
+PER_TICK = ("tick_ms",)
+"""Keys with a row for each tick of the MPC; all others have one for each sample."""
+
 ROWS_A_WRITE = 4096
 """Of the file of a log: what is compressed at a time."""
 
@@ -82,7 +85,7 @@ class FlightLog:
     """Signals of one flight, and how it ended.
 
     Attributes:
-        signals: Arrays by the keys of `PORTS` and `DERIVED`; all but `tick_ms`
+        signals: Arrays by the keys of `PORTS` and `DERIVED`; all but `PER_TICK`
             have one row per sample. They may be read from a file at each access.
         exit_reason: `completed`, `lost` or `interrupted`.
         exit_cause: One line on why it did not complete; empty if it did.
@@ -127,6 +130,11 @@ class FlightLog:
         """(T,) distance of the base from its setpoint."""
         return np.linalg.norm(self["p_B_m"] - self["p_Bd_m"], axis=1)
 
+    def thinned(self, most: int) -> FlightLog:
+        """`most` of its samples or fewer, evenly spaced up to the last: what a figure can show."""
+        stride = -(-len(self.time_s) // most)
+        return replace(self, signals=_Thinned(self.signals, stride)) if stride > 1 else self
+
     def save(self, path: Path) -> None:
         """Writes the signals as a compressed `.npz`, of which no more than one is in memory."""
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -142,6 +150,25 @@ class FlightLog:
         """What `save` wrote, read as it is asked for; how it ended from the flight's summary."""
         signals = np.load(path, allow_pickle=False)
         return cls(signals, summary["exit_reason"], summary["exit_cause"], summary["wall_s"])
+
+
+class _Thinned(Mapping[str, np.ndarray]):
+    """Every `stride`-th sample of signals."""
+
+    def __init__(self, signals: Mapping[str, np.ndarray], stride: int):
+        self._signals, self._stride = signals, stride
+
+    def __getitem__(self, key: str) -> np.ndarray:
+        rows = self._signals[key]
+        if key in PER_TICK:
+            return rows
+        return rows[(len(rows) - 1) % self._stride :: self._stride].copy()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._signals)
+
+    def __len__(self) -> int:
+        return len(self._signals)
 
 
 def rotate(quaternion: np.ndarray, r: np.ndarray) -> np.ndarray:
