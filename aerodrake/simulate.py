@@ -119,18 +119,19 @@ class Flight:
         self, time_s: np.ndarray, signals: Mapping[str, np.ndarray]
     ) -> dict[str, np.ndarray]:
         """The keys of `DERIVED`, of which the loop knows nothing or which it need not evaluate."""
-        quaternion, q = signals["quaternion"], signals["q_rad"]
+        quaternion = signals["quaternion"]
+        p_EB, t_B = np.empty((2, len(time_s), 3))
+        for i, q in enumerate(signals["q_rad"]):
+            p_EB[i], t_B[i] = self._kinematics.arm(q)[0], self._kinematics.arm_axis(q)[0]
         p_Ed, v_Ed = hover_then_follow(self.curve, self._vehicle.p_E, time_s)
         direction = make_direction(self.scenario.orientation)
-        tool_axis = rotate(quaternion, np.array([self._kinematics.arm_axis(x)[0] for x in q]))
         return {
             "time_s": time_s,
             "p_Ed_m": p_Ed,
             "v_Ed_m_s": v_Ed,
-            "p_E_m": signals["p_B_m"]
-            + rotate(quaternion, np.array([self._kinematics.arm(x)[0] for x in q])),
-            "tool_axis": tool_axis,
-            "tool_axis_d": np.zeros_like(tool_axis)
+            "p_E_m": signals["p_B_m"] + rotate(quaternion, p_EB),
+            "tool_axis": rotate(quaternion, t_B),
+            "tool_axis_d": np.zeros_like(t_B)
             if direction is None
             else direction.evaluate(time_s)[0],
             "tick_ms": np.array(self._controller.tick_ms),
