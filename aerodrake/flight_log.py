@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import zipfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,6 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "external_acceleration": (("external_acceleration_m_s2", "3"),),
     "specific_thrust": (("specific_thrust_m_s2", "1"),),
-    "reference": (("p_Ed_m", "3"), ("v_Ed_m_s", "3")),
     "base_setpoint": (("p_Bd_m", "3"), ("v_Bd_m_s", "3"), ("a_Bd_m_s2", "3")),
     "joint_setpoint": (("q_d_rad", "n"), ("qdot_d_rad_s", "n"), ("qddot_d_rad_s2", "n")),
     "thrust": (("thrust_n", "k"),),
@@ -55,7 +55,8 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
 """Ports of the closed loop that are logged, and the keys and widths of their parts.
 
 n is the number of joints, k that of rotors, N the horizon. A part of width 1
-is logged as a plain series (T,), the others as (T, width).
+is logged as a plain series (T,), the others as (T, width). Ports that only show
+a state cost next to nothing; the others are evaluated for the log.
 A row shows what was there before the updates of its instant: the sample of the
 instant itself, `measured_*`, and the state that was made of the one before,
 `estimated_*` and `external_acceleration`.
@@ -63,6 +64,8 @@ instant itself, `measured_*`, and the state that was made of the one before,
 
 DERIVED = {
     "time_s": "(T,) reference time; negative during the initial hover",
+    "p_Ed_m": "(T, 3) where the end-effector is to be",
+    "v_Ed_m_s": "(T, 3) and how fast",
     "p_E_m": "(T, 3) end-effector, from the true state",
     "tool_axis": "(T, 3) direction in the world in which the tool points, from the true state",
     "tool_axis_d": "(T, 3) direction that it is to have; zero without an orientation task",
@@ -70,14 +73,20 @@ DERIVED = {
 }
 """Keys that are not a port's, with their meaning."""
 
+PER_TICK = ("tick_ms",)
+"""Keys with a row for each tick of the MPC; all others have one for each sample."""
+
+ROWS_A_WRITE = 4096
+"""Of the file of a log: what is compressed at a time."""
+
 
 @dataclass(frozen=True)
 class FlightLog:
     """Signals of one flight, and how it ended.
 
     Attributes:
-        signals: Arrays by the keys of `PORTS` and `DERIVED`; all but `tick_ms`
-            have one row per sample.
+        signals: Arrays by the keys of `PORTS` and `DERIVED`; all but `PER_TICK`
+            have one row per sample. They may be read from a file at each access.
         exit_reason: `completed`, `lost` or `interrupted`.
         exit_cause: One line on why it did not complete; empty if it did.
         wall_s: Wall time of the simulation.
@@ -113,46 +122,82 @@ class FlightLog:
     @property
     def p_EB_m(self) -> np.ndarray:
         """(T, 3) the end-effector in the base frame; NaN where a state is."""
-        q, r = self["quaternion"], self["p_E_m"] - self["p_B_m"]
-        q = q / np.linalg.norm(q, axis=1, keepdims=True)
-        # Turned back by the quaternion itself: Rotation refuses what is not finite.
-        with np.errstate(invalid="ignore"):
-            turn = 2 * np.cross(r, q[:, 1:])
-            return r + q[:, :1] * turn + np.cross(turn, q[:, 1:])
+        back = self["quaternion"] * [-1.0, 1.0, 1.0, 1.0]
+        return rotate(back, self["p_E_m"] - self["p_B_m"])
 
     @property
     def base_error_m(self) -> np.ndarray:
         """(T,) distance of the base from its setpoint."""
         return np.linalg.norm(self["p_B_m"] - self["p_Bd_m"], axis=1)
 
+    def thinned(self, most: int) -> FlightLog:
+        """`most` of its samples or fewer, evenly spaced up to the last: what a figure can show."""
+        stride = -(-len(self.time_s) // most)
+        return replace(self, signals=_Thinned(self.signals, stride)) if stride > 1 else self
+
     def save(self, path: Path) -> None:
-        """Writes the signals as a compressed `.npz`."""
-        np.savez_compressed(path, **self.signals)
+        """Writes the signals as a compressed `.npz`, of which no more than one is in memory."""
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            for key, rows in self.signals.items():
+                header = np.lib.format.header_data_from_array_1_0(np.ascontiguousarray(rows))
+                with archive.open(f"{key}.npy", "w", force_zip64=True) as file:
+                    np.lib.format.write_array_header_1_0(file, header)
+                    for start in range(0, len(rows), ROWS_A_WRITE):
+                        file.write(rows[start : start + ROWS_A_WRITE].tobytes())
 
     @classmethod
     def read(cls, path: Path, summary: Mapping[str, Any]) -> FlightLog:
-        """What `save` wrote, with how it ended from the flight's summary."""
-        with np.load(path, allow_pickle=False) as arrays:
-            signals = dict(arrays)
+        """What `save` wrote, read as it is asked for; how it ended from the flight's summary."""
+        signals = np.load(path, allow_pickle=False)
         return cls(signals, summary["exit_reason"], summary["exit_cause"], summary["wall_s"])
 
 
-def split_port(port: str, rows: np.ndarray) -> dict[str, np.ndarray]:
-    """The parts of one port's samples, by key.
+class _Thinned(Mapping[str, np.ndarray]):
+    """Every `stride`-th sample of signals."""
+
+    def __init__(self, signals: Mapping[str, np.ndarray], stride: int):
+        self._signals, self._stride = signals, stride
+
+    def __getitem__(self, key: str) -> np.ndarray:
+        rows = self._signals[key]
+        if key in PER_TICK:
+            return rows
+        return rows[(len(rows) - 1) % self._stride :: self._stride].copy()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._signals)
+
+    def __len__(self) -> int:
+        return len(self._signals)
+
+
+def rotate(quaternion: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """(T, 3) vectors r (T, 3), each turned by its quaternion (T, 4); NaN where one is."""
+    q = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
+    with np.errstate(invalid="ignore"):
+        turn = 2 * np.cross(q[:, 1:], r)
+        return r + q[:, :1] * turn + np.cross(q[:, 1:], turn)
+
+
+def key_columns(sizes: Mapping[str, int]) -> dict[str, int | slice]:
+    """Where the parts are, by key, in a vector of the samples of ports one after another.
 
     Args:
-        port: A key of `PORTS`.
-        rows: (T, size) samples.
+        sizes: Of the ports, in the order of the vector.
+
+    Returns:
+        A column for a part of width 1, a slice for the others.
     """
-    parts = PORTS[port]
     fixed = {"1": 1, "3": 3, "4": 4}
-    known = sum(fixed.get(width, 0) for _, width in parts)
-    open_parts = sum(width not in fixed for _, width in parts)
-    open_width = (rows.shape[1] - known) // open_parts if open_parts else 0
-    signals, start = {}, 0
-    for key, width in parts:
-        size = fixed.get(width, open_width)
-        part = rows[:, start : start + size]
-        signals[key] = part[:, 0] if width == "1" else part
-        start += size
-    return signals
+    columns: dict[str, int | slice] = {}
+    start = 0
+    for port, size in sizes.items():
+        parts = PORTS[port]
+        known = sum(fixed.get(width, 0) for _, width in parts)
+        open_parts = sum(width not in fixed for _, width in parts)
+        open_width = (size - known) // open_parts if open_parts else 0
+        for key, width in parts:
+            end = start + fixed.get(width, open_width)
+            columns[key] = start if width == "1" else slice(start, end)
+            start = end
+    return columns

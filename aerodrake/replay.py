@@ -17,6 +17,10 @@ from aerodrake.model.vehicle import add_ground, add_robot
 from aerodrake.scenario import Scenario
 
 FRAMES_PER_S = 30.0
+MOST_FRAMES = 1800
+"""Longer recordings have fewer frames a second, lest pages grow with the flight."""
+MOST_POINTS = 6000
+"""Of a path likewise."""
 VIEW_FROM_M = np.array([0.85, 1.3, 0.3])
 DOT_SPACING_M = 0.02
 DOT_SIZE_M = 0.008
@@ -51,21 +55,26 @@ def write_replay(log: FlightLog, scenario: Scenario, path: Path) -> None:
     context = diagram.CreateDefaultContext()
     plant_context = plant.GetMyMutableContextFromRoot(context)
 
-    positions = np.hstack([log["quaternion"], log["p_B_m"], log["q_rad"]])
-    finite = np.isfinite(positions).all(axis=1)
-    end = log.time_s[finite][-1]
-    flown = np.flatnonzero(finite & (log.time_s >= min(0.0, end)))
+    time_s, parts = log.time_s, ("quaternion", "p_B_m", "q_rad")
+    finite = np.all([np.isfinite(log[part]).all(axis=1) for part in parts], axis=0)
+    end = time_s[finite][-1]
+    flown = np.flatnonzero(finite & (time_s >= min(0.0, end)))
+    stride = -(-len(flown) // MOST_POINTS)
+    shown = flown[(len(flown) - 1) % stride :: stride]
     meshcat.SetProperty("/Axes", "visible", False)
-    _draw_reference(meshcat, log["p_Ed_m"][flown])
-    meshcat.SetLine("/paths/end_effector", log["p_E_m"][flown].T, line_width=3.0, rgba=TRACE_COLOR)
+    _draw_reference(meshcat, log["p_Ed_m"][shown])
+    meshcat.SetLine("/paths/end_effector", log["p_E_m"][shown].T, line_width=3.0, rgba=TRACE_COLOR)
     middle = log["p_B_m"][flown].mean(axis=0)
     meshcat.SetCameraPose(middle + VIEW_FROM_M, middle)
 
-    meshcat.StartRecording(frames_per_second=FRAMES_PER_S)
-    for time in np.arange(0.0, max(end, 0.0) + 1e-9, 1 / FRAMES_PER_S):
-        i = np.searchsorted(log.time_s[flown], time - 1e-9)
+    pace = min(FRAMES_PER_S, MOST_FRAMES / max(end, 1.0))
+    times = np.arange(0.0, max(end, 0.0) + 1e-9, 1 / pace)
+    rows = flown[np.minimum(np.searchsorted(time_s[flown], times - 1e-9), len(flown) - 1)]
+    positions = np.hstack([log[part][rows] for part in parts])
+    meshcat.StartRecording(frames_per_second=pace)
+    for time, position in zip(times, positions, strict=True):
         context.SetTime(time)
-        plant.SetPositions(plant_context, positions[flown[min(i, len(flown) - 1)]])
+        plant.SetPositions(plant_context, position)
         diagram.ForcedPublish(context)
     meshcat.StopRecording()
     meshcat.PublishRecording()

@@ -29,6 +29,9 @@ MODE_COLORS = {
     Mode.HOVER: "#f2f0f7",
     Mode.ADJUSTMENT: "#fdd0a2",
 }
+MOST_SAMPLES = 6000
+"""In a line of a figure: ten for each pixel. A minute's log is drawn as it is."""
+
 INK, ACCENT = "#1f2933", "#e8590c"
 REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 4))}
 AXIS_COLORS = ("#c92a2a", "#2b8a3e", "#1864ab")
@@ -100,6 +103,7 @@ def table(summary: dict[str, Any], kind: str) -> str:
 
 def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
     """Writes the figure of one flight: paths, errors, allocation, base and joints."""
+    log = log.thinned(MOST_SAMPLES)
     with rc_context(STYLE):
         angle = log.tool_angle_rad
         rows = 6 if angle is None else 7

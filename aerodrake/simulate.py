@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
-from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
+from pydrake.systems.primitives import LogVectorOutput, Multiplexer
 
-from aerodrake.flight_log import PORTS, FlightLog, split_port
+from aerodrake.flight_log import PORTS, FlightLog, key_columns, rotate
 from aerodrake.model.direction import make_direction
 from aerodrake.model.kinematics import Kinematics
-from aerodrake.model.reference import make_reference
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.reference import hover_then_follow, make_reference
+from aerodrake.model.rotation import rotation_matrix
+from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.vehicle_state import parts
+from aerodrake.recording import Recording
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.threads import single_thread
 
 MONITOR_PERIOD_S = 0.1
+LOG_SAMPLES = 1000
+"""Samples that are held in memory before they are moved to a file."""
+
 LOST_TILT_RAD = math.radians(60)
 LOST_ERROR_M = 1.0
 
@@ -31,24 +37,31 @@ class Flight:
     Attributes:
         scenario: What is flown.
         closed_loop: Its diagram.
+        curve: Its reference.
     """
 
     def __init__(self, scenario: Scenario):
         self.scenario = scenario
         builder = DiagramBuilder()
         self.closed_loop: Diagram = builder.AddSystem(make_closed_loop(scenario))
-        self._sinks: dict[str, VectorLogSink] = {}
-        for port in PORTS:
-            sink = LogVectorOutput(
-                self.closed_loop.GetOutputPort(port), builder, scenario.rates.flight_period_s
-            )
-            sink.set_name(f"{port}_log")
-            self._sinks[port] = sink
+        ports = [self.closed_loop.GetOutputPort(name) for name in PORTS]
+        sizes = [port.size() for port in ports]
+        # Side by side in one sink: each sink would be an event of its own.
+        samples = builder.AddNamedSystem("samples", Multiplexer(sizes))
+        for i, port in enumerate(ports):
+            builder.Connect(port, samples.get_input_port(i))
+        self._sink = LogVectorOutput(
+            samples.get_output_port(), builder, scenario.rates.flight_period_s
+        )
+        self._sink.set_name("log")
+        self._columns = key_columns(dict(zip(PORTS, sizes, strict=True)))
         self._diagram = builder.Build()
         self._diagram.set_name("flight")
         coordinator = self.closed_loop.GetSubsystemByName("coordinator")
         self._controller = coordinator.GetSubsystemByName(scenario.controller)
-        self._kinematics = Kinematics(scenario.vehicle.robot)
+        self._vehicle = Vehicle.load(scenario)
+        self._kinematics = Kinematics(self._vehicle.robot)
+        self.curve = make_reference(scenario.reference, self._vehicle.p_E)
 
     def fly(self, progress: Callable[[float], None] = lambda simulated_s: None) -> FlightLog:
         """Flies from trim to the scenario's end, or until the vehicle is lost.
@@ -63,12 +76,14 @@ class Flight:
         end = round(scenario.settle_s + scenario.duration, 9)
         self._controller.tick_ms.clear()
         monitor = _Monitor(self, context)
+        recording = Recording(self._columns)
         reason, cause = "completed", ""
         start = time.perf_counter()
         with single_thread():
             try:
                 for step in range(1, math.ceil(end / MONITOR_PERIOD_S - 1e-9) + 1):
                     simulator.AdvanceTo(min(round(step * MONITOR_PERIOD_S, 9), end))
+                    self._record(recording, context, LOG_SAMPLES)
                     progress(context.get_time())
                     cause = monitor.lost()
                     if cause:
@@ -83,36 +98,44 @@ class Flight:
                     raise
                 reason, cause = "lost", f"{cause}; {error}".splitlines()[0]
         wall_s = time.perf_counter() - start
-        return FlightLog(self._signals(context), reason, cause, wall_s)
-
-    def tool_axis(self, state: np.ndarray) -> np.ndarray:
-        """(3,), the direction in which the tool points at a state (13 + 2 n,)."""
-        return self._kinematics.tool_axis(VehicleState.from_vector(state)).value
+        self._record(recording, context)
+        time_s = np.round(recording.times - scenario.settle_s, 9)
+        recording.add(self._derived(time_s, recording))
+        return FlightLog(recording, reason, cause, wall_s)
 
     def p_E(self, state: np.ndarray) -> np.ndarray:
         """(3,) m, the end-effector at a state (13 + 2 n,)."""
-        return self._kinematics.end_effector(VehicleState.from_vector(state)).p_E
+        quaternion, p_B, q, _, _, _ = parts(state)
+        return p_B + rotation_matrix(quaternion) @ self._kinematics.arm(q)[0]
 
-    def _signals(self, context: Context) -> dict[str, np.ndarray]:
-        signals: dict[str, np.ndarray] = {}
-        states = np.empty((0, 0))
-        for port, sink in self._sinks.items():
-            log = sink.FindLog(context)
-            rows = log.data().T
-            signals.update(split_port(port, rows))
-            if port == "true_state":
-                states = rows
-                signals["time_s"] = np.round(log.sample_times() - self.scenario.settle_s, 9)
-        signals["p_E_m"] = np.array([self.p_E(state) for state in states])
-        signals["tool_axis"] = np.array([self.tool_axis(state) for state in states])
+    def _record(self, recording: Recording, context: Context, least: int = 1) -> None:
+        """Moves what the sink holds to the recording, if it is `least` samples or more."""
+        log = self._sink.FindMutableLog(context)
+        if log.num_samples() >= least:
+            recording.append(log.sample_times(), log.data())
+            log.Clear()
+
+    def _derived(
+        self, time_s: np.ndarray, signals: Mapping[str, np.ndarray]
+    ) -> dict[str, np.ndarray]:
+        """The keys of `DERIVED`, of which the loop knows nothing or which it need not evaluate."""
+        quaternion = signals["quaternion"]
+        p_EB, t_B = np.empty((2, len(time_s), 3))
+        for i, q in enumerate(signals["q_rad"]):
+            p_EB[i], t_B[i] = self._kinematics.arm(q)[0], self._kinematics.arm_axis(q)[0]
+        p_Ed, v_Ed = hover_then_follow(self.curve, self._vehicle.p_E, time_s)
         direction = make_direction(self.scenario.orientation)
-        signals["tool_axis_d"] = (
-            np.zeros_like(signals["tool_axis"])
+        return {
+            "time_s": time_s,
+            "p_Ed_m": p_Ed,
+            "v_Ed_m_s": v_Ed,
+            "p_E_m": signals["p_B_m"] + rotate(quaternion, p_EB),
+            "tool_axis": rotate(quaternion, t_B),
+            "tool_axis_d": np.zeros_like(t_B)
             if direction is None
-            else direction.evaluate(signals["time_s"])[0]
-        )
-        signals["tick_ms"] = np.array(self._controller.tick_ms)
-        return signals
+            else direction.evaluate(time_s)[0],
+            "tick_ms": np.array(self._controller.tick_ms),
+        }
 
 
 class _Monitor:
@@ -121,10 +144,10 @@ class _Monitor:
     def __init__(self, flight: Flight, context: Context):
         self._flight = flight
         self._context = flight.closed_loop.GetMyContextFromRoot(context)
-        self._start = flight.p_E(self._output("true_state"))
+        self._state = flight.closed_loop.GetOutputPort("true_state")
+        self._start = flight.p_E(self._state.Eval(self._context))
         # A target that is far at first is to be approached before it can be left.
-        target = make_reference(flight.scenario.reference, self._start).evaluate(np.zeros(1))[0][0]
-        distance = float(np.linalg.norm(target - self._start))
+        distance = float(np.linalg.norm(self._target(0.0) - self._start))
         self._approached = distance <= flight.scenario.allocation.d_h_m
         self._farthest = LOST_ERROR_M + distance
 
@@ -134,20 +157,23 @@ class _Monitor:
 
     def lost(self) -> str:
         """Why the vehicle is lost; empty if it is not."""
-        x, when = self._output("true_state"), f"at {self.time():.2f} s"
+        x, t = self._state.Eval(self._context), self.time()
+        when = f"at {t:.2f} s"
         if not np.isfinite(x).all():
             return f"the state is not finite {when}"
-        tilt = math.acos(min(1.0, max(-1.0, VehicleState.from_vector(x).R_B[2, 2])))
+        upright = rotation_matrix(x[:4])[2, 2]
+        tilt = math.acos(min(1.0, max(-1.0, upright)))
         if tilt > LOST_TILT_RAD:
             return f"tilt of {math.degrees(tilt):.0f} deg {when}"
         # Before reference time 0 it is to stay where it starts.
-        is_hovering = self.time() < 0
-        target = self._start if is_hovering else self._output("reference")[:3]
-        error = float(np.linalg.norm(self._flight.p_E(x) - target))
+        is_hovering = t < 0
+        target = self._start if is_hovering else self._target(t)
+        error = math.dist(self._flight.p_E(x), target)
         self._approached |= error <= self._flight.scenario.allocation.d_h_m and not is_hovering
         if error > (LOST_ERROR_M if self._approached or is_hovering else self._farthest):
             return f"error of {error:.2f} m {when}"
         return ""
 
-    def _output(self, port: str) -> np.ndarray:
-        return self._flight.closed_loop.GetOutputPort(port).Eval(self._context)
+    def _target(self, t: float) -> np.ndarray:
+        """(3,) m, where the end-effector is to be at a reference time >= 0."""
+        return self._flight.curve.evaluate(np.array([t]))[0][0]

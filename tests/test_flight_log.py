@@ -7,7 +7,7 @@ import pytest
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RotationMatrix
 
-from aerodrake.flight_log import DERIVED, PORTS, FlightLog, split_port
+from aerodrake.flight_log import DERIVED, PORTS, ROWS_A_WRITE, FlightLog, key_columns
 from aerodrake.scenario import Mpc, Scenario
 from aerodrake.station import make_closed_loop
 
@@ -24,16 +24,14 @@ def test_parts_cover_their_ports_exactly(vehicle, horizon):
     closed_loop = make_closed_loop(Scenario(mpc=Mpc(horizon=horizon)))
     sizes = {"1": 1, "3": 3, "4": 4, "n": vehicle.joints, "k": len(vehicle.rotors.names),
              "3(N+1)": 3 * (horizon + 1)}  # fmt: skip
+    ports = {port: closed_loop.GetOutputPort(port).size() for port in PORTS}
     for port, parts in PORTS.items():
-        size = closed_loop.GetOutputPort(port).size()
-        assert sum(sizes[width] for _, width in parts) == size, port
-        split = split_port(port, np.arange(2 * size, dtype=float).reshape(2, size))
-        assert list(split) == [key for key, _ in parts]
-        for key, width in parts:
-            expected = (2,) if width == "1" else (2, sizes[width])
-            assert split[key].shape == expected, key
-        columns = [part[:, None] if part.ndim == 1 else part for part in split.values()]
-        np.testing.assert_array_equal(np.hstack(columns)[0], np.arange(size))
+        assert sum(sizes[width] for _, width in parts) == ports[port], port
+    columns, row = key_columns(ports), np.arange(sum(ports.values()))
+    assert list(columns) == KEYS
+    for key, width in (part for parts in PORTS.values() for part in parts):
+        assert np.shape(row[columns[key]]) == (() if width == "1" else (sizes[width],)), key
+    np.testing.assert_array_equal(np.hstack([row[part] for part in columns.values()]), row)
 
 
 def test_every_vector_of_the_closed_loop_is_logged(vehicle):
@@ -43,7 +41,8 @@ def test_every_vector_of_the_closed_loop_is_logged(vehicle):
         for port in map(closed_loop.get_output_port, range(closed_loop.num_output_ports()))
         if port.size()
     }
-    assert ports == {*PORTS, "u"}  # u stands in the setpoints, as a_d and qddot_d.
+    # u stands in the setpoints, as a_d and qddot_d; the reference is known after the flight.
+    assert ports == {*PORTS, "u", "reference"}
 
 
 def test_names_are_unique():
@@ -115,6 +114,22 @@ def test_saved_and_read_without_pickle(short_flight, tmp_path):
             np.testing.assert_array_equal(read[key], log[key])
 
 
+@pytest.mark.parametrize("samples", [0, 1, ROWS_A_WRITE, 2 * ROWS_A_WRITE + 1])
+def test_saved_piece_by_piece(samples, tmp_path):
+    """However an array lies in memory."""
+    rows = np.random.default_rng(0).normal(size=(samples, 3))
+    signals = {
+        "c": rows,
+        "fortran": np.asfortranarray(rows),
+        "part": rows[:, 1:],
+        "one": rows[:, 0],
+    }
+    FlightLog(signals, "completed", "", 1.0).save(tmp_path / "log.npz")
+    with np.load(tmp_path / "log.npz", allow_pickle=False) as read:
+        for key, expected in signals.items():
+            np.testing.assert_array_equal(read[key], expected)
+
+
 def test_the_end_effector_in_the_base_frame():
     """R_B' (p_E - p_B), with Drake's rotation; not finite where the state is not."""
     rng = np.random.default_rng(0)
@@ -140,3 +155,19 @@ def test_read_is_the_reverse_of_save(short_flight, tmp_path):
     assert list(again.signals) == list(log.signals)
     for key, rows in log.signals.items():
         np.testing.assert_array_equal(again[key], rows)
+
+
+@pytest.mark.parametrize("most", [7, 60, 61, 1000])
+def test_thinned_for_figures(short_flight, most):
+    """Evenly, up to the last sample; ticks are not samples."""
+    _, log = short_flight
+    thin = log.thinned(most)
+    assert most / 2 < len(thin.time_s) <= most or len(thin.time_s) == 61 <= most
+    steps = np.diff(thin.time_s)
+    np.testing.assert_allclose(steps, steps[0])
+    assert thin.time_s[-1] == log.time_s[-1]
+    assert list(thin.signals) == list(log.signals) and len(thin.signals) == len(log.signals)
+    rows = np.searchsorted(log.time_s, thin.time_s)
+    for key, signal in thin.signals.items():
+        expected = log[key] if key == "tick_ms" else log[key][rows]
+        np.testing.assert_array_equal(signal, expected, err_msg=key)

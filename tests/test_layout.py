@@ -34,6 +34,7 @@ STOREYS = {
     4: (
         "simulate",
         "flight_log",
+        "recording",
         "summary",
         "report",
         "replay",

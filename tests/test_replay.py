@@ -91,3 +91,14 @@ def test_it_says_nothing(short_flight, tmp_path, capfd):
     scenario, log = short_flight
     write_replay(log, scenario, tmp_path / "quiet.html")
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_page_does_not_grow_with_the_flight(short_flight, tmp_path):
+    """The same samples over 100 s and over 800 s: as many frames."""
+    scenario, log = short_flight
+    sizes = []
+    for stretch in (200, 1600):
+        long = FlightLog({**log.signals, "time_s": stretch * log.time_s}, "completed", "", 1.0)
+        write_replay(long, scenario, tmp_path / "long.html")
+        sizes.append((tmp_path / "long.html").stat().st_size)
+    assert sizes[1] < 1.02 * sizes[0]

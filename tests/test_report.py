@@ -68,7 +68,7 @@ def test_the_tools_angle_is_shown_where_there_is_one(summary, short_flight, tmp_
     _, log = short_flight
     heights = []
     for d in (0 * log["tool_axis"], log["tool_axis"]):
-        pointed = FlightLog(log.signals | {"tool_axis_d": d}, "completed", "", 1.0)
+        pointed = FlightLog({**log.signals, "tool_axis_d": d}, "completed", "", 1.0)
         plot_tracking(pointed, "title", tmp_path / "a.png")
         heights.append(plt.imread(tmp_path / "a.png").shape[0])
     assert heights[1] > heights[0]
@@ -99,7 +99,7 @@ def test_the_same_flight_gives_the_same_bytes(figure, short_flight, tmp_path):
 def test_the_figure_shows_the_flight(figure, short_flight, tmp_path):
     """Large enough to read, more than one colour, and another one for another flight."""
     _, log = short_flight
-    moved = FlightLog(log.signals | {"p_E_m": log["p_E_m"] + 0.01}, "completed", "", 1.0)
+    moved = FlightLog({**log.signals, "p_E_m": log["p_E_m"] + 0.01}, "completed", "", 1.0)
     plot_tracking(moved, "title", tmp_path / "b.png")
     a, b = plt.imread(figure), plt.imread(tmp_path / "b.png")
     assert a.shape == b.shape and min(a.shape[:2]) > 1000

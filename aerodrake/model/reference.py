@@ -186,9 +186,7 @@ class FigureEightCurve(ClosedCurve):
 
     def __init__(self, config: FigureEight, start: np.ndarray):
         super().__init__(start, config.start_s, config.lap_s)
-        self._length = config.length_m
-        self._width = config.width_m
-        tilt = config.tilt_rad
+        self._length, self._width, tilt = config.length_m, config.width_m, config.tilt_rad
         self._axes = np.array([[1.0, 0.0, 0.0], [0.0, math.cos(tilt), math.sin(tilt)]])
         self._rate = 2 * math.pi / config.lap_s
 
@@ -259,6 +257,12 @@ def make_reference(config: Reference, start: np.ndarray) -> ReferenceCurve:
         BadInput: if the section names a file that cannot be used.
     """
     return CURVES[type(config)](config, np.array(start, dtype=float))
+
+
+def hover_then_follow(curve: ReferenceCurve, start: np.ndarray, times: np.ndarray) -> Motion:
+    """A flight's reference at times (T,): to stay at `start` (3,) m until 0, then the curve."""
+    p, v = curve.evaluate(times)
+    return np.where(times[:, None] < 0.0, start, p), v
 
 
 def smooth_start(times: np.ndarray, start_s: float) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from aerodrake.model.reference import ReferenceCurve
+from aerodrake.model.reference import ReferenceCurve, hover_then_follow
 
 
 class ReferenceSystem(LeafSystem):
@@ -35,7 +35,7 @@ class ReferenceSystem(LeafSystem):
     ):
         super().__init__()
         self._curve = curve
-        self._hold = np.concatenate([start, np.zeros(3)])
+        self._start = start
         self._settle_s = settle_s
         self._stages = stages_s
         time = {self.time_ticket()}
@@ -54,8 +54,6 @@ class ReferenceSystem(LeafSystem):
 
     def _evaluate(self, context: Context, ahead: np.ndarray) -> np.ndarray:
         """(6 T,) motion at times `ahead` (T,) s from now."""
-        now = context.get_time() - self._settle_s
-        if now < -1e-9:
-            return np.tile(self._hold, len(ahead))
-        times = now + ahead
-        return np.hstack(self._curve.evaluate(times)).ravel()
+        now = round(context.get_time() - self._settle_s, 9)  # 0 is 0, whatever rounding did.
+        times = np.full(len(ahead), now) if now < 0 else now + ahead
+        return np.hstack(hover_then_follow(self._curve, self._start, times)).ravel()

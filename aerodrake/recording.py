@@ -1,0 +1,70 @@
+"""Signals of a flight that are too long to be held in memory."""
+
+from __future__ import annotations
+
+import tempfile
+import weakref
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+
+class Recording(Mapping[str, np.ndarray]):
+    """Signals by key, of which the samples are in a file without a name.
+
+    What is asked for is read: an array (T,) or (T, width), new each time. The
+    file goes with the last who knows of it.
+
+    Args:
+        columns: Of each key in a sample: one, for a plain series, or a range.
+    """
+
+    def __init__(self, columns: Mapping[str, int | slice]):
+        self._columns = columns
+        self._times: list[np.ndarray] = []
+        self._others: dict[str, np.ndarray] = {}
+        self._blocks: list[tuple[int, int]] = []  # Where each begins, and how many samples it has.
+        self._file = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115
+        weakref.finalize(self, self._file.close)
+
+    def append(self, times: np.ndarray, samples: np.ndarray) -> None:
+        """Adds samples (size, T), one a column, that were taken at times (T,) in s."""
+        self._times.append(times.copy())
+        self._blocks.append((self._file.seek(0, 2), samples.shape[1]))
+        # Row by row: those of one key are together, and the others need not be read.
+        self._file.write(np.ascontiguousarray(samples).data)
+
+    @property
+    def times(self) -> np.ndarray:
+        """(T,) s, when the samples were taken."""
+        return np.concatenate(self._times)
+
+    def add(self, signals: Mapping[str, np.ndarray]) -> None:
+        """Adds signals that are held in memory."""
+        self._others.update(signals)
+
+    def __getitem__(self, key: str) -> np.ndarray:
+        if key in self._others:
+            return self._others[key]
+        columns = self._columns[key]
+        first, width = (columns, 1) if isinstance(columns, int) else _range(columns)
+        rows = np.empty((sum(length for _, length in self._blocks), width))
+        start = 0
+        for offset, length in self._blocks:
+            block = np.empty((width, length))
+            self._file.seek(offset + first * length * block.itemsize)
+            self._file.readinto(block.data)
+            rows[start : start + length] = block.T
+            start += length
+        return rows[:, 0] if isinstance(columns, int) else rows
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self._columns
+        yield from self._others
+
+    def __len__(self) -> int:
+        return len(self._columns) + len(self._others)
+
+
+def _range(columns: slice) -> tuple[int, int]:
+    return columns.start, columns.stop - columns.start
