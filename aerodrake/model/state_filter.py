@@ -91,19 +91,17 @@ def update(
         The memory now, and the estimate (19 + 2 n,) as of now.
     """
     size = 6 + len(sample)
-    now = follow(gains, memory[:size], memory[size:] if gains.steps else acceleration)
+    since = np.concatenate((memory[size:], acceleration))
+    then = follow(gains, memory[:size], since[:6])
     if np.all(np.isfinite(sample)):
-        now = correct(gains, now, sample)
+        then = correct(gains, then, sample)
     else:
-        parts(now[6:])[-1][:] = 0.0
-    found = np.empty(len(memory))
-    found[:size] = now
-    if gains.steps:
-        found[size:-6] = memory[size + 6 :]
-        found[-6:] = acceleration
-        for k in range(size, len(found), 6):
-            now = follow(gains, now, found[k : k + 6])
-    return found, now
+        qdot = parts(then[6:])[-1]
+        qdot[:] = 0.0
+    now = then
+    for k in range(6, len(since), 6):
+        now = follow(gains, now, since[k : k + 6])
+    return np.concatenate((then, since[6:])), now
 
 
 @compiled
