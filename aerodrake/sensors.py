@@ -7,10 +7,11 @@ from pydrake.common import RandomDistribution
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import AffineSystem, DiscreteTimeDelay, RandomSource
 
+from aerodrake.model.sample import noise_size
 from aerodrake.model.state_filter import StateFilter
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Filter, Rates, Sensors
-from aerodrake.systems.sensors import SensorSystem, is_exact, noise_size
+from aerodrake.systems.sensors import SensorSystem, is_exact
 from aerodrake.systems.state_filter import StateFilterSystem
 
 

@@ -5,45 +5,16 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from pydrake.common.eigen_geometry import Quaternion
-from pydrake.math import RollPitchYaw, RotationMatrix
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
+from aerodrake.model.sample import Deviations, disturbed, noise_size, sampled
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Sensors
-
-
-def noise_size(joints: int) -> int:
-    """How many independent draws one sample takes: base 12, and one per joint."""
-    return 12 + joints
 
 
 def is_exact(config: Sensors) -> bool:
     """Whether samples have no noise, late or not."""
     return dataclasses.replace(config, base_delay_s=0.0) == Sensors()
-
-
-def disturbed(config: Sensors, x: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """The state vector x with measurement noise on it.
-
-    Args:
-        config: Standard deviations.
-        x: (13 + 2 n,) the true state, as `VehicleState` has it.
-        noise: (12 + n,) standard normal draws: position, velocity, attitude,
-            rates (3 each), joint angles.
-    """
-    true = VehicleState.from_vector(x)
-    position, velocity, attitude, rates, joints = np.split(noise, [3, 6, 9, 12])
-    turn = RollPitchYaw(config.attitude_noise_rad * attitude).ToRotationMatrix()
-    R = RotationMatrix(Quaternion(true.quaternion / np.linalg.norm(true.quaternion)))
-    return VehicleState(
-        quaternion=R.multiply(turn).ToQuaternion().wxyz(),
-        p_B=true.p_B + config.position_noise_m * position,
-        q=true.q + config.joint_noise_rad * joints,
-        omega_W=true.omega_W + config.rate_noise_rad_s * rates,
-        v_B=true.v_B + config.velocity_noise_m_s * velocity,
-        qdot=true.qdot,
-    ).to_vector()
 
 
 class SensorSystem(LeafSystem):
@@ -73,7 +44,7 @@ class SensorSystem(LeafSystem):
         self, config: Sensors, joints: int, period: float, offset: float, initial: np.ndarray
     ):
         super().__init__()
-        self._config = config
+        self._deviations = Deviations.make(config)
         self._is_exact = is_exact(config)
         size = VehicleState.size(joints)
         self._true_state = self.DeclareVectorInputPort("true_state", size)
@@ -83,9 +54,7 @@ class SensorSystem(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._sample)
 
     def _sample(self, context: Context, discrete: DiscreteValues) -> None:
-        arm = VehicleState.from_vector(self._true_state.Eval(context))
-        base = VehicleState.from_vector(self._late_state.Eval(context))
-        x = dataclasses.replace(base, q=arm.q, qdot=arm.qdot).to_vector()
+        x = sampled(self._true_state.Eval(context), self._late_state.Eval(context))
         if not self._is_exact:
-            x = disturbed(self._config, x, self._noise.Eval(context))
+            x = disturbed(self._deviations, x, self._noise.Eval(context))
         discrete.set_value(x)

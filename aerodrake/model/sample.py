@@ -1,0 +1,71 @@
+"""Samples of the vehicle's state, and the noise on them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from aerodrake.compiled import compiled
+from aerodrake.model.rotation import length, product, quaternion_of
+from aerodrake.model.vehicle_state import parts
+from aerodrake.scenario import Sensors
+
+
+class Deviations(NamedTuple):
+    """Standard deviations of the noise: m, m/s, rad, rad/s, and rad of each joint."""
+
+    position: float
+    velocity: float
+    attitude: float
+    rate: float
+    joint: float
+
+    @classmethod
+    def make(cls, config: Sensors) -> Deviations:
+        """Of the scenario."""
+        return cls(
+            config.position_noise_m,
+            config.velocity_noise_m_s,
+            config.attitude_noise_rad,
+            config.rate_noise_rad_s,
+            config.joint_noise_rad,
+        )
+
+
+def noise_size(joints: int) -> int:
+    """How many independent draws one sample takes: base 12, and one per joint."""
+    return 12 + joints
+
+
+@compiled
+def sampled(arm: np.ndarray, base: np.ndarray) -> np.ndarray:
+    """(13 + 2 n,) the arm of one state (13 + 2 n,) and the base of another one."""
+    found = base.copy()
+    _, _, q, _, _, qdot = parts(found)
+    _, _, q[:], _, _, qdot[:] = parts(arm)
+    return found
+
+
+@compiled
+def disturbed(sigma: Deviations, x: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """The state vector x with measurement noise on it.
+
+    Args:
+        sigma: Standard deviations.
+        x: (13 + 2 n,) the true state, as `VehicleState` has it.
+        noise: (12 + n,) standard normal draws: position, velocity, attitude (roll,
+            pitch and yaw from the true one), rates (3 each), joint angles.
+
+    Returns:
+        (13 + 2 n,), the quaternion's w at least 0.
+    """
+    found = x.copy()
+    quaternion, p_B, q, omega_W, v_B, _ = parts(found)
+    p_B += sigma.position * noise[:3]
+    v_B += sigma.velocity * noise[3:6]
+    omega_W += sigma.rate * noise[9:12]
+    q += sigma.joint * noise[12:]
+    turned = product(quaternion, quaternion_of(sigma.attitude * noise[6:9]))
+    quaternion[:] = turned / np.copysign(length(turned), turned[0])
+    return found
