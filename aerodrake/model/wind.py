@@ -6,6 +6,9 @@ import math
 
 import numpy as np
 
+from aerodrake.compiled import compiled
+from aerodrake.model.rotation import length
+from aerodrake.model.vehicle_state import parts
 from aerodrake.scenario import Wind
 
 
@@ -32,13 +35,27 @@ def discrete_gusts(config: Wind, dt: float) -> tuple[float, np.ndarray]:
     return a, np.array(config.gust_m_s) * math.sqrt(1 - a * a)
 
 
-def drag(config: Wind, v_r: np.ndarray) -> np.ndarray:
+@compiled
+def drag(quadratic: float, linear: float, v_r: np.ndarray) -> np.ndarray:
     """(3,) N, quadratic |v_r| v_r + linear v_r: the force of air that moves past.
 
     Args:
-        config: Coefficients.
+        quadratic: N s^2/m^2.
+        linear: N s/m.
         v_r: (3,) m/s, the air's velocity less the body's, in any frame; the
             force is in the same one.
     """
-    speed = np.linalg.norm(v_r)
-    return (config.quadratic_drag_n_s2_m2 * speed + config.linear_drag_n_s_m) * v_r
+    return (quadratic * length(v_r) + linear) * v_r
+
+
+@compiled
+def drag_on_base(quadratic: float, linear: float, air: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """(3,) N in the world.
+
+    Args:
+        quadratic, linear: As above.
+        air: (3,) m/s, its velocity in the world.
+        x: (13 + 2 n,) the vehicle's state, as `VehicleState` has it.
+    """
+    _, _, _, _, v_B, _ = parts(x)
+    return drag(quadratic, linear, air - v_B)

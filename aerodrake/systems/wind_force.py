@@ -10,7 +10,7 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.model.wind import drag, is_at_rest
+from aerodrake.model.wind import drag_on_base, is_at_rest
 from aerodrake.scenario import Wind
 
 
@@ -39,7 +39,7 @@ class WindForce(LeafSystem):
 
     def __init__(self, config: Wind, joints: int, base: BodyIndex, period: float):
         super().__init__()
-        self._config = config
+        self._drag = config.quadratic_drag_n_s2_m2, config.linear_drag_n_s_m
         self._base = base
         self._true_state = self.DeclareVectorInputPort("true_state", VehicleState.size(joints))
         self._air_velocity = self.DeclareVectorInputPort("air_velocity", 3)
@@ -55,9 +55,8 @@ class WindForce(LeafSystem):
             self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        state = VehicleState.from_vector(self._true_state.Eval(context))
-        v_r = self._air_velocity.Eval(context) - state.v_B
-        discrete.set_value(self._force, drag(self._config, v_r))
+        air, x = self._air_velocity.Eval(context), self._true_state.Eval(context)
+        discrete.set_value(drag_on_base(*self._drag, air, x))
 
     def _calc_spatial_forces(self, context: Context, output: AbstractValue) -> None:
         force = ExternallyAppliedSpatialForce()

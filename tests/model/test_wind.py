@@ -7,9 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aerodrake.model.wind import discrete_gusts, drag, is_at_rest
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.wind import discrete_gusts, drag, drag_on_base, is_at_rest
 from aerodrake.scenario import Wind
 
+JOINTS = 6
 SPEEDS = st.tuples(*[st.floats(-30, 30)] * 3).map(np.array)
 
 
@@ -23,23 +25,29 @@ SPEEDS = st.tuples(*[st.floats(-30, 30)] * 3).map(np.array)
     ],
 )
 def test_drag_by_hand(v_r, force):
-    np.testing.assert_allclose(drag(Wind(), np.array(v_r, dtype=float)), force, atol=1e-15)
+    np.testing.assert_allclose(drag(0.25, 0.15, np.array(v_r, dtype=float)), force, atol=1e-15)
 
 
 def test_each_coefficient_is_of_its_own_power():
     v_r = np.array([0.0, 3.0, 4.0])
-    quadratic = Wind(quadratic_drag_n_s2_m2=0.5, linear_drag_n_s_m=0.0)
-    linear = Wind(quadratic_drag_n_s2_m2=0.0, linear_drag_n_s_m=0.5)
-    np.testing.assert_allclose(drag(quadratic, v_r), [0, 7.5, 10])
-    np.testing.assert_allclose(drag(linear, v_r), [0, 1.5, 2])
+    np.testing.assert_allclose(drag(0.5, 0.0, v_r), [0, 7.5, 10])
+    np.testing.assert_allclose(drag(0.0, 0.5, v_r), [0, 1.5, 2])
 
 
 @given(SPEEDS)
 def test_drag_is_along_the_air_and_turns_with_it(v_r):
-    force = drag(Wind(), v_r)
+    force = drag(0.25, 0.15, v_r)
     np.testing.assert_allclose(np.cross(force, v_r), 0, atol=1e-9)
     assert force @ v_r >= 0
-    np.testing.assert_allclose(drag(Wind(), -v_r), -force)
+    np.testing.assert_allclose(drag(0.25, 0.15, -v_r), -force)
+
+
+@given(SPEEDS, SPEEDS)
+def test_the_base_feels_air_that_it_does_not_move_with(air, v_B):
+    x = np.full(VehicleState.size(JOINTS), 9.0)
+    x[10 + JOINTS : 13 + JOINTS] = v_B
+    expected = drag(0.25, 0.15, air - v_B)
+    np.testing.assert_array_equal(drag_on_base(0.25, 0.15, air, x), expected)
 
 
 @given(st.floats(0.001, 0.1), st.floats(0.05, 100), st.floats(0, 10))
