@@ -76,6 +76,21 @@ def evaluate(segment: np.ndarray, time: float, first: int, end: int) -> np.ndarr
 
 
 @compiled
+def advanced(segment: np.ndarray, time: float) -> np.ndarray:
+    """(2 m + 1,) positions and velocities at a time, and the time: the x of the next segment.
+
+    Args:
+        segment: (3 m + 1,) as above.
+        time: s.
+    """
+    m = len(segment) // 3
+    found = np.empty(2 * m + 1)
+    found[:-1] = evaluate(segment, time, 0, m)[: 2 * m]
+    found[-1] = time
+    return found
+
+
+@compiled
 def integrate(
     p: np.ndarray, v: np.ndarray, u: np.ndarray, t: float
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
-from aerodrake.model.setpoint import SetpointLimits, evaluate, segment
+from aerodrake.model.setpoint import SetpointLimits, advanced, evaluate, segment
 
 
 class SetpointIntegrator(LeafSystem):
@@ -63,6 +63,4 @@ class SetpointIntegrator(LeafSystem):
         output.SetFromVector(now)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        time = context.get_time()
-        now = evaluate(self._segment.Eval(context), time, 0, self._axes)
-        discrete.set_value(np.append(now[: 2 * self._axes], time))
+        discrete.set_value(advanced(self._segment.Eval(context), context.get_time()))

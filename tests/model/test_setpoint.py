@@ -6,7 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from aerodrake.model.setpoint import SetpointLimits, admissible, evaluate, integrate, segment
+from aerodrake.model.setpoint import (
+    SetpointLimits,
+    admissible,
+    advanced,
+    evaluate,
+    integrate,
+    segment,
+)
 from aerodrake.scenario import Mpc
 
 DT = 0.02
@@ -68,6 +75,7 @@ def test_a_segment_is_a_parabola_on_each_axis(start, u, share):
     for first, end in ((0, 3), (0, 1), (1, 3)):
         now = evaluate(found, time, first, end).reshape(3, -1)
         np.testing.assert_allclose(now, expected[:, first:end], atol=1e-13)
+    np.testing.assert_allclose(advanced(found, time), [*expected[:2].ravel(), time], atol=1e-13)
 
 
 @given(command_sequences())
