@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from numba import njit
 
 compiled = njit(cache=True, error_model="numpy")
@@ -13,3 +15,22 @@ Arithmetic is IEEE's, in the order as written, so that results repeat bit for bi
 by zero gives inf or nan as in numpy. With NUMBA_DISABLE_JIT=1 in the environment the same
 lines run as plain Python.
 """
+
+
+def forget_stale(folder: Path) -> None:
+    """Deletes cached machine code that is older than the newest source of any beside it.
+
+    numba itself looks at the file of a function alone, not at those that it has inlined.
+
+    Args:
+        folder: Of sources; numba's indices are in its `__pycache__`, named `source.function-...`.
+    """
+    indices = list((folder / "__pycache__").glob("*.nbi"))
+    sources = {folder / f"{index.name.split('.')[0]}.py" for index in indices}
+    newest = max((s.stat().st_mtime for s in sources if s.exists()), default=0.0)
+    for index in indices:
+        if index.stat().st_mtime < newest:
+            index.unlink(missing_ok=True)
+
+
+forget_stale(Path(__file__).parent / "model")
