@@ -50,6 +50,7 @@ from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
 from aerodrake.model.payload import add_payload
 from aerodrake.model.reference import make_reference
+from aerodrake.model.scenario_network import network_for
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
@@ -198,13 +199,9 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         "weight_allocator", WeightAllocator(scenario.allocation, period)
     )
     equivalent_state = builder.AddNamedSystem("equivalent_state", EquivalentState(model))
-    network = None
-    if scenario.residual.mode != "off":
-        from aerodrake.model.checkpoint import network_for  # torch takes a second to import.
-
-        network = network_for(scenario, n)
     residual_estimator = builder.AddNamedSystem(
-        "residual_estimator", ResidualEstimator(network, model, scenario.residual)
+        "residual_estimator",
+        ResidualEstimator(network_for(scenario, n), model, scenario.residual),
     )
     # Named `mpc` or `clik`; the ports are the same.
     controller = builder.AddNamedSystem(
