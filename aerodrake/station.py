@@ -176,7 +176,8 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
     Inputs: those of the station's outputs that it meets, as above.
-    Outputs: `base_setpoint` (9), `joint_setpoint` (3 n); `reference` (6), `weights`
+    Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment`, which tells both
+    until the next tick (3 (3 + n) + 1); `reference` (6), `weights`
     (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (2), `delta` (3),
     `prediction_error` (3), `nominal_prediction_error` (3).
     """
@@ -247,7 +248,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         builder.ExportInput(equivalent_state.GetInputPort(port), port)
     builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")
     for system, ports in (
-        (setpoint_integrator, ("base_setpoint", "joint_setpoint")),
+        (setpoint_integrator, ("base_setpoint", "joint_setpoint", "segment")),
         (reference, ("reference",)),
         (controller, ("u", "prediction", "status", "weights", "delta")),
         (residual_estimator, ("prediction_error", "nominal_prediction_error")),
