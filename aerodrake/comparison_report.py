@@ -25,6 +25,7 @@ from aerodrake.report import (
     STYLE,
     draw_allocation,
     widen,
+    write_png,
 )
 from aerodrake.scenario import Scenario
 
@@ -157,12 +158,11 @@ def plot_comparison(
     """
     with rc_context(STYLE):
         rows = -(-(len(logs) + 1) // PANELS)
-        figure = Figure(figsize=(14, 10 + 3 * rows), layout="constrained")
+        figure = Figure(figsize=(14, 10 + 3 * rows), dpi=110, layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         if logs:
             _draw(figure, rows, logs, own, scenario)
-        # No version or date inside: the same flights give the same bytes.
-        figure.savefig(path, dpi=110, metadata={"Software": None})
+        write_png(figure, path)
 
 
 def _draw(

@@ -37,8 +37,14 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "external_acceleration": (("external_acceleration_m_s2", "3"),),
     "specific_thrust": (("specific_thrust_m_s2", "1"),),
-    "base_setpoint": (("p_Bd_m", "3"), ("v_Bd_m_s", "3"), ("a_Bd_m_s2", "3")),
-    "joint_setpoint": (("q_d_rad", "n"), ("qdot_d_rad_s", "n"), ("qddot_d_rad_s2", "n")),
+    "segment": (
+        ("p_Bd_m", "3"),
+        ("q_d_rad", "n"),
+        ("v_Bd_m_s", "3"),
+        ("qdot_d_rad_s", "n"),
+        ("a_Bd_m_s2", "3"),
+        ("qddot_d_rad_s2", "n"),
+    ),
     "thrust": (("thrust_n", "k"),),
     "thrust_command": (("thrust_command_n", "k"),),
     "joint_torque": (("joint_torque_n_m", "n"),),
@@ -55,8 +61,9 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
 """Ports of the closed loop that are logged, and the keys and widths of their parts.
 
 n is the number of joints, k that of rotors, N the horizon. A part of width 1
-is logged as a plain series (T,), the others as (T, width). Ports that only show
-a state cost next to nothing; the others are evaluated for the log.
+is logged as a plain series (T,), the others as (T, width). Each of these ports shows
+a state, or what is computed at a tick anyway: nothing is evaluated for the log. Of
+`segment` the log has the setpoints that its polynomials give at each sample.
 A row shows what was there before the updates of its instant: the sample of the
 instant itself, `measured_*`, and the state that was made of the one before,
 `estimated_*` and `external_acceleration`.
@@ -190,9 +197,9 @@ def key_columns(sizes: Mapping[str, int]) -> dict[str, int | slice]:
     """
     fixed = {"1": 1, "3": 3, "4": 4}
     columns: dict[str, int | slice] = {}
-    start = 0
+    begin = 0
     for port, size in sizes.items():
-        parts = PORTS[port]
+        parts, start = PORTS[port], begin
         known = sum(fixed.get(width, 0) for _, width in parts)
         open_parts = sum(width not in fixed for _, width in parts)
         open_width = (size - known) // open_parts if open_parts else 0
@@ -200,4 +207,5 @@ def key_columns(sizes: Mapping[str, int]) -> dict[str, int | slice]:
             end = start + fixed.get(width, open_width)
             columns[key] = start if width == "1" else slice(start, end)
             start = end
+        begin += size
     return columns

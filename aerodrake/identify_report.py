@@ -14,7 +14,7 @@ from scipy.signal import lsim
 
 from aerodrake.identify import AxisIdentification, Identification, Record
 from aerodrake.model.identification import LEVEL
-from aerodrake.report import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE
+from aerodrake.report import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario_file import save_scenario
 from aerodrake.summary import rounded, to_json
 
@@ -99,7 +99,7 @@ def table(identification: Identification) -> str:
 def plot_identification(identification: Identification, path: Path) -> None:
     """Writes the figure: response, velocity as measured and fitted, and residual, by axis."""
     with rc_context(STYLE):
-        figure = Figure(figsize=(15, 11), layout="constrained")
+        figure = Figure(figsize=(15, 11), dpi=110, layout="constrained")
         scenario = identification.scenario
         title = f"{scenario.name}: flight.interface {scenario.flight.interface}"
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
@@ -122,8 +122,7 @@ def plot_identification(identification: Identification, path: Path) -> None:
             if row[0] is not rows[3, 0]:
                 for axes in row:
                     axes.set_xlabel("time / s")
-        # No version or date inside: the same flights give the same bytes.
-        figure.savefig(path, dpi=110, metadata={"Software": None})
+        write_png(figure, path)
 
 
 def _response(axes: Axes, axis: AxisIdentification) -> None:

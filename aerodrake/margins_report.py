@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from aerodrake.comparison_report import COLORS, HEADLINES
 from aerodrake.margin_search import LEAST_ERROR_M, Bracket, Search
 from aerodrake.margins import Margins
-from aerodrake.report import INK, REFERENCE, STYLE
+from aerodrake.report import INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario import Scenario
 from aerodrake.summary import to_json
 
@@ -145,7 +145,7 @@ def plot_margins(margins: Margins, title: str, path: Path) -> None:
         path: A PNG.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(14, 5.5), layout="constrained")
+        figure = Figure(figsize=(14, 5.5), dpi=110, layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         row = figure.subplots(1, len(PANELS), sharey=True, squeeze=False)[0]
         for axes, (label, disturbances) in zip(row, PANELS.items(), strict=True):
@@ -160,8 +160,7 @@ def plot_margins(margins: Margins, title: str, path: Path) -> None:
         for name in margins.searches:
             row[0].plot([], [], color=COLORS[name], label=name)
         figure.legend(loc="outside lower center", ncols=len(margins.searches))
-        # No version or date inside: the same flights give the same bytes.
-        figure.savefig(path, dpi=110, metadata={"Software": None})
+        write_png(figure, path)
 
 
 def _factors(axes: Axes) -> None:

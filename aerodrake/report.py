@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib import colormaps, rc_context
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from aerodrake.flight_log import FlightLog
@@ -107,7 +108,7 @@ def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
     with rc_context(STYLE):
         angle = log.tool_angle_rad
         rows = 6 if angle is None else 7
-        figure = Figure(figsize=(13, 14 * rows / 6), layout="constrained")
+        figure = Figure(figsize=(13, 14 * rows / 6), dpi=120, layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         grid = figure.add_gridspec(rows, 2, width_ratios=[1.15, 1])
         _paths(figure.add_subplot(grid[:3, 0], projection="3d"), log)
@@ -131,8 +132,15 @@ def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
             _angle(timeline(grid[6, :]), log.time_s, angle)
         for axes in (times[5], times[-1]):
             axes.set_xlabel("reference time / s")
-        # No version or date inside: the same flight gives the same bytes.
-        figure.savefig(path, dpi=120, metadata={"Software": None})
+        write_png(figure, path)
+
+
+def write_png(figure: Figure, path: Path) -> None:
+    """Draws a figure into a file, once: `savefig` would do so twice for its layout.
+
+    There is no version or date inside: the same figure gives the same bytes.
+    """
+    FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})
 
 
 def _paths(axes: Any, log: FlightLog) -> None:

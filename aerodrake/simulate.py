@@ -16,6 +16,7 @@ from aerodrake.model.direction import make_direction
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.reference import hover_then_follow, make_reference
 from aerodrake.model.rotation import rotation_matrix
+from aerodrake.model.setpoint import integrate
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import parts
 from aerodrake.recording import Recording
@@ -44,17 +45,19 @@ class Flight:
         self.scenario = scenario
         builder = DiagramBuilder()
         self.closed_loop: Diagram = builder.AddSystem(make_closed_loop(scenario))
-        ports = [self.closed_loop.GetOutputPort(name) for name in PORTS]
-        sizes = [port.size() for port in ports]
+        ports = {name: self.closed_loop.GetOutputPort(name) for name in PORTS}
+        sizes = {name: port.size() for name, port in ports.items()}
         # Side by side in one sink: each sink would be an event of its own.
-        samples = builder.AddNamedSystem("samples", Multiplexer(sizes))
-        for i, port in enumerate(ports):
+        samples = builder.AddNamedSystem("samples", Multiplexer(list(sizes.values())))
+        for i, port in enumerate(ports.values()):
             builder.Connect(port, samples.get_input_port(i))
         self._sink = LogVectorOutput(
             samples.get_output_port(), builder, scenario.rates.flight_period_s
         )
         self._sink.set_name("log")
-        self._columns = key_columns(dict(zip(PORTS, sizes, strict=True)))
+        self._columns = key_columns(sizes)
+        first = self._columns["p_Bd_m"].start
+        self._segment = slice(first, first + sizes["segment"])
         self._diagram = builder.Build()
         self._diagram.set_name("flight")
         coordinator = self.closed_loop.GetSubsystemByName("coordinator")
@@ -111,9 +114,16 @@ class Flight:
     def _record(self, recording: Recording, context: Context, least: int = 1) -> None:
         """Moves what the sink holds to the recording, if it is `least` samples or more."""
         log = self._sink.FindMutableLog(context)
-        if log.num_samples() >= least:
-            recording.append(log.sample_times(), log.data())
-            log.Clear()
+        if log.num_samples() < least:
+            return
+        times, samples = log.sample_times(), log.data().copy()
+        # Setpoints in the place of the polynomials that they follow.
+        segment = samples[self._segment]
+        m = len(segment) // 3
+        p, v, u = segment[:-1].reshape(3, m, -1)
+        segment[: 2 * m] = np.vstack(integrate(p, v, u, times - segment[-1]))
+        recording.append(times, samples)
+        log.Clear()
 
     def _derived(
         self, time_s: np.ndarray, signals: Mapping[str, np.ndarray]

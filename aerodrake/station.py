@@ -50,6 +50,7 @@ from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
 from aerodrake.model.payload import add_payload
 from aerodrake.model.reference import make_reference
+from aerodrake.model.scenario_network import network_for
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
@@ -175,7 +176,8 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
     Inputs: those of the station's outputs that it meets, as above.
-    Outputs: `base_setpoint` (9), `joint_setpoint` (3 n); `reference` (6), `weights`
+    Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment`, which tells both
+    until the next tick (3 (3 + n) + 1); `reference` (6), `weights`
     (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (2), `delta` (3),
     `prediction_error` (3), `nominal_prediction_error` (3).
     """
@@ -198,13 +200,9 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         "weight_allocator", WeightAllocator(scenario.allocation, period)
     )
     equivalent_state = builder.AddNamedSystem("equivalent_state", EquivalentState(model))
-    network = None
-    if scenario.residual.mode != "off":
-        from aerodrake.model.checkpoint import network_for  # torch takes a second to import.
-
-        network = network_for(scenario, n)
     residual_estimator = builder.AddNamedSystem(
-        "residual_estimator", ResidualEstimator(network, model, scenario.residual)
+        "residual_estimator",
+        ResidualEstimator(network_for(scenario, n), model, scenario.residual),
     )
     # Named `mpc` or `clik`; the ports are the same.
     controller = builder.AddNamedSystem(
@@ -250,7 +248,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         builder.ExportInput(equivalent_state.GetInputPort(port), port)
     builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")
     for system, ports in (
-        (setpoint_integrator, ("base_setpoint", "joint_setpoint")),
+        (setpoint_integrator, ("base_setpoint", "joint_setpoint", "segment")),
         (reference, ("reference",)),
         (controller, ("u", "prediction", "status", "weights", "delta")),
         (residual_estimator, ("prediction_error", "nominal_prediction_error")),

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from aerodrake.evaluation import METHODS, Evaluation
 from aerodrake.model.training import Trained
-from aerodrake.report import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE
+from aerodrake.report import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 
 
 def training_table(evaluation: Evaluation) -> str:
@@ -52,7 +52,7 @@ def plot_training(
         path: Of the PNG.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(10, 9), layout="constrained")
+        figure = Figure(figsize=(10, 9), dpi=120, layout="constrained")
         losses, *axes = figure.subplots(4, 1, height_ratios=[1.6, 1, 1, 1])
         epochs = 1 + np.arange(len(trained.training_loss))
         losses.semilogy(epochs, trained.training_loss, color=INK, label="training")
@@ -69,8 +69,7 @@ def plot_training(
             plot.legend(loc="upper right", ncols=2)
         axes[0].set_title(title, parse_math=False)
         axes[-1].set_xlabel("time / s")
-        # No version or date inside: the same training gives the same bytes.
-        figure.savefig(path, dpi=120, metadata={"Software": None})
+        write_png(figure, path)
 
 
 def _percent(part: float | None) -> str:

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RotationMatrix
+from pydrake.systems.analysis import Simulator
 
 from aerodrake.flight_log import DERIVED, PORTS, ROWS_A_WRITE, FlightLog, key_columns
 from aerodrake.scenario import Mpc, Scenario
-from aerodrake.station import make_closed_loop
+from aerodrake.station import make_closed_loop, make_context
+from aerodrake.threads import single_thread
 
 KEYS = [key for parts in PORTS.values() for key, _ in parts]
 
@@ -22,16 +24,18 @@ DIMENSIONLESS = {"estimated_quaternion",
 @pytest.mark.parametrize("horizon", [3, 15])
 def test_parts_cover_their_ports_exactly(vehicle, horizon):
     closed_loop = make_closed_loop(Scenario(mpc=Mpc(horizon=horizon)))
+    beside = {"segment": 1}  # Its time, which is not logged.
     sizes = {"1": 1, "3": 3, "4": 4, "n": vehicle.joints, "k": len(vehicle.rotors.names),
              "3(N+1)": 3 * (horizon + 1)}  # fmt: skip
     ports = {port: closed_loop.GetOutputPort(port).size() for port in PORTS}
     for port, parts in PORTS.items():
-        assert sum(sizes[width] for _, width in parts) == ports[port], port
+        assert sum(sizes[width] for _, width in parts) + beside.get(port, 0) == ports[port], port
     columns, row = key_columns(ports), np.arange(sum(ports.values()))
     assert list(columns) == KEYS
     for key, width in (part for parts in PORTS.values() for part in parts):
         assert np.shape(row[columns[key]]) == (() if width == "1" else (sizes[width],)), key
-    np.testing.assert_array_equal(np.hstack([row[part] for part in columns.values()]), row)
+    seen = np.hstack([row[part] for part in columns.values()])
+    assert len(seen) == len(row) - 1 and list(seen) == sorted(set(seen))
 
 
 def test_every_vector_of_the_closed_loop_is_logged(vehicle):
@@ -41,8 +45,8 @@ def test_every_vector_of_the_closed_loop_is_logged(vehicle):
         for port in map(closed_loop.get_output_port, range(closed_loop.num_output_ports()))
         if port.size()
     }
-    # u stands in the setpoints, as a_d and qddot_d; the reference is known after the flight.
-    assert ports == {*PORTS, "u", "reference"}
+    # The setpoints, u among them, are in the segments; the reference is known after the flight.
+    assert ports == {*PORTS, "u", "reference", "base_setpoint", "joint_setpoint"}
 
 
 def test_names_are_unique():
@@ -171,3 +175,21 @@ def test_thinned_for_figures(short_flight, most):
     for key, signal in thin.signals.items():
         expected = log[key] if key == "tick_ms" else log[key][rows]
         np.testing.assert_array_equal(signal, expected, err_msg=key)
+
+
+def test_setpoints_are_those_of_their_ports(short_flight):
+    """Between ticks, too, though the ports are not evaluated for the log."""
+    scenario, log = short_flight
+    closed_loop = make_closed_loop(scenario)
+    context = make_context(closed_loop, scenario.seed)
+    simulator = Simulator(closed_loop, context)
+    keys = {"base_setpoint": ("p_Bd_m", "v_Bd_m_s", "a_Bd_m_s2"),
+            "joint_setpoint": ("q_d_rad", "qdot_d_rad_s", "qddot_d_rad_s2")}  # fmt: skip
+    with single_thread():
+        for row in (13, 14, 15, 16):
+            simulator.AdvanceTo(round(0.01 * row, 9))  # Updates of this instant are still to come.
+            for port, parts in keys.items():
+                expected = closed_loop.GetOutputPort(port).Eval(context)
+                np.testing.assert_array_equal(
+                    np.concatenate([log[key][row] for key in parts]), expected
+                )

@@ -1,6 +1,10 @@
 """How flights end, and what their logs hold."""
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -174,3 +178,16 @@ def test_a_flight_can_be_flown_again_after_an_interrupt(short_flight):
     again = flight.fly()
     np.testing.assert_array_equal(again["p_E_m"], whole["p_E_m"])
     assert len(again["tick_ms"]) == len(whole["tick_ms"])
+
+
+def test_a_flight_without_network_needs_no_torch():
+    """Nor do its figures and its replay: torch takes a second to import."""
+    code = (
+        "import sys; from aerodrake.scenario import Scenario\n"
+        "from aerodrake.simulate import Flight\n"
+        "import aerodrake.flight_folder, aerodrake.replay\n"
+        "Flight(Scenario(settle_s=0, duration=0.02)).fly(); assert 'torch' not in sys.modules"
+    )
+    root = Path(aerodrake.__file__).parents[1]
+    environment = os.environ | {"PYTHONPATH": str(root)}
+    subprocess.run([sys.executable, "-c", code], check=True, env=environment)

@@ -45,7 +45,7 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.margins import find_margins
     from aerodrake.margins_report import FILES as MARGINS_FILES
     from aerodrake.margins_report import margins_table, write_margins
-    from aerodrake.model.checkpoint import provenance_notes
+    from aerodrake.model.scenario_network import provenance_notes
     from aerodrake.run_folder import run_folder
     from aerodrake.scenario_rules import warnings
     from aerodrake.summary import to_json

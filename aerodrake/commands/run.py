@@ -34,7 +34,7 @@ def main(arguments: argparse.Namespace) -> int:
     target = arguments.out or new_folder(scenario.name)
 
     from aerodrake.flight_folder import fly_into
-    from aerodrake.model.checkpoint import provenance_notes
+    from aerodrake.model.scenario_network import provenance_notes
     from aerodrake.replay import write_replay
     from aerodrake.report import table
     from aerodrake.run_folder import run_folder

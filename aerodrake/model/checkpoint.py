@@ -10,11 +10,9 @@ from typing import Any
 import torch
 
 from aerodrake.errors import BadInput
-from aerodrake.files import is_stored_zip, locate, read_bounded, write_whole
-from aerodrake.fingerprint import plant_hash
-from aerodrake.model.residual_features import HIDDEN, feature_names
-from aerodrake.model.residual_network import ResidualNetwork
-from aerodrake.scenario import Scenario
+from aerodrake.files import is_stored_zip, read_bounded, write_whole
+from aerodrake.model.residual_features import feature_names
+from aerodrake.model.residual_network import HIDDEN, ResidualNetwork
 
 FORMAT = 1
 """Version of the checkpoint's layout."""
@@ -38,44 +36,6 @@ class Provenance:
     flight_interface: str
     plant_hash: str
     scenario_hash: str
-
-
-def network_for(scenario: Scenario, joints: int) -> ResidualNetwork:
-    """The network that a scenario with a residual names; an untrained one where it names none.
-
-    Raises:
-        BadInput: if the checkpoint cannot be used, or serves another flight interface.
-    """
-    file = scenario.residual.checkpoint
-    if not file:
-        return ResidualNetwork.untrained(joints, scenario.seed)
-    network, provenance = load(locate(file), joints)
-    if provenance.flight_interface != scenario.flight.interface:
-        raise BadInput(
-            scenario.source,
-            "residual.checkpoint",
-            f"expected a network for flight.interface {scenario.flight.interface}, got one for "
-            f"{provenance.flight_interface}",
-        )
-    return network
-
-
-def provenance_notes(scenario: Scenario, joints: int) -> list[str]:
-    """What should be known of the network that a scenario flies with.
-
-    Raises:
-        BadInput: if the checkpoint cannot be used.
-    """
-    file = scenario.residual.checkpoint
-    if not file or scenario.residual.mode == "off":
-        return []
-    _, provenance = load(locate(file), joints)
-    if provenance.plant_hash == plant_hash(scenario):
-        return []
-    return [
-        "residual.checkpoint was trained for another vehicle, flight controller or model than "
-        "this scenario's; `aerodrake train` makes one for it"
-    ]
 
 
 def save(path: Path, network: ResidualNetwork, metadata: Provenance) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.stats import qmc
 
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.vehicle import Vehicle
@@ -16,7 +15,7 @@ def farthest_reach(vehicle: Vehicle) -> float:
     """The farthest that joint limits let the end-effector get from p_O, in m.
 
     The URDF's own answer to what the paper's d_edge stands for. Searched from
-    well-spread configurations, always the same.
+    random configurations, always the same.
     """
     kinematics = Kinematics(vehicle.robot)
 
@@ -25,7 +24,7 @@ def farthest_reach(vehicle: Vehicle) -> float:
         offset = p_EB - vehicle.p_O
         return -offset @ offset / 2, -J_B.T @ offset
 
-    spread = qmc.Sobol(vehicle.joints, rng=0).random(STARTS)
+    spread = np.random.default_rng(0).random((STARTS, vehicle.joints))
     bounds = list(zip(vehicle.lower, vehicle.upper, strict=True))
     found = [
         minimize(closeness, q, jac=True, bounds=bounds, method="L-BFGS-B").fun

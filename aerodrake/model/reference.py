@@ -14,8 +14,10 @@ from functools import cached_property
 
 import numpy as np
 
+from aerodrake.compiled import compiled
 from aerodrake.files import locate
 from aerodrake.model.diameter import path_diameter
+from aerodrake.model.pace import smooth_start
 from aerodrake.model.waypoints import interpolate_waypoints, read_waypoints
 from aerodrake.reference_kinds import (
     Clover,
@@ -169,13 +171,21 @@ class CloverCurve(ClosedCurve):
         return 2 * self._amplitude  # From tip to opposite tip; no point is farther out.
 
     def shape(self, s: np.ndarray) -> Motion:
-        theta = self._rate * s
-        cos, sin, zero = np.cos(theta), np.sin(theta), np.zeros_like(theta)
-        r = self._amplitude * np.cos(2 * theta)
-        dr = -2 * self._amplitude * np.sin(2 * theta)
-        offset = np.stack([r * cos - self._amplitude, r * sin, zero], axis=-1)
-        derivative = np.stack([dr * cos - r * sin, dr * sin + r * cos, zero], axis=-1)
-        return offset, self._rate * derivative
+        return _clover(self._amplitude, self._rate, s)
+
+
+@compiled
+def _clover(a: float, rate: float, s: np.ndarray) -> Motion:
+    """r = a cos(2 theta) with theta = rate s, from the tip at theta 0; and its derivative."""
+    offset, derivative = np.zeros((len(s), 3)), np.zeros((len(s), 3))
+    for i in range(len(s)):
+        theta = rate * s[i]
+        cos, sin = np.cos(theta), np.sin(theta)
+        r, dr = a * np.cos(2 * theta), -2 * a * np.sin(2 * theta)
+        offset[i, 0], offset[i, 1] = r * cos - a, r * sin
+        derivative[i, 0] = rate * (dr * cos - r * sin)
+        derivative[i, 1] = rate * (dr * sin + r * cos)
+    return offset, derivative
 
 
 class FigureEightCurve(ClosedCurve):
@@ -263,24 +273,6 @@ def hover_then_follow(curve: ReferenceCurve, start: np.ndarray, times: np.ndarra
     """A flight's reference at times (T,): to stay at `start` (3,) m until 0, then the curve."""
     p, v = curve.evaluate(times)
     return np.where(times[:, None] < 0.0, start, p), v
-
-
-def smooth_start(times: np.ndarray, start_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Time along a curve whose pace rises from 0 to 1 in `start_s`.
-
-    The pace is the smoothstep 3 x^2 - 2 x^3 of x = t / start_s, whose slope
-    vanishes at both ends: acceleration is continuous.
-
-    Args:
-        times: (T,) s, >= 0.
-        start_s: s, > 0.
-
-    Returns:
-        (T,) s, time along the curve, t - start_s / 2 after the start; and (T,), the pace.
-    """
-    x = np.minimum(times / start_s, 1.0)
-    s = start_s * (x**3 - x**4 / 2) + np.maximum(times - start_s, 0.0)
-    return s, x**2 * (3 - 2 * x)
 
 
 def common_period(periods: np.ndarray) -> float | None:

@@ -40,20 +40,20 @@ class ReferenceSystem(LeafSystem):
         self._stages = stages_s
         time = {self.time_ticket()}
         self.DeclareVectorOutputPort("reference", 6, self._calc_reference, time)
-        self.DeclareVectorOutputPort("horizon", 6 * len(stages_s), self._calc_horizon, time)
+        self._horizon = self.DeclareVectorOutputPort(
+            "horizon", 6 * len(stages_s), self._calc_horizon, time
+        )
         self.DeclareVectorOutputPort("d_g", 1, self._calc_d_g, {self.nothing_ticket()})
 
     def _calc_reference(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._evaluate(context, np.zeros(1)))
+        # A tick needs both, and one evaluation costs as much as the other.
+        output.SetFromVector(self._horizon.Eval(context)[:6])
 
     def _calc_horizon(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._evaluate(context, self._stages))
+        now = round(context.get_time() - self._settle_s, 9)  # 0 is 0, whatever rounding did.
+        times = np.full(len(self._stages), now) if now < 0 else now + self._stages
+        motion = hover_then_follow(self._curve, self._start, times)
+        output.SetFromVector(np.hstack(motion).ravel())
 
     def _calc_d_g(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector([self._curve.diameter_m])
-
-    def _evaluate(self, context: Context, ahead: np.ndarray) -> np.ndarray:
-        """(6 T,) motion at times `ahead` (T,) s from now."""
-        now = round(context.get_time() - self._settle_s, 9)  # 0 is 0, whatever rounding did.
-        times = np.full(len(ahead), now) if now < 0 else now + ahead
-        return np.hstack(hover_then_follow(self._curve, self._start, times)).ravel()

@@ -3,14 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from pydrake.common.value import AbstractValue, Value
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-    LeafSystem,
-    ValueProducer,
-)
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.setpoint import SetpointLimits, advanced, evaluate, segment
 
@@ -22,6 +15,8 @@ class SetpointIntegrator(LeafSystem):
         in `u` (3 + n): accelerations, m/s^2 and rad/s^2, held between ticks.
         out `base_setpoint` (9): p_d, v_d, a_d.
         out `joint_setpoint` (3 n): q_d, q_d', q_d''.
+        out `segment` (3 (3 + n) + 1): the polynomials that they follow until the next
+            tick: positions and velocities at the last one, accelerations, and its time.
     State:
         positions and velocities (3 + n each) of the setpoints at the last tick,
         and its time.
@@ -42,16 +37,14 @@ class SetpointIntegrator(LeafSystem):
         self._u = self.DeclareVectorInputPort("u", m)
         self.DeclareDiscreteState(np.concatenate([position, np.zeros(m + 1)]))
         # Does not change with time: between ticks only polynomials are evaluated.
-        self._segment = self.DeclareCacheEntry(
-            "segment",
-            ValueProducer(lambda: Value(object()), self._calc_segment),
-            {self.xd_ticket(), self._u.ticket()},
+        self._segment = self.DeclareVectorOutputPort(
+            "segment", 3 * m + 1, self._calc_segment, {self.xd_ticket(), self._u.ticket()}
         )
         self.DeclareVectorOutputPort("base_setpoint", 9, self._calc_base)
         self.DeclareVectorOutputPort("joint_setpoint", 3 * (m - 3), self._calc_joints)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
-    def _calc_segment(self, context: Context, output: AbstractValue) -> None:
+    def _calc_segment(self, context: Context, output: BasicVector) -> None:
         x = context.get_discrete_state_vector().value()
         output.set_value(segment(self._limits, x, self._u.Eval(context), self._period))
 

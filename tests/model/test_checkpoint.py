@@ -1,6 +1,5 @@
 """Checkpoints, with all that can be wrong with them."""
 
-import dataclasses
 import io
 import zipfile
 
@@ -9,19 +8,15 @@ import pytest
 import torch
 
 from aerodrake.errors import BadInput
-from aerodrake.fingerprint import plant_hash
 from aerodrake.model.checkpoint import (
     FORMAT,
     MAX_BYTES,
     Provenance,
     load,
-    network_for,
-    provenance_notes,
     save,
 )
 from aerodrake.model.residual_features import feature_names
 from aerodrake.model.residual_network import FeatureScaler, ResidualNetwork
-from aerodrake.scenario import Flight, Model, Residual, Scenario
 
 JOINTS = 6
 PROVENANCE = Provenance("0.1.0", "trajectory", "abc", "def")
@@ -37,37 +32,6 @@ def trained(joints: int = JOINTS) -> ResidualNetwork:
         network.last.weight.copy_(torch.tensor(rng.normal(size=(3, 32))))
         network.last.bias.copy_(torch.tensor(rng.normal(size=3)))
     return network
-
-
-def test_a_scenario_without_checkpoint_has_an_untrained_network():
-    assert not network_for(Scenario(seed=3), JOINTS).last_layer().any()
-
-
-def test_a_scenario_has_the_network_it_names(tmp_path):
-    save(tmp_path / "a.pt", trained(), PROVENANCE)
-    scenario = Scenario(residual=Residual(checkpoint=str(tmp_path / "a.pt")))
-    np.testing.assert_array_equal(
-        network_for(scenario, JOINTS).last_layer(), trained().last_layer()
-    )
-    other = dataclasses.replace(
-        scenario, flight=Flight(interface="position"), model=Model(kind="exact")
-    )
-    with pytest.raises(BadInput, match=r"residual\.checkpoint: .*position.*trajectory"):
-        network_for(other, JOINTS)
-
-
-def test_a_network_of_another_plant_is_noted(tmp_path):
-    file = tmp_path / "a.pt"
-    ours = Scenario(residual=Residual("offline", str(file)))
-    save(file, trained(), dataclasses.replace(PROVENANCE, plant_hash=plant_hash(ours)))
-    other = dataclasses.replace(ours, model=Model(k_b=(2.0, 2.0, 2.0)))
-    off = dataclasses.replace(other, residual=Residual("off", str(file)))
-    none = dataclasses.replace(other, residual=Residual("online"))
-    assert provenance_notes(ours, JOINTS) == provenance_notes(off, JOINTS) == []
-    assert provenance_notes(none, JOINTS) == []
-    on = dataclasses.replace(other, residual=Residual("offline", str(file)))
-    (note,) = provenance_notes(on, JOINTS)
-    assert "another vehicle, flight controller or model" in note
 
 
 def test_checkpoint_round_trip(tmp_path):
