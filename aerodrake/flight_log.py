@@ -66,7 +66,7 @@ a state, or what is computed at a tick anyway: nothing is evaluated for the log.
 `segment` the log has the setpoints that its polynomials give at each sample.
 A row shows what was there before the updates of its instant: the sample of the
 instant itself, `measured_*`, and the state that was made of the one before,
-`estimated_*` and `external_acceleration`.
+`estimated_*` and `external_acceleration`; of the MPC, all that is of its last tick.
 """
 
 DERIVED = {

@@ -55,7 +55,7 @@ def test_nothing_is_learned_while_the_flight_controller_is_saturated():
         simulator.AdvanceTo(before - 1e-4)
         saturated = closed_loop.GetOutputPort("saturated").Eval(context)[0]
         simulator.AdvanceTo(before + 1e-4)
-        learned = inner.get_discrete_state(0).value()[-1]
+        learned = inner.get_discrete_state(3).value()[0]
         assert learned == seen + (saturated == 0)
         seen, flagged = learned, flagged + saturated
     assert 0 < flagged < 14

@@ -128,7 +128,7 @@ def test_moving_target():
     assert figures["error"]["approach_s"] <= 2.6
     assert figures["error"]["settled_mean_m"] <= 0.00001
     mode = log["mode"][log.time_s >= 0].astype(int)
-    assert mode[0] == 0 and mode[-1] == 1  # flight, coordinated
+    assert mode[1] == 0 and mode[-1] == 1  # flight, coordinated
     assert figures["modes"]["flight"] > 0.5 and figures["modes"]["coordinated"] > 20
     moved = np.outer(np.maximum(log.time_s, 0), [0, 0.05, 0])
     assert_figures(log, figures, np.array([0, 1.4, 0.6]) + moved)

@@ -11,8 +11,8 @@ import torch
 
 from aerodrake.errors import BadInput
 from aerodrake.files import is_stored_zip, read_bounded, write_whole
-from aerodrake.model.residual_features import feature_names
-from aerodrake.model.residual_network import HIDDEN, ResidualNetwork
+from aerodrake.model.residual_features import HIDDEN, feature_names
+from aerodrake.model.residual_network import ResidualNetwork
 
 FORMAT = 1
 """Version of the checkpoint's layout."""

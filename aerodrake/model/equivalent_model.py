@@ -237,6 +237,16 @@ class EquivalentModel:
             )
         return x
 
+    @cached_property
+    def _velocity_rows(self) -> tuple[np.ndarray, np.ndarray]:
+        """A and B of the base's velocity."""
+        return self.A[self.base_velocity], self.B[self.base_velocity]
+
+    def next_velocity(self, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """(3,) m/s, the base's velocity one period later, under u (3 + n,) and no Delta."""
+        A, B = self._velocity_rows
+        return A @ x + B @ u
+
     def predict(self, x: np.ndarray, u: np.ndarray, delta: np.ndarray) -> np.ndarray:
         """(nx,) the state one period later, under u (3 + n,) and Delta (3,) m/s."""
         return self.A @ x + self.B @ u + self.C @ delta

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from aerodrake.compiled import compiled
 
-
-@compiled
 def last_layer_step(
     theta: np.ndarray,
     phi: np.ndarray,

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
-from aerodrake.compiled import compiled
 from aerodrake.model.last_layer import last_layer_step
 from aerodrake.scenario import Residual
 
@@ -28,12 +25,6 @@ class LearnerState:
     phis: np.ndarray
     targets: np.ndarray
     seen: int
-
-    def to_vector(self) -> np.ndarray:
-        """All of it in one vector, for `OnlineLearner.state_of`."""
-        return np.concatenate(
-            [self.theta.ravel(), self.phis.ravel(), self.targets.ravel(), [self.seen]]
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,17 +62,6 @@ class OnlineLearner:
         batch, m = self.config.batch, self.theta_offline.shape[1]
         return LearnerState(self.theta_offline, np.zeros((batch, m)), np.zeros((batch, 3)), 0)
 
-    def state_of(self, x: np.ndarray) -> LearnerState:
-        """The state whose `to_vector` is x; copied, since it outlives what x shows."""
-        x, batch, m = x.copy(), self.config.batch, self.theta_offline.shape[1]
-        phis, targets = 3 * m, 3 * m + batch * m
-        return LearnerState(
-            x[:phis].reshape(3, m),
-            x[phis:targets].reshape(batch, m),
-            x[targets:-1].reshape(batch, 3),
-            int(x[-1]),
-        )
-
     def step(
         self, state: LearnerState, phi: np.ndarray, target: np.ndarray, saturated: bool
     ) -> LearnerState:
@@ -94,12 +74,22 @@ class OnlineLearner:
                 prediction without Delta.
             saturated: Whether the flight controller was, in between.
         """
-        if saturated and self.config.freeze_saturated:
-            return state
-        learned, *rest = learn(
-            self._rule, state.theta, state.phis, state.targets, state.seen, phi, target
-        )
-        return LearnerState(*rest, state.seen + 1) if learned else state
+        # Samples may be as wild as floats are; what they give is looked at below.
+        with np.errstate(over="ignore", invalid="ignore"):
+            if (saturated and self.config.freeze_saturated) or not self._is_credible(phi, target):
+                return state
+            phis, targets = state.phis.copy(), state.targets.copy()
+            row = state.seen % self.config.batch
+            phis[row], targets[row] = phi, target
+            seen = state.seen + 1
+            held = slice(min(seen, self.config.batch))
+            theta = self._guard(
+                state.theta,
+                last_layer_step(
+                    state.theta, phis[held], targets[held], self.gain, self.config.learning_rate
+                ),
+            )
+        return LearnerState(theta, phis, targets, seen)
 
     def run(self, phi: np.ndarray, target: np.ndarray, saturated: np.ndarray) -> np.ndarray:
         """Delta as the residual estimator would have inferred it along a recorded flight.
@@ -123,60 +113,22 @@ class OnlineLearner:
             state = self.step(state, phi[k], target[k], bool(saturated[k]))
         return delta
 
-    @cached_property
-    def _rule(self) -> Rule:
-        config = self.config
-        bounds = config.max_step, config.max_drift, config.max_error_m_s
-        return Rule(self.theta_offline, self.gain, config.learning_rate, *bounds)
+    def _is_credible(self, phi: np.ndarray, target: np.ndarray) -> bool:
+        if not (np.isfinite(phi).all() and np.isfinite(target).all()):
+            return False
+        error = np.linalg.norm(self.gain * (self.theta_offline @ phi) - target)
+        most = self.config.max_error_m_s
+        return bool(most == 0 or error <= most)
+
+    def _guard(self, old: np.ndarray, new: np.ndarray) -> np.ndarray:
+        if not np.isfinite(new).all():
+            return old
+        new = _within(self.config.max_step, old, new)
+        return _within(self.config.max_drift, self.theta_offline, new)
 
 
-class Rule(NamedTuple):
-    """An `OnlineLearner`'s constants, as compiled equations take them."""
-
-    theta_offline: np.ndarray
-    gain: np.ndarray
-    learning_rate: float
-    max_step: float
-    max_drift: float
-    max_error_m_s: float
-
-
-@compiled
-def learn(
-    rule: Rule,
-    theta: np.ndarray,
-    phis: np.ndarray,
-    targets: np.ndarray,
-    seen: int,
-    phi: np.ndarray,
-    target: np.ndarray,
-) -> tuple[bool, np.ndarray, np.ndarray, np.ndarray]:
-    """(whether the sample is learned, theta, phis, targets) after it: see `OnlineLearner`.
-
-    Args:
-        rule: What holds.
-        theta, phis, targets, seen: As in `LearnerState`; not changed.
-        phi, target: The sample.
-    """
-    error = rule.gain * (rule.theta_offline @ phi) - target
-    is_finite = np.isfinite(phi).all() and np.isfinite(target).all()
-    is_credible = rule.max_error_m_s == 0 or np.sqrt(np.sum(error**2)) <= rule.max_error_m_s
-    if not (is_finite and is_credible):
-        return False, theta, phis, targets
-    phis, targets = phis.copy(), targets.copy()
-    row = seen % len(phis)
-    phis[row], targets[row] = phi, target
-    held = min(seen + 1, len(phis))
-    new = last_layer_step(theta, phis[:held], targets[:held], rule.gain, rule.learning_rate)
-    if not np.isfinite(new).all():
-        return True, theta, phis, targets
-    new = _within(rule.max_step, theta, new)
-    return True, _within(rule.max_drift, rule.theta_offline, new), phis, targets
-
-
-@compiled
 def _within(radius: float, centre: np.ndarray, theta: np.ndarray) -> np.ndarray:
     """The point of a ball nearest to `theta`; `theta` itself if the radius is 0."""
     away = theta - centre
-    distance = np.sqrt(np.sum(away**2))
+    distance = np.linalg.norm(away)
     return centre + away * (radius / distance) if 0 < radius < distance else theta

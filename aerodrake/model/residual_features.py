@@ -8,6 +8,12 @@ from aerodrake.compiled import compiled
 from aerodrake.model.rotation import roll_pitch_yaw, rotation_matrix
 from aerodrake.model.vehicle_state import parts
 
+HIDDEN = (32, 32)
+"""Units of the hidden layers."""
+
+PHI_SIZE = HIDDEN[-1] + 1
+"""Length of phi: the last hidden activations and the 1 that the bias multiplies."""
+
 
 def feature_names(joints: int) -> list[str]:
     """Names of the 12 + 3 n features with their units, in the order of `features`."""

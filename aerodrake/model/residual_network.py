@@ -1,9 +1,9 @@
 """The network that estimates the residual velocity Delta of the base.
 
 Two hidden layers of 32 units with ELU, as in the paper (section "Residual
-Learning"). It is trained here; in flight its hidden layers are compiled, and torch
-is not needed. Everything is float64: in the online update of the last layer steps of
-1e-9 still count, and at this size float32 would be no faster.
+Learning"). Everything is float64: the online update of the last layer is numpy
+in float64, where steps of 1e-9 still count, and torch and numpy then agree to
+rounding. At this size float32 would be no faster.
 """
 
 from __future__ import annotations
@@ -13,11 +13,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 import torch
 
-from aerodrake.model.hidden_layers import HiddenLayers, infer_phi
-from aerodrake.model.residual_features import feature_names
-
-HIDDEN = (32, 32)
-"""Units of the hidden layers."""
+from aerodrake.model.residual_features import HIDDEN, PHI_SIZE, feature_names
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,20 +90,17 @@ class ResidualNetwork(torch.nn.Module):
         """Delta (..., 3) in m/s from unscaled features (..., 12 + 3 n)."""
         return self.last(self.hidden((features - self.mean) / self.scale))
 
-    def hidden_layers(self) -> HiddenLayers:
-        """All but the last layer, copied."""
-        with torch.no_grad():
-            first, second = self.hidden[0], self.hidden[2]
-            tensors = self.mean, self.scale, first.weight, first.bias, second.weight, second.bias
-            return HiddenLayers(*(tensor.numpy().copy() for tensor in tensors))
-
     def phi(self, features: np.ndarray) -> np.ndarray:
         """(..., 33) last hidden activations and a 1, from unscaled features (..., 12 + 3 n).
 
         Delta is `phi @ last_layer().T`.
         """
-        layers = self.hidden_layers()
-        return np.apply_along_axis(lambda row: infer_phi(layers, row), -1, features)
+        with torch.inference_mode():
+            scaled = (torch.from_numpy(features) - self.mean) / self.scale
+            activations = self.hidden(scaled).numpy()
+        phi = np.ones((*activations.shape[:-1], PHI_SIZE))
+        phi[..., :-1] = activations
+        return phi
 
     def last_layer(self) -> np.ndarray:
         """(3, 33) copy of theta, [weights, bias]: the paper's theta^l."""

@@ -6,7 +6,6 @@ import numpy as np
 
 from aerodrake.model.equivalent_model import EquivalentModel, Thrust
 from aerodrake.model.residual_features import feature_names, features
-from aerodrake.model.residual_tick import VelocityModel, nominal_velocity
 from aerodrake.model.vehicle_state import VehicleState
 
 
@@ -43,7 +42,6 @@ def residual_samples(
     n, samples = model.joints, len(state) - 2
     u = np.hstack([base_setpoint[:, 6:], joint_setpoint[:, 2 * n :]])
     seen, targets = np.empty((samples, len(feature_names(n)))), np.empty((samples, 3))
-    velocity = VelocityModel.of(model)
     x = None  # At the first tick, which therefore asks for no u_{k-1}.
     for k in range(samples + 1):
         now, after = (VehicleState.from_vector(row) for row in state[k : k + 2])
@@ -57,5 +55,5 @@ def residual_samples(
         )
         if k > 0:
             seen[k - 1] = features(state[k], u[k - 1])
-            targets[k - 1] = after.v_B - nominal_velocity(velocity, x, u[k])
+            targets[k - 1] = after.v_B - model.next_velocity(x, u[k])
     return seen, targets

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import torch
 
-from aerodrake.model.hidden_layers import HiddenLayers, infer_phi
 from aerodrake.model.residual_features import feature_names, features
 from aerodrake.model.residual_network import FeatureScaler, ResidualNetwork
 from aerodrake.model.vehicle_state import VehicleState
@@ -92,18 +91,6 @@ def test_hidden_layers_as_the_paper_has_them():
     h = elu(p["hidden.0.weight"] @ h + p["hidden.0.bias"])
     h = elu(p["hidden.2.weight"] @ h + p["hidden.2.bias"])
     np.testing.assert_allclose(network.phi(inputs), [*h, 1.0], rtol=0, atol=1e-13)
-
-
-def test_without_hidden_units_there_is_the_bias_alone():
-    assert infer_phi(HiddenLayers.none(30), np.ones(30)) == [1]
-
-
-def test_hidden_layers_are_copies():
-    network, inputs = trained(), np.ones(30)
-    before, layers = network.phi(inputs), network.hidden_layers()
-    for array in layers:
-        array[:] = 7
-    np.testing.assert_array_equal(network.phi(inputs), before)
 
 
 def test_last_layer_is_a_copy():
