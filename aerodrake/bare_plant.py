@@ -7,7 +7,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
-from aerodrake.model.thrust_allocation import ThrustAllocation
+from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
 from aerodrake.scenario import Scenario
 from aerodrake.systems.rotors import make_propellers, make_rotors
@@ -31,7 +31,7 @@ def make_bare_plant(scenario: Scenario) -> Diagram:
     plant.SetUseSampledOutputPorts(False)
     plant.Finalize()
     plant.SetDefaultPositions(vehicle.trim_state[: plant.num_positions()])
-    trim = ThrustAllocation.make(vehicle, rotor).allocate(vehicle.trim_wrench)
+    trim = allocate(ThrustAllocation.make(vehicle, rotor), vehicle.trim_wrench)
     rotors = builder.AddNamedSystem(
         "rotors", make_rotors(rotor, scenario.mismatch, trim, rates.plant_step_s)
     )

@@ -51,12 +51,11 @@ def installed_peers() -> tuple[str, ...]:
 def judge(recorded: RecordedTicks, replay: Replay) -> Judged:
     """Compares what the solvers said with the exact minimisers."""
     formulation = recorded.formulation
-    scale = formulation.scale[: 3 + formulation.model.joints]
     optima = [
         exact_minimiser(*program_arrays(formulation.form(tick)), formulation.A)
         for tick in recorded.inputs
     ]
-    best = np.array([scale * optimum.z[: len(scale)] for optimum in optima])
+    best = np.array([formulation.inputs(optimum.z)[0] for optimum in optima])
     return Judged(
         replay,
         {name: np.abs(u_0 - best).max(axis=1) for name, u_0 in replay.u_0.items()},

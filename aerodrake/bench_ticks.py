@@ -15,7 +15,7 @@ from aerodrake.bench_peers import Peer
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.mpc import MpcFormulation, MpcProgram
 from aerodrake.model.mpc_inputs import MpcInputs
-from aerodrake.model.qp import CondensedQp, QpStatus
+from aerodrake.model.qp import CondensedQp, QpResult, QpStatus
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Scenario
@@ -111,7 +111,6 @@ def replay(
         progress: Called with the number of ticks done.
     """
     formulation, inputs = recorded.formulation, recorded.inputs
-    scale = formulation.scale[: 3 + formulation.model.joints]
     names = [OWN, *peers]
     forming = np.full(len(inputs), np.inf)
     solving = {name: forming.copy() for name in names}
@@ -123,7 +122,7 @@ def replay(
             slow = {n for n in peers if number and np.median(solving[n]) > SLOW_MS}
             fast = [name for name in names if name not in slow]
             solvers = {n: peers[n](formulation.A).solve for n in fast if n != OWN}
-            solvers[OWN] = CondensedQp(formulation.A, recorded.max_iterations).solve
+            solvers[OWN] = _Own(formulation.A, recorded.max_iterations).solve
             if not number:
                 _warm_up(recorded, solvers)
             for k, tick in enumerate(inputs):
@@ -144,10 +143,23 @@ def replay(
                     if name == OWN:
                         statuses.append(answer.status)
                         answer = answer.z
-                    answers[name].append(scale * answer[: len(scale)])
+                    answers[name].append(formulation.inputs(answer)[0])
                 progress(1)
     u_0 = {name: np.array(values) for name, values in answers.items()}
     return Replay(forming, solving, worst, u_0, statuses)
+
+
+class _Own:
+    """The solver that flies, fed from tick to tick as `MpcSystem` does."""
+
+    def __init__(self, A: np.ndarray, max_iterations: int):
+        self._qp = CondensedQp(A, max_iterations)
+        self._active: np.ndarray | None = None
+
+    def solve(self, *program: np.ndarray) -> QpResult:
+        result = self._qp.solve(*program, self._active)
+        self._active = result.active
+        return result
 
 
 def _warm_up(recorded: RecordedTicks, solvers: Mapping[str, Callable[..., object]]) -> None:
