@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from aerodrake.bench_peers import PEERS
-from aerodrake.bench_scaling import FITTED_FROM
+from aerodrake.bench_scaling import FITTED_FROM, PEER
 from aerodrake.bench_solvers import BOUNDED, SCENARIOS, installed_peers
 from aerodrake.report import ACCENT, INK, REFERENCE, STYLE
 
@@ -87,11 +87,18 @@ def _scaling(figures: Figures) -> str:
         [
             f"tick by horizon: ms ~ N^{scaling['horizon_exponent']:.2f} from N = {FITTED_FROM} on",
             _row("N", [row["N"] for row in horizon], 0),
-            _row("median ms", [row["median_ms"] for row in horizon]),
+            *_medians(horizon),
             _row("joints", [row["joints"] for row in joints], 0),
-            _row("median ms", [row["median_ms"] for row in joints]),
+            *_medians(joints),
         ]
     )
+
+
+def _medians(rows: Sequence[Figures]) -> list[str]:
+    lines = [_row("median ms", [row["median_ms"] for row in rows])]
+    for name in rows[0]["peers_median_ms"]:
+        lines.append(_row(f"{name} ms", [row["peers_median_ms"][name] for row in rows]))
+    return lines
 
 
 def _loop(figures: Figures) -> str:
@@ -146,12 +153,14 @@ def _draw_solvers(axes: Axes, figures: Figures) -> None:
     solvers = {name: f for name, f in solvers.items() if f["median_ms"] is not None}
     for place, (name, solver) in enumerate(solvers.items()):
         color = ACCENT if name == "aerodrake" else "#495057"
-        axes.barh(place, solver["median_ms"], 0.6, color=color)
-        axes.plot([solver["p99_ms"]] * 2, [place - 0.4, place + 0.4], color=INK)
+        times = [solver["median_ms"], solver["p99_ms"]]
+        axes.plot(times, [place, place], color=color, marker="o", markevery=[0])
+        axes.plot(times[1:], [place], color=color, marker="|", markersize=14)
     axes.set_yticks(range(len(solvers)), list(solvers))
     axes.invert_yaxis()
     axes.set_xscale("log")
-    axes.set_title("MPC tick: median, and p99 as a line", fontsize=10, loc="left")
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_title("MPC tick: from median to p99", fontsize=10, loc="left")
     axes.set_xlabel("forming and solving / ms")
 
 
@@ -161,11 +170,15 @@ def _draw_horizon(axes: Axes, scaling: Figures) -> None:
     forming = [row["forming_median_ms"] for row in scaling["horizon"]]
     axes.loglog(N, times, marker="o", color=ACCENT, label="tick")
     axes.loglog(N, forming, marker="o", color="#74c0fc", label="forming")
+    if PEER in scaling["horizon"][0]["peers_median_ms"]:
+        theirs = [row["peers_median_ms"][PEER] for row in scaling["horizon"]]
+        axes.loglog(N, theirs, marker="o", color="#495057", label=PEER)
     fitted = N >= FITTED_FROM
     start = times[fitted][0]
     axes.loglog(N[fitted], start * (N[fitted] / FITTED_FROM) ** 2, **REFERENCE, label="N^2")
     axes.set_xticks(N, list(map(str, N)), minor=False)
     axes.minorticks_off()
+    axes.yaxis.set_major_formatter("{x:g}")
     title = f"by horizon: N^{scaling['horizon_exponent']:.2f} from N = {FITTED_FROM} on"
     axes.set_title(title, fontsize=10, loc="left", parse_math=False)
     axes.set(xlabel="N", ylabel="median / ms")
@@ -176,6 +189,7 @@ def _draw_loop(axes: Axes, loop: Figures) -> None:
     parts = {"bare plant": loop["plant_ms_per_s"], **loop["systems_ms_per_s"]}
     parts["framework"] = loop["framework_ms_per_s"]
     colors = ["#495057", *[ACCENT] * (len(parts) - 2), "#adb5bd"]
+    axes.set_axisbelow(True)
     axes.barh(range(len(parts)), list(parts.values()), 0.7, color=colors)
     axes.set_yticks(range(len(parts)), list(parts))
     axes.invert_yaxis()
@@ -186,6 +200,9 @@ def _draw_loop(axes: Axes, loop: Figures) -> None:
 def _draw_joints(axes: Axes, scaling: Figures) -> None:
     n = [row["joints"] for row in scaling["joints"]]
     axes.plot(n, [row["median_ms"] for row in scaling["joints"]], marker="o", color=ACCENT)
+    if PEER in scaling["joints"][0]["peers_median_ms"]:
+        theirs = [row["peers_median_ms"][PEER] for row in scaling["joints"]]
+        axes.plot(n, theirs, marker="o", color="#495057")
     axes.set_title("by joints", fontsize=10, loc="left")
     axes.set(xlabel="joints", ylabel="median / ms", ylim=(0, None), xticks=n)
 

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from aerodrake.bench_arms import with_joints
-from aerodrake.bench_solvers import spread
+from aerodrake.bench_peers import PEERS
+from aerodrake.bench_solvers import installed_peers, spread
 from aerodrake.bench_ticks import OWN, record_ticks, replay
 from aerodrake.scenario import Scenario
 from aerodrake.scenario_file import load_scenario
@@ -22,6 +23,8 @@ HORIZONS = (5, 10, 15, 20, 30, 40, 60)
 FITTED_FROM = 15
 """The exponent is that of the horizons from here on."""
 JOINTS = tuple(range(3, 10))
+PEER = "daqp"
+"""Solves the same ticks where it is installed, and clears the caches as a flight would."""
 
 
 def scaling_figures(flown_s: float, passes: int, progress: Callable[[str], None]) -> dict[str, Any]:
@@ -31,7 +34,7 @@ def scaling_figures(flown_s: float, passes: int, progress: Callable[[str], None]
     scenario's own.
 
     Keys:
-        horizon: for each N its stages, the ticks they last, and the tick's times.
+        horizon: for each N its stages, the ticks they last, and the tick's times, and the peer's.
         horizon_exponent: p of the fit time ~ N^p to the medians from N = 15 on.
         joints: for each number of joints the tick's times.
 
@@ -65,8 +68,10 @@ def scaling_figures(flown_s: float, passes: int, progress: Callable[[str], None]
 
 
 def _times(scenario: Scenario, passes: int) -> dict[str, Any]:
-    measured = replay(record_ticks(scenario), {}, passes)
+    peers = {PEER: PEERS[PEER]} if PEER in installed_peers() else {}
+    measured = replay(record_ticks(scenario), peers, passes)
     return {
         **spread(measured.tick_ms(OWN)),
         "forming_median_ms": rounded(np.median(measured.forming_ms)),
+        "peers_median_ms": {name: rounded(np.median(measured.tick_ms(name))) for name in peers},
     }
