@@ -71,7 +71,8 @@ def bench(effort: Effort, progress: Callable[[str], None] = lambda step: None) -
     """Measures everything, one thing after another, on one thread.
 
     Keys: `tick` and `peers` as in `solver_figures`, `scaling` as in `scaling_figures`,
-    those of `loop_figures` and of `process_figures`, and the machine.
+    those of `loop_figures`, of which `tick` gets the `overhead_ms`, those of
+    `process_figures`, and the machine.
 
     Args:
         effort: `FULL` or `QUICK`.
@@ -80,7 +81,9 @@ def bench(effort: Effort, progress: Callable[[str], None] = lambda step: None) -
     load = os.getloadavg()[0]
     figures = solver_figures(effort.duration_s, effort.settle_s, effort.passes, progress)
     figures["scaling"] = scaling_figures(effort.scaling_s, effort.passes, progress)
-    figures |= loop_figures(effort.loop_s, effort.repeats, progress)
+    loop = loop_figures(effort.loop_s, effort.repeats, progress)
+    figures["tick"]["overhead_ms"] = loop.pop("mpc_overhead_ms")
+    figures |= loop
     figures |= process_figures(effort.clover_s, effort.hover_s, effort.starts, progress)
     return {
         "version": version("aerodrake"),

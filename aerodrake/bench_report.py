@@ -49,7 +49,7 @@ def _solvers(figures: Figures) -> str:
         *(_solver(f"{n} {p['version'] or ''}", p) for n, p in peers.items()),
     ]  # fmt: skip
     shares = [f"{100 * s:.3g} % {n}" for n, s in tick["status_shares"].items() if s]
-    forming, overhead = tick["forming_median_ms"], figures["mpc_overhead_ms"]
+    forming, overhead = tick["forming_median_ms"], tick["overhead_ms"]
     return "\n".join(
         [
             f"MPC tick over {tick['ticks']} ticks of {', '.join(SCENARIOS)}: forming and solving",

@@ -95,7 +95,6 @@ def replay(
     recorded: RecordedTicks,
     peers: Mapping[str, Callable[[np.ndarray], Peer]],
     passes: int,
-    progress: Callable[[int], None] = lambda ticks: None,
 ) -> Replay:
     """Solves recorded ticks anew, tick by tick with every solver, on one thread.
 
@@ -108,7 +107,6 @@ def replay(
         recorded: The ticks.
         peers: Makers of solvers from A, by name, beside the one that flies.
         passes: How many, for all but slow peers.
-        progress: Called with the number of ticks done.
     """
     formulation, inputs = recorded.formulation, recorded.inputs
     names = [OWN, *peers]
@@ -144,7 +142,6 @@ def replay(
                         statuses.append(answer.status)
                         answer = answer.z
                     answers[name].append(formulation.inputs(answer)[0])
-                progress(1)
     u_0 = {name: np.array(values) for name, values in answers.items()}
     return Replay(forming, solving, worst, u_0, statuses)
 

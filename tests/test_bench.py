@@ -46,13 +46,10 @@ def measured():
 
 def test_it_has_every_key_of_the_issue(measured):
     figures, _, _, _ = measured
-    for key in ("median_ms", "p99_ms", "worst_ms", "u0_error_max"):
+    for key in ("median_ms", "p99_ms", "worst_ms", "u0_error_max", "overhead_ms"):
         assert figures["tick"][key] > 0
     assert set(figures["peers"]) == {"daqp", "piqp", "proxqp", "osqp", "clarabel"}
-    for key in (
-        "closed_loop_over_plant", "real_time_factor", "peak_rss_mb", "rss_growth_mb",
-        "mpc_overhead_ms",
-    ):  # fmt: skip
+    for key in ("closed_loop_over_plant", "real_time_factor", "peak_rss_mb", "rss_growth_mb"):
         assert figures[key] > 0
     assert math.isfinite(figures["scaling"]["horizon_exponent"])
     assert json.loads(to_json(figures)) == figures
@@ -111,7 +108,6 @@ def test_the_table_and_the_figure_show_it(measured, tmp_path):
     figures, _, _, table = measured
     assert f"N^{figures['scaling']['horizon_exponent']:.2f}" in table
     assert "closed loop over bare plant" in table and "600 MB" in table
-    assert max(map(len, (line for line in table.splitlines() if "settings" not in line)))
     plot_bench(figures, tmp_path / "bench.png")
     assert (tmp_path / "bench.png").read_bytes().startswith(b"\x89PNG")
 

@@ -81,9 +81,3 @@ def test_verdicts(recorded):
     shortcut = np.array([s is QpStatus.UNCONSTRAINED for s in measured.statuses])
     np.testing.assert_array_equal(verdict.is_bounded, ~shortcut)
     assert 0 < verdict.is_bounded.sum() < len(shortcut)
-
-
-def test_every_tick_is_counted(recorded):
-    counts = []
-    replay(recorded, {}, passes=2, progress=counts.append)
-    assert sum(counts) == 2 * len(recorded.inputs)
