@@ -90,7 +90,7 @@ class Piqp(Peer):
     package = "piqp"
     settings = (
         "DenseSolver, the live rows, update while they are the same ones, cost by its mean "
-        "diagonal, preconditioner_iter 0, all eps 1e-8"
+        "diagonal, preconditioner_iter 0, all eps 1e-9"
     )
 
     def _set_up(self) -> None:
@@ -99,7 +99,7 @@ class Piqp(Peer):
         settings = self._solver.settings
         settings.preconditioner_iter = 0
         for name in ("eps_abs", "eps_rel", "eps_duality_gap_abs", "eps_duality_gap_rel"):
-            setattr(settings, name, 1e-8)
+            setattr(settings, name, 1e-9)
 
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray

@@ -48,7 +48,7 @@ def _solvers(figures: Figures) -> str:
         _solver("aerodrake", tick),
         *(_solver(f"{n} {p['version'] or ''}", p) for n, p in peers.items()),
     ]  # fmt: skip
-    shares = [f"{100 * s:.3g} % {n}" for n, s in tick["status_shares"].items() if s]
+    shares = [f"{100 * s:.2f} % {n}" for n, s in tick["status_shares"].items() if s]
     forming, overhead = tick["forming_median_ms"], tick["overhead_ms"]
     return "\n".join(
         [

@@ -54,14 +54,12 @@ class Replay:
     Attributes:
         forming_ms: (K,), of each program, the least of all passes.
         solving_ms: By solver, (K,), the least of its passes.
-        worst_ms: By solver, the longest that a tick took, forming and solving, in any pass.
         u_0: By solver, (K, 3 + n) m/s^2 and rad/s^2, the first inputs.
         statuses: (K,), those of the solver that flies.
     """
 
     forming_ms: np.ndarray
     solving_ms: Mapping[str, np.ndarray]
-    worst_ms: Mapping[str, float]
     u_0: Mapping[str, np.ndarray]
     statuses: list[QpStatus]
 
@@ -112,7 +110,6 @@ def replay(
     names = [OWN, *peers]
     forming = np.full(len(inputs), np.inf)
     solving = {name: forming.copy() for name in names}
-    worst = dict.fromkeys(names, 0.0)
     answers: dict[str, list[np.ndarray]] = {name: [] for name in names}
     statuses: list[QpStatus] = []
     with single_thread(), _no_garbage_collection():
@@ -135,7 +132,6 @@ def replay(
                     answer = solvers[name](*arrays)
                     solved = 1e3 * (time.perf_counter() - start)
                     solving[name][k] = min(solving[name][k], solved)
-                    worst[name] = max(worst[name], formed + solved)
                     if number:
                         continue
                     if name == OWN:
@@ -143,7 +139,7 @@ def replay(
                         answer = answer.z
                     answers[name].append(formulation.inputs(answer)[0])
     u_0 = {name: np.array(values) for name, values in answers.items()}
-    return Replay(forming, solving, worst, u_0, statuses)
+    return Replay(forming, solving, u_0, statuses)
 
 
 class _Own:
