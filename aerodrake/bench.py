@@ -53,11 +53,11 @@ FULL = Effort(
     hover_s=600.0,
 )
 QUICK = Effort(
-    duration_s=1.5,
-    settle_s=0.5,
-    passes=3,
+    duration_s=1.2,
+    settle_s=0.3,
+    passes=2,
     scaling_s=0.3,
-    loop_s=3.0,
+    loop_s=2.0,
     repeats=3,
     starts=1,
     clover_s=2.0,

@@ -54,11 +54,10 @@ def exact_minimiser(
     rows, bound = rows[np.isfinite(bound)], bound[np.isfinite(bound)]
     scale = np.diag(H).mean()
     H, g = H / scale, g / scale
-    L = np.linalg.cholesky(H)
-    G = solve_triangular(L, rows.T, lower=True).T
-    h = bound + G @ solve_triangular(L, g, lower=True)
+    h = bound - rows @ np.linalg.solve(H, -g)
     active = np.zeros(len(h), dtype=bool)
     if (h < 0).any():  # Otherwise y = 0, the unconstrained minimiser, is within them.
+        G = solve_triangular(np.linalg.cholesky(H), rows.T, lower=True).T
         target = np.append(np.zeros(len(g)), -1.0)
         u, distance = nnls(np.vstack([-G.T, h]), target, maxiter=50 * len(h))
         if distance < 1e-9:
