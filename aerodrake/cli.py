@@ -7,10 +7,17 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from aerodrake.commands import compare, graph, identify, run, train
+from aerodrake.commands import bench, compare, graph, identify, run, train
 from aerodrake.errors import BadInput
 
-COMMANDS = {"run": run, "compare": compare, "identify": identify, "train": train, "graph": graph}
+COMMANDS = {
+    "run": run,
+    "compare": compare,
+    "identify": identify,
+    "train": train,
+    "graph": graph,
+    "bench": bench,
+}
 """By name, in the order of `aerodrake --help`."""
 
 

@@ -308,7 +308,7 @@ def test_a_quiet_process_says_nothing_at_all(tmp_path):
     "argv",
     [
         ["--help"],
-        *([c, "--help"] for c in ("run", "compare", "train", "graph")),
+        *([c, "--help"] for c in ("run", "compare", "train", "graph", "bench")),
         ["--version"],
         ["fly"],
     ],
@@ -334,6 +334,7 @@ def test_version_and_help(capsys):
         (["compare", "--help"], "--jobs N"),
         (["train", "--help"], "--quick"),
         (["graph", "--help"], "closed_loop, station, coordinator or a system"),
+        (["bench", "--help"], "--json FILE"),
     ):
         with pytest.raises(SystemExit, match="0"):
             main(argv)

@@ -1,0 +1,59 @@
+"""`aerodrake bench`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from aerodrake.commands.options import add_output, new_folder
+
+HELP = "measure what a tick, a flight and a start cost"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Declares its arguments."""
+    command.add_argument("--quick", action="store_true", help="less of everything, in a minute")
+    command.add_argument(
+        "--json", type=Path, metavar="FILE", help="writes the figures there, too; replaces a file"
+    )
+    add_output(command, "runs/bench-TIME; an earlier one there is replaced as a whole")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Measures the MPC's tick beside other solvers, the closed loop beside its plant, and memory.
+
+    Solvers that are not installed are left out: pip install aerodrake[bench].
+    """
+    from tqdm import tqdm
+
+    from aerodrake.errors import BadInput
+    from aerodrake.files import write_whole
+    from aerodrake.run_folder import run_folder
+
+    file = arguments.json
+    if file is not None and (file.is_dir() or not file.parent.is_dir()):
+        raise BadInput("--json", "", f"expected a file in a folder that exists, got {file}")
+    target = arguments.out or new_folder("bench")
+
+    from aerodrake.bench import FULL, QUICK, STEPS, bench
+    from aerodrake.bench_report import FILES, bench_table, missing_peers, plot_bench
+    from aerodrake.summary import to_json
+
+    say = (lambda line: None) if arguments.quiet else print
+    for note in missing_peers():
+        say(f"note: {note}")
+    with run_folder(target, FILES) as folder:
+        with tqdm(total=STEPS, unit="step", disable=arguments.quiet) as bar:
+
+            def begin(step: str) -> None:
+                bar.set_description(step)
+                bar.update()
+
+            figures = bench(QUICK if arguments.quick else FULL, begin)
+        (folder / FILES[0]).write_text(to_json(figures), encoding="utf-8")
+        plot_bench(figures, folder / FILES[1])
+    if file is not None:
+        write_whole(file, to_json(figures).encode())
+    say(bench_table(figures))
+    say(f"\n{target}: {', '.join(FILES)}")
+    return 0

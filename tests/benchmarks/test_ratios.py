@@ -1,0 +1,75 @@
+"""The ratios that issue after issue may not spoil, in one run of `aerodrake bench`.
+
+Not part of the default test run: `pytest tests/benchmarks`, on a machine that does nothing
+else. AERODRAKE_BENCH=quick takes a minute instead of ten.
+"""
+
+import json
+import os
+
+import numpy as np
+import pytest
+
+from aerodrake.bench_exact import exact_minimiser
+from aerodrake.bench_ticks import OWN, program_arrays, record_ticks, replay
+from aerodrake.cli import main
+from aerodrake.scenario_file import load_scenario, packaged_scenarios
+
+PERIOD_MS = 20.0
+
+MPC_SCENARIOS = [n for n in packaged_scenarios() if load_scenario(n).controller == "mpc"]
+
+
+@pytest.fixture(scope="module")
+def figures(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("bench")
+    options = ["--quick"] if os.environ.get("AERODRAKE_BENCH") == "quick" else []
+    out, file = folder / "out", folder / "figures.json"
+    assert main(["bench", *options, "--out", str(out), "--json", str(file)]) == 0
+    return json.loads(file.read_text())
+
+
+def test_a_tick_is_as_fast_as_daqp(figures):
+    assert figures["peers"]["daqp"]["median_ratio"] <= 1.0
+    assert figures["peers"]["daqp"]["p99_ratio"] <= 1.5
+
+
+def test_a_tick_is_exact(figures):
+    assert figures["tick"]["exact_residual_max"] < 1e-9
+    assert figures["tick"]["u0_error_max"] <= 1e-3
+
+
+def test_a_tick_is_never_over_its_period(figures):
+    assert figures["tick"]["worst_ms"] < PERIOD_MS
+
+
+def test_the_closed_loop_costs_hardly_more_than_its_physics(figures):
+    assert figures["closed_loop_over_plant"] <= 2.0
+    assert figures["real_time_factor"] >= 10.0
+    assert figures["loop"]["monitor_and_log_share"] < 0.03
+
+
+def test_ticks_grow_with_the_square_of_the_horizon_at_most(figures):
+    assert figures["scaling"]["horizon_exponent"] <= 2.0
+
+
+def test_memory_is_bounded_and_flat(figures):
+    assert figures["peak_rss_mb"] < 700
+    assert figures["rss_growth_mb"] < 50
+
+
+def test_commands_start_at_once(figures):
+    assert figures["startup"]["help_s"] < 0.3
+    assert figures["startup"]["hover_s"] < 5.0
+
+
+@pytest.mark.parametrize("name", MPC_SCENARIOS)
+def test_every_tick_of_every_scenario_is_exact_and_in_time(name):
+    recorded = record_ticks(load_scenario(name))
+    measured = replay(recorded, {}, passes=2)
+    formulation = recorded.formulation
+    for tick, u_0 in zip(recorded.inputs, measured.u_0[OWN], strict=True):
+        optimum = exact_minimiser(*program_arrays(formulation.form(tick)), formulation.A)
+        assert optimum.residual < 1e-9
+        assert np.abs(u_0 - formulation.inputs(optimum.z)[0]).max() <= 1e-3
+    assert measured.tick_ms(OWN).max() < PERIOD_MS
