@@ -9,7 +9,8 @@ from matplotlib import pyplot as plt
 from aerodrake.compare import VARIANTS
 from aerodrake.comparison_report import comparison_table, headline, plot_comparison, residuals
 from aerodrake.flight_log import FlightLog
-from aerodrake.model.equivalent_model import EquivalentModel, Thrust
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.initial_state import Thrust
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.summary import summarize
 

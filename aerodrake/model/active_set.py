@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from aerodrake.compiled import compiled
+from aerodrake.model.banded_rows import BandedRows, row_dot, rows_dot
 
 TOLERANCE = 1e-9
 """By how much the solution may be beyond a bound."""
@@ -44,7 +45,7 @@ class Held(NamedTuple):
 def exchange_active_set(
     V: np.ndarray,
     free: np.ndarray,
-    A: np.ndarray,
+    A: BandedRows,
     lower: np.ndarray,
     upper: np.ndarray,
     guess: np.ndarray,
@@ -60,7 +61,7 @@ def exchange_active_set(
     Args:
         V: (nz, nz), the transpose of L^-1, with H = L L'.
         free: (nz,), the unconstrained minimiser.
-        A: (rows, nz).
+        A: (rows, nz), banded.
         lower, upper: (rows,); infinite where there is no bound.
         guess: (nz + rows,), of z first: 1 at its upper bound, -1 at its lower one, else 0.
         most: How many exchanges are tried.
@@ -89,7 +90,7 @@ def exchange_active_set(
 
     for _ in range(most):
         z = _minimiser(held, k, free)
-        row, side, excess = _most_violated(z, A @ z, lower, upper)
+        row, side, excess = _most_violated(z, rows_dot(A, z), lower, upper)
         if excess <= TOLERANCE:
             active = np.zeros(len(guess), dtype=np.int64)
             is_met = True
@@ -135,7 +136,7 @@ def _exchange(
 
 @compiled
 def _let_go_of_worthless(
-    held: Held, k: int, free: np.ndarray, A: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    held: Held, k: int, free: np.ndarray, A: BandedRows, lower: np.ndarray, upper: np.ndarray
 ) -> int:
     """Prices what is held, less those that would rather be let go; how many are left."""
     while k > 0:
@@ -203,16 +204,15 @@ def _solved(C: np.ndarray, b: np.ndarray, k: int) -> np.ndarray:
 
 
 @compiled
-def _influence(V: np.ndarray, A: np.ndarray, row: int, side: int) -> tuple[np.ndarray, np.ndarray]:
+def _influence(V: np.ndarray, A: BandedRows, row: int, side: int) -> tuple[np.ndarray, np.ndarray]:
     """(L^-1 n, H^-1 n), each (nz,), of a bound's outward normal n."""
     nz = len(V)
     if row < nz:
         half = side * V[row]
     else:
         half = np.zeros(nz)
-        for i in range(nz):
-            if A[row - nz, i] != 0:
-                half += (side * A[row - nz, i]) * V[i]
+        for i in range(A.band.shape[1]):
+            half += (side * A.band[row - nz, i]) * V[A.start[row - nz] + i]
     return half, V @ half
 
 
@@ -228,27 +228,27 @@ def _minimiser(held: Held, k: int, free: np.ndarray) -> np.ndarray:
 
 @compiled
 def _excess(
-    row: int, side: int, z: np.ndarray, A: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    row: int, side: int, z: np.ndarray, A: BandedRows, lower: np.ndarray, upper: np.ndarray
 ) -> float:
     """n z - b: by how much z is beyond a bound."""
     i = row - len(z)
     if i < 0:
         return side * z[row] - 1.0
-    return A[i] @ z - upper[i] if side > 0 else lower[i] - A[i] @ z
+    return row_dot(A, i, z) - upper[i] if side > 0 else lower[i] - row_dot(A, i, z)
 
 
 @compiled
 def _most_violated(
-    z: np.ndarray, value: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    z: np.ndarray, of_rows: np.ndarray, lower: np.ndarray, upper: np.ndarray
 ) -> tuple[int, int, float]:
-    """(row, side, excess) of the bound that z or value = A z exceeds most."""
+    """(row, side, excess) of the bound that z or of_rows = A z exceeds most."""
     row, side, most = -1, 0, -np.inf
     for i in range(len(z)):
         if abs(z[i]) - 1.0 > most:
             row, side, most = i, 1 if z[i] > 0 else -1, abs(z[i]) - 1.0
-    for i in range(len(value)):
-        if value[i] - upper[i] > most:
-            row, side, most = len(z) + i, 1, value[i] - upper[i]
-        if lower[i] - value[i] > most:
-            row, side, most = len(z) + i, -1, lower[i] - value[i]
+    for i in range(len(of_rows)):
+        if of_rows[i] - upper[i] > most:
+            row, side, most = len(z) + i, 1, of_rows[i] - upper[i]
+        if lower[i] - of_rows[i] > most:
+            row, side, most = len(z) + i, -1, lower[i] - of_rows[i]
     return row, side, most

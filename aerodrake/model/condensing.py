@@ -15,6 +15,8 @@ class Condensing(NamedTuple):
 
     Attributes:
         axis: (F,) the axis of each output.
+        outputs: (m, 4) those of each axis: four of the base's, of joints the first
+        answers: (m,) two.
         kind: (F,) its kind of response.
         responses: (K, N, N), G of each kind.
         ticks: (N,) how many each stage lasts.
@@ -23,6 +25,8 @@ class Condensing(NamedTuple):
     """
 
     axis: np.ndarray
+    outputs: np.ndarray
+    answers: np.ndarray
     kind: np.ndarray
     responses: np.ndarray
     ticks: np.ndarray
@@ -34,7 +38,17 @@ class Condensing(NamedTuple):
         """For stages that last `ticks` (N,), and the cost of inputs (m, N, N)."""
         G, ticks = outputs.responses, ticks.astype(float)
         products = np.einsum("fki,k,gkj->fgij", G, ticks, G, optimize=True)
-        return cls(outputs.axis, outputs.kind, G, ticks, np.ascontiguousarray(products), H_input)
+        of_axis = [np.flatnonzero(outputs.axis == a) for a in range(len(H_input))]
+        return cls(
+            outputs.axis,
+            np.array([np.resize(places, 4) for places in of_axis]),
+            np.array([len(places) for places in of_axis]),
+            outputs.kind,
+            G,
+            ticks,
+            np.ascontiguousarray(products),
+            H_input,
+        )
 
 
 @compiled
@@ -61,29 +75,40 @@ def hessian(form: Condensing, C: np.ndarray) -> np.ndarray:
     what the stages add up to is in `products` already.
     """
     m, N, _ = form.H_input.shape
-    blocks = np.zeros((m, m, N * N))
-    for a in range(m):
-        blocks[a, a] = form.H_input[a].reshape(N * N)
-    for f in range(len(form.axis)):
-        a = form.axis[f]
-        for g in range(len(form.axis)):
-            b = form.axis[g]
-            if a <= b and C[f, g] != 0.0:
-                block, weight = blocks[a, b], C[f, g]
-                product = form.products[form.kind[f], form.kind[g]].reshape(N * N)
-                for i in range(N * N):
-                    block[i] += weight * product[i]
-    H = np.empty((m * N, m * N))
+    NN = N * N
+    products = form.products.reshape(len(form.products), -1, NN)
+    H, block = np.empty((m * N, m * N)), np.empty(NN)
+    C_fg, kinds = np.empty(16), np.empty((16, 2), dtype=np.int64)
     for a in range(m):
         for b in range(a, m):
-            block = blocks[a, b].reshape(N, N)
+            pairs = 0
+            for f in form.outputs[a, : form.answers[a]]:
+                for g in form.outputs[b, : form.answers[b]]:
+                    C_fg[pairs] = C[f, g]
+                    kinds[pairs, 0], kinds[pairs, 1] = form.kind[f], form.kind[g]
+                    pairs += 1
+            own = form.H_input[a].reshape(NN)
+            for i in range(NN):
+                block[i] = own[i] if a == b else 0.0
+            for k in range(0, pairs, 4):  # Four at a time are fewer passes over the block.
+                c_0, c_1, c_2, c_3 = C_fg[k], C_fg[k + 1], C_fg[k + 2], C_fg[k + 3]
+                M_0, M_1 = (
+                    products[kinds[k, 0], kinds[k, 1]],
+                    products[kinds[k + 1, 0], kinds[k + 1, 1]],
+                )
+                M_2, M_3 = (
+                    products[kinds[k + 2, 0], kinds[k + 2, 1]],
+                    products[kinds[k + 3, 0], kinds[k + 3, 1]],
+                )
+                for i in range(NN):
+                    block[i] += c_0 * M_0[i] + c_1 * M_1[i] + c_2 * M_2[i] + c_3 * M_3[i]
             for i in range(N):
                 for j in range(N):
-                    H[a * N + i, b * N + j] = block[i, j]
+                    H[a * N + i, b * N + j] = block[i * N + j]
             if a < b:
                 for j in range(N):
                     for i in range(N):
-                        H[b * N + j, a * N + i] = block[i, j]
+                        H[b * N + j, a * N + i] = block[i * N + j]
     return H
 
 

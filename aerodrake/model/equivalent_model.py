@@ -18,62 +18,10 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
-from aerodrake.compiled import compiled
 from aerodrake.model.axis_models import AXIS_MODELS, AxisModel
 from aerodrake.model.flight_axis import HIDDEN_STATES, flight_axis
-from aerodrake.model.rotation import cross
-from aerodrake.model.vehicle import GRAVITY
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.initial_state import NO_THRUST, Places, Thrust, initial_state
 from aerodrake.scenario import Scenario
-
-
-@dataclass(frozen=True)
-class Thrust:
-    """What accelerates the base.
-
-    Attributes:
-        b: (3,) m/s^2, by thrust along the measured attitude, and gravity.
-        r: (3,) m/s^3, how fast b turns with the base; none along z, where it
-            changes with the size of thrust.
-        d: (3,) m/s^2, by all else.
-        h: (3,) m/s^2, what the flight controller takes d for.
-    """
-
-    b: np.ndarray
-    r: np.ndarray
-    d: np.ndarray
-    h: np.ndarray
-
-    @classmethod
-    def make(
-        cls,
-        state: VehicleState,
-        specific_thrust: float,
-        external_acceleration: np.ndarray,
-        disturbance: np.ndarray,
-    ) -> Thrust:
-        """From the measured state and what the flight controller tells.
-
-        Args:
-            state: Attitude and rates.
-            specific_thrust: m/s^2, collective thrust over mass.
-            external_acceleration: (3,) m/s^2, d.
-            disturbance: (3+,) m/s^2, h first.
-        """
-        b, r = _tilted(state.R_B, state.omega_W, specific_thrust)
-        return cls(b, r, external_acceleration, disturbance[:3])
-
-
-@compiled
-def _tilted(
-    R_B: np.ndarray, omega_W: np.ndarray, specific_thrust: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """(b, r) of `Thrust`."""
-    axis = R_B[:, 2].copy()
-    b, r = specific_thrust * axis, specific_thrust * cross(omega_W, axis)
-    b[2] -= GRAVITY
-    r[2] = 0.0
-    return b, r
 
 
 @dataclass(frozen=True)
@@ -143,15 +91,18 @@ class EquivalentModel:
         return self.B.shape[1] - 3
 
     @cached_property
-    def _thrust(self) -> np.ndarray:
-        """(4, 3) indices of b, r, d and h in x; none in the models with K_B alone."""
-        names = [name for name in ("b", "r", "d", "h") if name in self.axis_states]
-        return np.array([self.base_state(name) for name in names])
-
-    @cached_property
-    def _hidden_rows(self) -> tuple[np.ndarray, np.ndarray]:
-        """A and B of what nobody measures."""
-        return self.A[self.hidden], self.B[self.hidden]
+    def _places(self) -> Places:
+        names = [name for name in Thrust._fields if name in self.axis_states]
+        setpoint = self.setpoint_position, self.setpoint_velocity
+        return Places(
+            np.array([self.base_position, self.base_velocity, *setpoint]),
+            np.array([self.base_state(name) for name in names], dtype=int).reshape(-1, 3),
+            np.array([self.joint_position, self.joint_velocity]),
+            self.hidden,
+            self.A[self.hidden],
+            self.B[self.hidden],
+            self.believes_command,
+        )
 
     def base_state(self, name: str) -> np.ndarray:
         """(3,) indices in x of a state that each axis of the base has."""
@@ -219,23 +170,21 @@ class EquivalentModel:
             thrust: Where the model has states of it; without, they are zero.
             last: (nx,) x_0 of the tick before; without, hidden states are zero.
         """
-        n = self.joints
-        p_d, v_d = base_setpoint[:3], base_setpoint[3:6]
-        x = np.zeros(len(self.A))
-        x[self.base_position] = p_d if self.believes_command else p_B
-        x[self.base_velocity] = v_d if self.believes_command else v_B
-        x[self.setpoint_position] = p_d
-        x[self.setpoint_velocity] = v_d
-        x[self.joint_position] = joint_setpoint[:n]
-        x[self.joint_velocity] = joint_setpoint[n : 2 * n]
-        if thrust is not None and len(self._thrust):
-            x[self._thrust] = np.stack([thrust.b, thrust.r, thrust.d, thrust.h])
-        if last is not None and len(self.hidden):
-            A, B = self._hidden_rows
-            x[self.hidden] = A @ last + B @ np.concatenate(
-                [base_setpoint[6:], joint_setpoint[2 * n :]]
-            )
-        return x
+        is_known = last is not None and len(self.hidden) > 0
+        return initial_state(
+            self._places,
+            p_B,
+            v_B,
+            base_setpoint,
+            joint_setpoint,
+            NO_THRUST if thrust is None else thrust,
+            last if is_known else self._unknown,
+            is_known,
+        )
+
+    @cached_property
+    def _unknown(self) -> np.ndarray:
+        return np.zeros(len(self.A))
 
     @cached_property
     def _velocity_rows(self) -> tuple[np.ndarray, np.ndarray]:

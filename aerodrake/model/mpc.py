@@ -16,7 +16,7 @@ from aerodrake.model.posture import posture_cost
 from aerodrake.model.prediction import Prediction
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.stage_outputs import StageOutputs
-from aerodrake.model.tracking import add_tracking, limited_gain, place_rows, tilt_matrix
+from aerodrake.model.tracking import add_tracking, carried_along, limited_gain
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Mpc
 
@@ -177,10 +177,8 @@ class MpcFormulation:
     def predict(self, tick: MpcInputs, program: MpcProgram, U: np.ndarray) -> np.ndarray:
         """(N + 1, 3) m, p_E now and at each stage under U (N, 3 + n), as linearised."""
         y = driven(self._condensing, program.free, U.T.ravel() / self.scale)
-        end_effector = tick.end_effector
-        T = tilt_matrix(end_effector.r) * (self.config.tilt == "flatness")
-        moved = place_rows(end_effector.J_c, T) @ y
-        return np.vstack([end_effector.p_E, end_effector.p_E + moved.T])
+        at, tilts = tick.end_effector, self.config.tilt == "flatness"
+        return carried_along(at.p_E, at.r, at.J_c, tilts, y)
 
     def _targets(
         self, tick: MpcInputs

@@ -11,6 +11,7 @@ from scipy.linalg.lapack import dpotrf, dpotrs, dtrtri
 
 from aerodrake.compiled import compiled
 from aerodrake.model.active_set import exchange_active_set
+from aerodrake.model.banded_rows import BandedRows, row_dot, rows_dot
 
 FEASIBILITY = 1e-6
 """By how much the unconstrained minimiser may exceed a scaled bound and still be the solution."""
@@ -77,6 +78,8 @@ class CondensedQp:
     def __init__(self, A: np.ndarray, max_iterations: int):
         rows, nz = A.shape
         self.A = A
+        self._banded = BandedRows.of(A)
+        self._unbound = np.zeros(nz + rows, dtype=np.int64)
         self._reach = np.abs(A).sum(axis=1)
         self._program = MathematicalProgram()
         z = self._program.NewContinuousVariables(nz, "z")
@@ -118,22 +121,22 @@ class CondensedQp:
         """
         # Symmetric: the transpose, as LAPACK wants it, is the same without a copy.
         factor, is_indefinite = dpotrf(H.T, lower=1, clean=0)
+        if is_indefinite or not np.isfinite(factor.diagonal()).all():
+            return self._failed(0)
         free, _ = dpotrs(factor, -g, lower=1)
-        if is_indefinite or not (np.isfinite(factor.diagonal()).all() and np.isfinite(free).all()):
+        if is_within(self._banded, free, lower, upper):
+            return QpResult(free.clip(-1, 1), QpStatus.UNCONSTRAINED, 0, self._unbound)
+        if not np.isfinite(free).all() or np.isnan(lower).any() or np.isnan(upper).any():
             return self._failed(0)
         lower, upper = screened(lower, upper, self._reach)
-        violated = violations(free, self.A @ free, lower, upper)
-        if not violated.any():
-            return QpResult(np.clip(free, -1, 1), QpStatus.UNCONSTRAINED, 0, violated)
-        if np.isnan(lower).any() or np.isnan(upper).any():
-            return self._failed(0)
-        guess = violated if active is None or not active.any() else active
+        if active is None or not active.any():
+            active = violations(free, rows_dot(self._banded, free), lower, upper)
         inverse = np.triu(dtrtri(factor, lower=1)[0].T)
-        is_exact, z, active = exchange_active_set(
-            inverse, free, self.A, lower, upper, guess, MOST_EXCHANGES
+        is_exact, z, held = exchange_active_set(
+            inverse, free, self._banded, lower, upper, active, MOST_EXCHANGES
         )
         if is_exact:
-            return QpResult(np.clip(z, -1, 1), QpStatus.EXCHANGED, 0, active)
+            return QpResult(z.clip(-1, 1), QpStatus.EXCHANGED, 0, held)
         return self._by_osqp(H, g, lower, upper, inverse, free)
 
     def _by_osqp(
@@ -160,19 +163,30 @@ class CondensedQp:
         clear = np.abs(prices) > 1e-3 * np.abs(prices).max(initial=0.0)
         guess = -np.sign(prices).astype(np.int64) * clear  # Prices of upper bounds are negative.
         is_exact, exact, active = exchange_active_set(
-            inverse, free, self.A, lower, upper, guess, MOST_EXCHANGES
+            inverse, free, self._banded, lower, upper, guess, MOST_EXCHANGES
         )
         if is_exact:
-            return QpResult(np.clip(exact, -1, 1), QpStatus.SOLVED, details.iter, active)
+            return QpResult(exact.clip(-1, 1), QpStatus.SOLVED, details.iter, active)
         if max(details.primal_res, details.dual_res) < ACCEPTED_RESIDUAL:
-            return QpResult(np.clip(z, -1, 1), QpStatus.INACCURATE, details.iter, guess)
+            return QpResult(z.clip(-1, 1), QpStatus.INACCURATE, details.iter, guess)
         return self._failed(details.iter)
 
     def _failed(self, iterations: int) -> QpResult:
-        rows, nz = self.A.shape
-        return QpResult(
-            np.zeros(nz), QpStatus.FAILED, iterations, np.zeros(nz + rows, dtype=np.int64)
-        )
+        z = np.zeros(self.A.shape[1])
+        return QpResult(z, QpStatus.FAILED, iterations, self._unbound)
+
+
+@compiled
+def is_within(A: BandedRows, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
+    """Whether z (nz,) keeps all bounds; not if any of this is no number."""
+    for x in z:
+        if not abs(x) <= 1 + FEASIBILITY:
+            return False
+    for i in range(len(lower)):
+        x = row_dot(A, i, z)
+        if not (lower[i] - FEASIBILITY <= x <= upper[i] + FEASIBILITY):
+            return False
+    return True
 
 
 @compiled
@@ -185,20 +199,16 @@ def screened(
 
 @compiled
 def violations(
-    z: np.ndarray, value: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    z: np.ndarray, of_rows: np.ndarray, lower: np.ndarray, upper: np.ndarray
 ) -> np.ndarray:
-    """(nz + rows,), 1 where an upper bound of z or of `value` is exceeded, -1 a lower one, else 0.
-
-    Numbers that are none exceed every bound, and are exceeded.
-    """
-    nz = len(z)
-    found = np.zeros(nz + len(value), dtype=np.int64)
-    for i in range(nz):
-        if not abs(z[i]) <= 1 + FEASIBILITY:
+    """(nz + rows,), 1 where z or its rows exceed an upper bound, -1 a lower one, else 0."""
+    found = np.zeros(len(z) + len(of_rows), dtype=np.int64)
+    for i in range(len(z)):
+        if abs(z[i]) > 1 + FEASIBILITY:
             found[i] = 1 if z[i] > 0 else -1
-    for i in range(len(value)):
-        if not value[i] <= upper[i] + FEASIBILITY:
-            found[nz + i] = 1
-        elif not value[i] >= lower[i] - FEASIBILITY:
-            found[nz + i] = -1
+    for i in range(len(of_rows)):
+        if of_rows[i] > upper[i] + FEASIBILITY:
+            found[len(z) + i] = 1
+        elif of_rows[i] < lower[i] - FEASIBILITY:
+            found[len(z) + i] = -1
     return found

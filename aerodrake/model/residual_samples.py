@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from aerodrake.model.equivalent_model import EquivalentModel, Thrust
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.initial_state import Thrust
 from aerodrake.model.residual_features import feature_names, features
 from aerodrake.model.vehicle_state import VehicleState
 

@@ -57,6 +57,27 @@ def add_tracking(
 
 
 @compiled
+def carried_along(
+    value: np.ndarray, r: np.ndarray, J_c: np.ndarray, tilts: bool, y: np.ndarray
+) -> np.ndarray:
+    """(N + 1, 3), what the tool carries, now and at each stage, by its outputs y (F, N).
+
+    Args:
+        value, r, J_c, tilts: As for `add_tracking`.
+    """
+    rows = place_rows(J_c, tilt_matrix(r) if tilts else np.zeros((3, 3)))
+    along = np.empty((y.shape[1] + 1, 3))
+    along[0] = value
+    for k in range(y.shape[1]):
+        for i in range(3):
+            moved = 0.0
+            for f in range(len(y)):
+                moved += rows[i, f] * y[f, k]
+            along[k + 1, i] = value[i] + moved
+    return along
+
+
+@compiled
 def place_rows(J_c: np.ndarray, T: np.ndarray) -> np.ndarray:
     """(3, F), r per output [p_B', q', p_B, q, a, a'].
 

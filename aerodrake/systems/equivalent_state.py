@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.equivalent_model import EquivalentModel, Thrust
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.initial_state import Thrust
 from aerodrake.model.vehicle_state import VehicleState
 
 

@@ -7,6 +7,7 @@ from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from aerodrake.model.kinematics import EndEffector, Kinematics
+from aerodrake.model.rotation import length
 from aerodrake.model.vehicle_state import VehicleState
 
 
@@ -50,8 +51,5 @@ class KinematicsSystem(LeafSystem):
         end_effector: EndEffector = self._end_effector.Eval(context)
         p_Ed = self._reference.Eval(context)[:3]
         output.SetFromVector(
-            [
-                np.linalg.norm(end_effector.p_E - p_Ed),
-                np.linalg.norm(end_effector.p_EB - self._p_O),
-            ]
+            [length(end_effector.p_E - p_Ed), length(end_effector.p_EB - self._p_O)]
         )

@@ -6,6 +6,7 @@ import pytest
 from scipy import sparse
 
 from aerodrake.model.active_set import exchange_active_set
+from aerodrake.model.banded_rows import BandedRows
 
 NZ, ROWS = 8, 14
 SEEDS = range(50)
@@ -23,7 +24,9 @@ def program(seed: int):
 
 def exchange(H, g, A, lower, upper, guess, most=100):
     V = np.ascontiguousarray(np.linalg.inv(np.linalg.cholesky(H)).T)
-    return exchange_active_set(V, -np.linalg.solve(H, g), A, lower, upper, guess, most)
+    return exchange_active_set(
+        V, -np.linalg.solve(H, g), BandedRows.of(A), lower, upper, guess, most
+    )
 
 
 def by_clarabel(H, g, A, lower, upper) -> tuple[np.ndarray, np.ndarray]:

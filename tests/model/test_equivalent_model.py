@@ -6,8 +6,9 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from aerodrake.model.axis_models import AXIS_MODELS
-from aerodrake.model.equivalent_model import EquivalentModel, Thrust
+from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.flight_axis import flight_axis
+from aerodrake.model.initial_state import Thrust
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Flight, Model, Rates, Scenario
 

@@ -8,8 +8,9 @@ from scipy import signal
 from scipy.integrate import solve_ivp
 
 from aerodrake.excitation import excite
-from aerodrake.model.equivalent_model import EquivalentModel, Thrust
+from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.flight_axis import HIDDEN_STATES, flight_axis
+from aerodrake.model.initial_state import Thrust
 from aerodrake.model.motion import held_acceleration_motion
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Flight, Rotor, Scenario
