@@ -65,6 +65,10 @@ class Flight:
         self._vehicle = Vehicle.load(scenario)
         self._kinematics = Kinematics(self._vehicle.robot)
         self.curve = make_reference(scenario.reference, self._vehicle.p_E)
+        # What is compiled is loaded now, lest the first ticks wait for it.
+        with single_thread():
+            context = make_context(self._diagram, scenario.seed)
+            Simulator(self._diagram, context).AdvanceTo(scenario.rates.mpc_period_s)
 
     def fly(self, progress: Callable[[float], None] = lambda simulated_s: None) -> FlightLog:
         """Flies from trim to the scenario's end, or until the vehicle is lost.

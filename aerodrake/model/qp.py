@@ -101,6 +101,8 @@ class CondensedQp:
         }.items():
             options.SetOption(self._solver.id(), name, value)
         self._options = options
+        # What is compiled is loaded now, and not at the first tick that a bound holds.
+        self.solve(np.eye(nz), -2.0 * np.eye(nz)[0], -unbounded, unbounded)
 
     def solve(
         self,

@@ -59,7 +59,10 @@ class MpcSystem(KinematicController):
         tick = self.tick_inputs(context)
         start = time.perf_counter()
         program = self._formulation.form(tick)
-        active = context.get_discrete_state(self._x_active).value().astype(np.int64)
+        was_bound = context.get_discrete_state(self._x_status).value()[0] > 0
+        active = None
+        if was_bound:
+            active = context.get_discrete_state(self._x_active).value().astype(np.int64)
         result = self._qp.solve(program.H, program.g, program.lower, program.upper, active)
         self.tick_ms.append(1e3 * (time.perf_counter() - start))
 
@@ -72,5 +75,6 @@ class MpcSystem(KinematicController):
         U = plan[self._starts]
         prediction = self._formulation.predict(tick, program, U)
         discrete.set_value(self._x_plan, plan.ravel())
-        discrete.set_value(self._x_active, result.active)
+        if was_bound or result.status is not QpStatus.UNCONSTRAINED:
+            discrete.set_value(self._x_active, result.active)
         self._command(context, discrete, U[0], prediction, (result.status, result.iterations))
