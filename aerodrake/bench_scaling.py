@@ -72,6 +72,6 @@ def _times(scenario: Scenario, passes: int) -> dict[str, Any]:
     measured = replay(record_ticks(scenario), peers, passes)
     return {
         **spread(measured.tick_ms(OWN)),
-        "forming_median_ms": rounded(np.median(measured.forming_ms)),
+        "forming_median_ms": rounded(np.median(measured.forming_ms[OWN])),
         "peers_median_ms": {name: rounded(np.median(measured.tick_ms(name))) for name in peers},
     }

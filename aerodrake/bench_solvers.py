@@ -143,7 +143,7 @@ def _of(judged: list[Judged], solver: str) -> dict[str, Any]:
     return {
         **spread(pooled(lambda j: j.replay.tick_ms(solver))),
         "worst_ms": rounded(pooled(lambda j: j.replay.tick_ms(solver)).max()),
-        "forming_median_ms": rounded(np.median(pooled(lambda j: j.replay.forming_ms))),
+        "forming_median_ms": rounded(np.median(pooled(lambda j: j.replay.forming_ms[solver]))),
         "solving_median_ms": rounded(np.median(pooled(lambda j: j.replay.solving_ms[solver]))),
         "u0_error_max": rounded(pooled(lambda j: j.u0_error[solver]).max()),
     }

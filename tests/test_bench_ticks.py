@@ -68,7 +68,7 @@ def test_peers_get_the_same_programs_and_do_not_spoil_each_others(recorded):
     for name in ("one", "two", OWN):
         assert measured.u_0[name].shape == (25, INPUTS)
         assert (measured.solving_ms[name] > 0).all()
-        assert (measured.tick_ms(name) > measured.forming_ms).all()
+        assert (measured.tick_ms(name) > measured.forming_ms[name]).all()
 
 
 def test_verdicts(recorded):

@@ -52,27 +52,16 @@ class Condensing(NamedTuple):
 
 
 @compiled
-def condensed(
-    form: Condensing, C: np.ndarray, c: np.ndarray, free: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """(H (m N, m N), g (m N,)): z' H z / 2 + g' z is half the cost, but for what z leaves alone.
-
-    Args:
-        form: What is the same at every tick.
-        C: (F, F), symmetric, and
-        c: (F, N): the cost is the sum over the stages of ticks (y' C y + 2 c_k' y), and that
-            of the inputs.
-        free: (F, N), y without inputs.
-    """
-    return hessian(form, C), gradient(form, C @ free + c)
-
-
-@compiled
 def hessian(form: Condensing, C: np.ndarray) -> np.ndarray:
-    """(m N, m N), H.
+    """(m N, m N), H: z' H z / 2 + g' z is half the cost, but for what z leaves alone.
 
     Block by block of two axes, H_ab = sum of C_fg G_f' D G_g over the outputs f of a and g of b:
     what the stages add up to is in `products` already.
+
+    Args:
+        form: What is the same at every tick.
+        C: (F, F), symmetric: the cost is the sum over the stages of ticks (y' C y + 2 c_k' y),
+            and that of the inputs.
     """
     m, N, _ = form.H_input.shape
     NN = N * N
@@ -113,8 +102,15 @@ def hessian(form: Condensing, C: np.ndarray) -> np.ndarray:
 
 
 @compiled
-def gradient(form: Condensing, slope: np.ndarray) -> np.ndarray:
-    """(m N,), g of the sum over the stages of ticks y_k' slope_k; slope (F, N)."""
+def gradient(form: Condensing, C: np.ndarray, c: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """(m N,), g of the same.
+
+    Args:
+        form, C: As for `hessian`.
+        c: (F, N).
+        free: (F, N), y without inputs.
+    """
+    slope = C @ free + c
     m, N, _ = form.H_input.shape
     g = np.zeros(m * N)
     for f in range(len(form.axis)):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from aerodrake.model.condensing import Condensing, condensed, driven
+from aerodrake.model.condensing import Condensing, driven, gradient, hessian
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.horizon import stage_ticks
 from aerodrake.model.kinematics import Carried
@@ -26,14 +27,28 @@ class MpcProgram:
     """min z' H z / 2 + g' z with |z| <= 1 and lower <= A z <= upper.
 
     z (m N,) has the scaled inputs axis by axis: first all stages of the first.
-    `free` (F, N) are the stages' outputs under zero input.
+
+    Attributes:
+        g: (m N,).
+        lower, upper: (rows,).
+        free: (F, N), the stages' outputs under zero input.
+        C: (F, F), the cost of a stage's outputs y is y' C y, beside what is linear in y.
+        carried: (k, n), how the joints move what the cost has wishes for.
+        condensing: What makes H of C.
     """
 
-    H: np.ndarray
     g: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
     free: np.ndarray
+    C: np.ndarray
+    carried: np.ndarray
+    condensing: Condensing
+
+    @cached_property
+    def H(self) -> np.ndarray:
+        """(m N, m N), symmetric."""
+        return hessian(self.condensing, self.C)
 
 
 class MpcFormulation:
@@ -90,9 +105,9 @@ class MpcFormulation:
         w_3_joints = vehicle.per_joint(config.w_3_joints, "mpc.w_3_joints")
         self._K_e, self._K_o = np.array(config.k_e), np.full(3, config.k_o)
         self._W_1, self._W_6 = np.array(config.w_1), np.full(3, config.w_6)
-        self._W_2 = np.array([*config.w_2_base, *w_2_joints])
+        self.W_2 = np.array([*config.w_2_base, *w_2_joints])
         self._W_4 = np.array(config.w_4)
-        self._is_base = np.arange(len(self._W_2)) < 3
+        self._is_base = np.arange(len(self.W_2)) < 3
         # Roll and pitch rates count where they are held; yaw's always.
         self._rates = np.array([1.0, 1.0, 1.0] if config.tilt == "held" else [0.0, 0.0, 1.0])
         W_3 = np.array([*config.w_3_base, *w_3_joints])
@@ -102,7 +117,7 @@ class MpcFormulation:
         H_input = np.multiply.outer(W_3, np.diag(ticks)) + np.multiply.outer(W_5, change.T @ change)
         H_input *= limits.acceleration[:, None, None] ** 2
         outputs = StageOutputs(model, self.prediction, model.dt * ticks, limits.acceleration)
-        self._condensing = Condensing.make(outputs, ticks, H_input)
+        self.condensing = Condensing.make(outputs, ticks, H_input)
         self._form_rows(outputs)
 
     def _form_rows(self, outputs: StageOutputs) -> None:
@@ -146,7 +161,7 @@ class MpcFormulation:
         rows, free = free[: len(self.A)], free[len(self.A) :].reshape(-1, config.horizon)
         C, c = posture_cost(
             config.horizon,
-            self._W_2 * np.where(self._is_base, tick.w_q, tick.w_m),
+            self.W_2 * np.where(self._is_base, tick.w_q, tick.w_m),
             self._W_4 * tick.w_d,
             end_effector.J_B,
             end_effector.p_EB - self._p_O,
@@ -166,9 +181,14 @@ class MpcFormulation:
                 config.tilt == "flatness",
                 config.error == "predicted",
             )
-        H, g = condensed(self._condensing, C, c, free)
+        g = gradient(self.condensing, C, c, free)
         g[:: config.horizon] -= self._w_5 * tick.u_last
-        return MpcProgram(H, g, self._lower - rows, self._upper - rows, free)
+        carried = end_effector.J_B
+        if tick.pointing is not None:
+            carried = np.vstack([carried, tick.pointing.axis.J_c[:, 4:]])
+        return MpcProgram(
+            g, self._lower - rows, self._upper - rows, free, C, carried, self.condensing
+        )
 
     def inputs(self, z: np.ndarray) -> np.ndarray:
         """(N, m), u_0 ... u_{N-1} in m/s^2 and rad/s^2, of the program's z (m N,)."""
@@ -176,7 +196,7 @@ class MpcFormulation:
 
     def predict(self, tick: MpcInputs, program: MpcProgram, U: np.ndarray) -> np.ndarray:
         """(N + 1, 3) m, p_E now and at each stage under U (N, 3 + n), as linearised."""
-        y = driven(self._condensing, program.free, U.T.ravel() / self.scale)
+        y = driven(self.condensing, program.free, U.T.ravel() / self.scale)
         at, tilts = tick.end_effector, self.config.tilt == "flatness"
         return carried_along(at.p_E, at.r, at.J_c, tilts, y)
 

@@ -38,6 +38,11 @@ class QpStatus(IntEnum):
     FAILED = 4
 
 
+def is_bound(status: float) -> bool:
+    """Whether bounds hold the answer, and which they are is known."""
+    return QpStatus.UNCONSTRAINED < status < QpStatus.FAILED
+
+
 class QpResult(NamedTuple):
     """The answer to one program.
 
@@ -126,8 +131,8 @@ class CondensedQp:
         if is_indefinite or not np.isfinite(factor.diagonal()).all():
             return self._failed(0)
         free, _ = dpotrs(factor, -g, lower=1)
-        if is_within(self._banded, free, lower, upper):
-            return QpResult(free.clip(-1, 1), QpStatus.UNCONSTRAINED, 0, self._unbound)
+        if (result := self.accepted(free, lower, upper)) is not None:
+            return result
         if not np.isfinite(free).all() or np.isnan(lower).any() or np.isnan(upper).any():
             return self._failed(0)
         lower, upper = screened(lower, upper, self._reach)
@@ -140,6 +145,12 @@ class CondensedQp:
         if is_exact:
             return QpResult(z.clip(-1, 1), QpStatus.EXCHANGED, 0, held)
         return self._by_osqp(H, g, lower, upper, inverse, free)
+
+    def accepted(self, free: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> QpResult | None:
+        """The unconstrained minimiser (nz,) as the answer, if it keeps all bounds."""
+        if not is_within(self._banded, free, lower, upper):
+            return None
+        return QpResult(free.clip(-1, 1), QpStatus.UNCONSTRAINED, 0, self._unbound)
 
     def _by_osqp(
         self,

@@ -11,7 +11,8 @@ from pydrake.systems.framework import Context, DiscreteValues
 
 from aerodrake.model.mpc import MpcFormulation
 from aerodrake.model.mpc_inputs import MpcInputs
-from aerodrake.model.qp import CondensedQp, QpStatus
+from aerodrake.model.mpc_solver import MpcSolver
+from aerodrake.model.qp import QpStatus, is_bound
 from aerodrake.systems.kinematic_controller import KinematicController
 
 
@@ -40,7 +41,7 @@ class MpcSystem(KinematicController):
         super().__init__(formulation.model, formulation.config.horizon)
         self._formulation = formulation
         self._pointing = self.DeclareAbstractInputPort("pointing", AbstractValue.Make(object()))
-        self._qp = CondensedQp(formulation.A, formulation.config.max_iterations)
+        self._solver = MpcSolver(formulation)
         self._inputs = 3 + formulation.model.joints
         self._starts = np.cumsum([0, *formulation.stage_ticks[:-1]])  # Of the stages, in ticks.
         self._x_plan = self.DeclareDiscreteState(
@@ -59,11 +60,10 @@ class MpcSystem(KinematicController):
         tick = self.tick_inputs(context)
         start = time.perf_counter()
         program = self._formulation.form(tick)
-        was_bound = context.get_discrete_state(self._x_status).value()[0] > 0
         active = None
-        if was_bound:
+        if is_bound(context.get_discrete_state(self._x_status).value()[0]):
             active = context.get_discrete_state(self._x_active).value().astype(np.int64)
-        result = self._qp.solve(program.H, program.g, program.lower, program.upper, active)
+        result = self._solver.solve(program, active)
         self.tick_ms.append(1e3 * (time.perf_counter() - start))
 
         if result.status is QpStatus.FAILED:
@@ -75,6 +75,6 @@ class MpcSystem(KinematicController):
         U = plan[self._starts]
         prediction = self._formulation.predict(tick, program, U)
         discrete.set_value(self._x_plan, plan.ravel())
-        if was_bound or result.status is not QpStatus.UNCONSTRAINED:
+        if is_bound(result.status):  # Else nobody asks which they are.
             discrete.set_value(self._x_active, result.active)
         self._command(context, discrete, U[0], prediction, (result.status, result.iterations))
