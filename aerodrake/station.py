@@ -37,7 +37,7 @@ from typing import Any
 import numpy as np
 from pydrake.common import RandomGenerator
 from pydrake.geometry import SceneGraph
-from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, MultibodyPlant
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
@@ -107,10 +107,7 @@ def make_station(scenario: Scenario) -> Diagram:
     propellers = builder.AddNamedSystem(
         "propellers", make_propellers(rotor, vehicle.rotors, base.index())
     )
-    wind = builder.AddSystem(
-        make_wind(scenario.wind, vehicle.joints, base.index(), rates.sensor_period_s)
-    )
-    forces = builder.AddNamedSystem("forces", ExternallyAppliedSpatialForceMultiplexer(2))
+    wind = builder.AddSystem(make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s))
     flight_controller = builder.AddNamedSystem(
         "flight_controller",
         FlightController(
@@ -144,10 +141,14 @@ def make_station(scenario: Scenario) -> Diagram:
     connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
     connect(rotors.get_output_port(), propellers.get_command_input_port())
     connect(plant.get_body_poses_output_port(), propellers.get_body_poses_input_port())
-    connect(propellers.get_spatial_forces_output_port(), forces.get_input_port(0))
+    connect(
+        propellers.get_spatial_forces_output_port(), plant.get_applied_spatial_force_input_port()
+    )
     connect(plant.get_state_output_port(), wind.GetInputPort("true_state"))
-    connect(wind.GetOutputPort("spatial_forces"), forces.get_input_port(1))
-    connect(forces.get_output_port(), plant.get_applied_spatial_force_input_port())
+    # Not as one more spatial force: to gather those at each of its steps would cost more.
+    connect(
+        wind.GetOutputPort("generalized_force"), plant.get_applied_generalized_force_input_port()
+    )
     connect(arm_controller.GetOutputPort("joint_torque"), plant.get_actuation_input_port())
     connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
     for port in ("acceleration", "reaction"):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from pydrake.common import RandomDistribution
-from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
@@ -13,16 +12,16 @@ from aerodrake.scenario import Wind
 from aerodrake.systems.wind_force import WindForce
 
 
-def make_wind(config: Wind, joints: int, base: BodyIndex, period: float) -> Diagram:
+def make_wind(config: Wind, joints: int, period: float) -> Diagram:
     """Air that moves past the base. At rest it is the same diagram, and exerts no force.
 
     Input: `true_state` (13 + 2 n).
-    Outputs: `wind_force` (3) N in the world, and `spatial_forces`, the same for a plant.
+    Outputs: `wind_force` (3) N in the world, and `generalized_force` (6 + n), the same for
+    a plant.
 
     Args:
         config: Wind, gusts and drag.
         joints: n.
-        base: Index of the base's body in the plant.
         period: s, of gusts and force.
     """
     a, b = discrete_gusts(config, period)
@@ -41,11 +40,11 @@ def make_wind(config: Wind, joints: int, base: BodyIndex, period: float) -> Diag
         ),
     )
     air.configure_random_state(np.diag(np.square(config.gust_m_s)))  # It has always been blowing.
-    wind_force = builder.AddNamedSystem("wind_force", WindForce(config, joints, base, period))
+    wind_force = builder.AddNamedSystem("wind_force", WindForce(config, joints, period))
     builder.Connect(gust_noise.get_output_port(), air.get_input_port())
     builder.Connect(air.get_output_port(), wind_force.GetInputPort("air_velocity"))
     builder.ExportInput(wind_force.GetInputPort("true_state"), "true_state")
-    for port in ("wind_force", "spatial_forces"):
+    for port in ("wind_force", "generalized_force"):
         builder.ExportOutput(wind_force.GetOutputPort(port), port)
     diagram = builder.Build()
     diagram.set_name("wind")

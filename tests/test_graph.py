@@ -139,7 +139,11 @@ def test_mermaid_follows_signals_into_and_out_of_diagrams(closed_loop):
         assert drawn["setpoint_integrator", consumer] == "base_setpoint<br/>joint_setpoint"
     assert drawn["plant", "sensors"] == "state → true_state"
     opened = arrows(to_mermaid(closed_loop, DEPTH + 1))
-    assert drawn["wind", "forces"] == opened["wind_force", "forces"] == "spatial_forces"
+    assert (
+        drawn["wind", "plant"]
+        == opened["wind_force", "plant"]
+        == ("generalized_force → applied_generalized_force")
+    )
     assert drawn["plant", "wind"] == opened["plant", "wind_force"] == "state → true_state"
 
 

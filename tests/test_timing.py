@@ -138,13 +138,13 @@ def test_the_wind_sees_the_base_of_its_instant(second):
 def test_steps_of_the_plant_call_no_python_for_the_wind(scenario, monkeypatch):
     """What is applied is told anew once a sample, and once at the start."""
     told = []
-    calc = WindForce._calc_spatial_forces
+    calc = WindForce._calc_generalized_force
 
     def count(system, context, output):
         told.append(context.get_time())
         return calc(system, context, output)
 
-    monkeypatch.setattr(WindForce, "_calc_spatial_forces", count)
+    monkeypatch.setattr(WindForce, "_calc_generalized_force", count)
     for wind, times in ((BREEZE, [0.0, *(0.001 + 0.01 * np.arange(10))]), (Wind(), [0.0])):
         told.clear()
         recorder = make_moving(replace(scenario, wind=wind))

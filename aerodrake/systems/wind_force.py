@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from pydrake.common.value import AbstractValue
-from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce
-from pydrake.multibody.tree import BodyIndex
-from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.model.wind import drag_on_base, is_at_rest
@@ -21,7 +17,8 @@ class WindForce(LeafSystem):
         in `true_state` (13 + 2 n): the plant's state.
         in `air_velocity` (3): m/s, wind and gust, in the world.
         out `wind_force` (3): N, in the world, at the base's origin.
-        out `spatial_forces`: the same as a list of `ExternallyAppliedSpatialForce`.
+        out `generalized_force` (6 + n): the same on the plant's velocities [omega_W, v_B, q'],
+            of which a force at the base's origin moves v_B alone.
     State:
         the last force.
     Rate:
@@ -33,22 +30,20 @@ class WindForce(LeafSystem):
     Args:
         config: Drag, and whether the air moves.
         joints: n.
-        base: Index of the base's body in the plant.
         period: s.
     """
 
-    def __init__(self, config: Wind, joints: int, base: BodyIndex, period: float):
+    def __init__(self, config: Wind, joints: int, period: float):
         super().__init__()
         self._drag = config.quadratic_drag_n_s2_m2, config.linear_drag_n_s_m
-        self._base = base
         self._true_state = self.DeclareVectorInputPort("true_state", VehicleState.size(joints))
         self._air_velocity = self.DeclareVectorInputPort("air_velocity", 3)
         self._force = self.DeclareDiscreteState(np.zeros(3))
         self.DeclareStateOutputPort("wind_force", self._force)
-        self.DeclareAbstractOutputPort(
-            "spatial_forces",
-            lambda: AbstractValue.Make([ExternallyAppliedSpatialForce()]),
-            self._calc_spatial_forces,
+        self.DeclareVectorOutputPort(
+            "generalized_force",
+            6 + joints,
+            self._calc_generalized_force,
             {self.discrete_state_ticket(self._force)},
         )
         if not is_at_rest(config):
@@ -58,10 +53,7 @@ class WindForce(LeafSystem):
         air, x = self._air_velocity.Eval(context), self._true_state.Eval(context)
         discrete.set_value(drag_on_base(*self._drag, air, x))
 
-    def _calc_spatial_forces(self, context: Context, output: AbstractValue) -> None:
-        force = ExternallyAppliedSpatialForce()
-        force.body_index = self._base
-        force.p_BoBq_B = np.zeros(3)
-        held = context.get_discrete_state(self._force).value()
-        force.F_Bq_W = SpatialForce(tau=np.zeros(3), f=held)
-        output.set_value([force])
+    def _calc_generalized_force(self, context: Context, output: BasicVector) -> None:
+        force = np.zeros(output.size())
+        force[3:6] = context.get_discrete_state(self._force).value()
+        output.set_value(force)
