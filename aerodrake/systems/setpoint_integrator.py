@@ -49,11 +49,11 @@ class SetpointIntegrator(LeafSystem):
         output.set_value(segment(self._limits, x, self._u.Eval(context), self._period))
 
     def _calc_base(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(evaluate(self._segment.Eval(context), context.get_time(), 0, 3))
+        output.set_value(evaluate(self._segment.Eval(context), context.get_time(), 0, 3))
 
     def _calc_joints(self, context: Context, output: BasicVector) -> None:
-        now = evaluate(self._segment.Eval(context), context.get_time(), 3, self._axes)
-        output.SetFromVector(now)
+        segment, time = self._segment.Eval(context), context.get_time()
+        output.set_value(evaluate(segment, time, 3, self._axes))
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         discrete.set_value(advanced(self._segment.Eval(context), context.get_time()))
