@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from contextlib import suppress
 from pathlib import Path
 
 from numba import njit
@@ -29,8 +31,16 @@ def forget_stale(folder: Path) -> None:
     sources = {folder / f"{index.name.split('.')[0]}.py" for index in indices}
     newest = max((s.stat().st_mtime for s in sources if s.exists()), default=0.0)
     for index in indices:
-        if index.stat().st_mtime < newest:
-            index.unlink(missing_ok=True)
+        with suppress(FileNotFoundError):  # Another process may be at it, too.
+            if index.stat().st_mtime < newest:
+                index.unlink()
 
 
-forget_stale(Path(__file__).parent / "model")
+def is_cold(folder: Path) -> bool:
+    """Whether nothing in a folder that machine code is kept in has been compiled yet."""
+    return os.access(folder, os.W_OK) and not any((folder / "__pycache__").glob("*.nbi"))
+
+
+EQUATIONS = Path(__file__).parent / "model"
+
+forget_stale(EQUATIONS)

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from aerodrake.compiled import forget_stale
+from aerodrake.compiled import forget_stale, is_cold
 
 CALLED = "from numba import njit\n@njit(cache=True)\ndef f():\n    return {}\n"
 CALLS = (
@@ -60,3 +60,16 @@ def test_what_is_older_than_a_compiled_source_goes_and_the_rest_stays(tmp_path):
 def test_without_a_cache_there_is_nothing_to_forget(tmp_path):
     forget_stale(tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_it_is_cold_until_something_is_compiled(tmp_path):
+    (tmp_path / "called.py").write_text(CALLED.format(1))
+    (tmp_path / "calls.py").write_text(CALLS)
+    assert is_cold(tmp_path)
+    run(tmp_path)
+    assert not is_cold(tmp_path)
+    tmp_path.chmod(0o500)
+    try:
+        assert not is_cold(tmp_path / "nowhere")  # Machine code is kept elsewhere then.
+    finally:
+        tmp_path.chmod(0o700)
