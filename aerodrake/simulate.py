@@ -21,7 +21,7 @@ from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import parts
 from aerodrake.recording import Recording
 from aerodrake.scenario import Scenario
-from aerodrake.station import make_closed_loop, make_context
+from aerodrake.station import add_closed_loop, make_context
 from aerodrake.threads import single_thread
 
 MONITOR_PERIOD_S = 0.1
@@ -37,20 +37,20 @@ class Flight:
 
     Attributes:
         scenario: What is flown.
-        closed_loop: Its diagram.
+        closed_loop: Its diagram: station, coordinator and log; out `true_state`.
         curve: Its reference.
     """
 
     def __init__(self, scenario: Scenario):
         self.scenario = scenario
         builder = DiagramBuilder()
-        self.closed_loop: Diagram = builder.AddSystem(make_closed_loop(scenario))
-        ports = {name: self.closed_loop.GetOutputPort(name) for name in PORTS}
-        sizes = {name: port.size() for name, port in ports.items()}
+        # Beside station and coordinator, since each diagram around them costs at every step.
+        ports = add_closed_loop(builder, scenario)
+        sizes = {name: ports[name].size() for name in PORTS}
         # Side by side in one sink: each sink would be an event of its own.
         samples = builder.AddNamedSystem("samples", Multiplexer(list(sizes.values())))
-        for i, port in enumerate(ports.values()):
-            builder.Connect(port, samples.get_input_port(i))
+        for i, name in enumerate(PORTS):
+            builder.Connect(ports[name], samples.get_input_port(i))
         self._sink = LogVectorOutput(
             samples.get_output_port(), builder, scenario.rates.flight_period_s
         )
@@ -58,8 +58,9 @@ class Flight:
         self._columns = key_columns(sizes)
         first = self._columns["p_Bd_m"].start
         self._segment = slice(first, first + sizes["segment"])
-        self._diagram = builder.Build()
-        self._diagram.set_name("flight")
+        builder.ExportOutput(ports["true_state"], "true_state")
+        self.closed_loop: Diagram = builder.Build()
+        self.closed_loop.set_name("flight")
         coordinator = self.closed_loop.GetSubsystemByName("coordinator")
         self._controller = coordinator.GetSubsystemByName(scenario.controller)
         self._vehicle = Vehicle.load(scenario)
@@ -67,8 +68,8 @@ class Flight:
         self.curve = make_reference(scenario.reference, self._vehicle.p_E)
         # What is compiled is loaded now, lest the first ticks wait for it.
         with single_thread():
-            context = make_context(self._diagram, scenario.seed)
-            Simulator(self._diagram, context).AdvanceTo(scenario.rates.mpc_period_s)
+            context = make_context(self.closed_loop, scenario.seed)
+            Simulator(self.closed_loop, context).AdvanceTo(scenario.rates.mpc_period_s)
 
     def fly(self, progress: Callable[[float], None] = lambda simulated_s: None) -> FlightLog:
         """Flies from trim to the scenario's end, or until the vehicle is lost.
@@ -77,8 +78,8 @@ class Flight:
             progress: Called with the simulated time in s as it advances.
         """
         scenario = self.scenario
-        context = make_context(self._diagram, scenario.seed)
-        simulator = Simulator(self._diagram, context)
+        context = make_context(self.closed_loop, scenario.seed)
+        simulator = Simulator(self.closed_loop, context)
         # Times are rounded, lest they land beyond a tick that is not to be flown.
         end = round(scenario.settle_s + scenario.duration, 9)
         self._controller.tick_ms.clear()
@@ -157,7 +158,7 @@ class _Monitor:
 
     def __init__(self, flight: Flight, context: Context):
         self._flight = flight
-        self._context = flight.closed_loop.GetMyContextFromRoot(context)
+        self._context = context
         self._state = flight.closed_loop.GetOutputPort("true_state")
         self._start = flight.p_E(self._state.Eval(self._context))
         # A target that is far at first is to be approached before it can be left.

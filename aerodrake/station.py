@@ -38,7 +38,7 @@ import numpy as np
 from pydrake.common import RandomGenerator
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.model.clik import InverseKinematics
@@ -141,13 +141,10 @@ def make_station(scenario: Scenario) -> Diagram:
     connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
     connect(rotors.get_output_port(), propellers.get_command_input_port())
     connect(plant.get_body_poses_output_port(), propellers.get_body_poses_input_port())
-    connect(
-        propellers.get_spatial_forces_output_port(), plant.get_applied_spatial_force_input_port()
-    )
+    connect(propellers.GetOutputPort("spatial_forces"), plant.GetInputPort("applied_spatial_force"))
     connect(plant.get_state_output_port(), wind.GetInputPort("true_state"))
-    # Not as one more spatial force: to gather those at each of its steps would cost more.
     connect(
-        wind.GetOutputPort("generalized_force"), plant.get_applied_generalized_force_input_port()
+        wind.GetOutputPort("generalized_force"), plant.GetInputPort("applied_generalized_force")
     )
     connect(arm_controller.GetOutputPort("joint_torque"), plant.get_actuation_input_port())
     connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
@@ -259,19 +256,24 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     return _named(builder.Build(), "coordinator")
 
 
-def make_closed_loop(scenario: Scenario) -> Diagram:
-    """The coordinator flying the station; its outputs are all of both."""
-    builder = DiagramBuilder()
+def add_closed_loop(builder: DiagramBuilder, scenario: Scenario) -> dict[str, OutputPort]:
+    """Adds station and coordinator, which flies it; returns all outputs of both by name."""
     station = builder.AddSystem(make_station(scenario))
     coordinator = builder.AddSystem(make_coordinator(scenario))
     for port in ("state", "external_acceleration", "specific_thrust", "disturbance", "saturated"):
         builder.Connect(station.GetOutputPort(port), coordinator.GetInputPort(port))
     for port in ("base_setpoint", "joint_setpoint"):
         builder.Connect(coordinator.GetOutputPort(port), station.GetInputPort(port))
-    for side in (station, coordinator):
-        for i in range(side.num_output_ports()):
-            port = side.get_output_port(i)
-            builder.ExportOutput(port, port.get_name())
+    sides = (station, coordinator)
+    ports = [side.get_output_port(i) for side in sides for i in range(side.num_output_ports())]
+    return {port.get_name(): port for port in ports}
+
+
+def make_closed_loop(scenario: Scenario) -> Diagram:
+    """The coordinator flying the station; its outputs are all of both."""
+    builder = DiagramBuilder()
+    for name, port in add_closed_loop(builder, scenario).items():
+        builder.ExportOutput(port, name)
     return _named(builder.Build(), "closed_loop")
 
 
