@@ -159,7 +159,9 @@ def _draw_solvers(axes: Axes, figures: Figures) -> None:
     axes.set_yticks(range(len(solvers)), list(solvers))
     axes.invert_yaxis()
     axes.set_xscale("log")
+    axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5, 10])
     axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter("")
     axes.set_title("MPC tick: from median to p99", fontsize=10, loc="left")
     axes.set_xlabel("forming and solving / ms")
 

@@ -7,6 +7,9 @@ import numpy as np
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.prediction import Prediction
 
+ALIKE = 1e-12
+"""By how much responses that count as one may differ, in parts of their largest element."""
+
 
 class StageOutputs:
     """y = [p_B', q', p_B, q, a, a'] at the end of each stage, F = 2 (3 + n) + 6 numbers.
@@ -64,4 +67,7 @@ class StageOutputs:
         self.free = np.concatenate([by_x_0, by_delta], axis=2)
         by_u = outputs(prediction.Gamma, np.zeros((nx, N * m))).reshape(-1, N, N, m)
         G = np.array([by_u[f, :, :, axis] * scale[axis] for f, axis in enumerate(self.axis)])
-        self.responses, self.kind = np.unique(G, axis=0, return_inverse=True)
+        # Alike but for how their products were rounded.
+        alike = np.abs(G[:, None] - G).max(axis=(2, 3)) <= ALIKE * np.abs(G).max(axis=(1, 2))
+        first, self.kind = np.unique(alike.argmax(axis=1), return_inverse=True)
+        self.responses = G[first]
