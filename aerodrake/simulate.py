@@ -114,7 +114,7 @@ class Flight:
     def p_E(self, state: np.ndarray) -> np.ndarray:
         """(3,) m, the end-effector at a state (13 + 2 n,)."""
         quaternion, p_B, q, _, _, _ = parts(state)
-        return p_B + rotation_matrix(quaternion) @ self._kinematics.arm(q)[0]
+        return p_B + rotation_matrix(quaternion) @ self._kinematics.tool(q)[0]
 
     def _record(self, recording: Recording, context: Context, least: int = 1) -> None:
         """Moves what the sink holds to the recording, if it is `least` samples or more."""
@@ -137,7 +137,7 @@ class Flight:
         quaternion = signals["quaternion"]
         p_EB, t_B = np.empty((2, len(time_s), 3))
         for i, q in enumerate(signals["q_rad"]):
-            p_EB[i], t_B[i] = self._kinematics.arm(q)[0], self._kinematics.arm_axis(q)[0]
+            p_EB[i], t_B[i] = self._kinematics.tool(q)
         p_Ed, v_Ed = hover_then_follow(self.curve, self._vehicle.p_E, time_s)
         direction = make_direction(self.scenario.orientation)
         return {

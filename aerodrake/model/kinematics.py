@@ -87,6 +87,12 @@ class Kinematics:
         self._context = self._plant.CreateDefaultContext()
         self._tool = self._plant.GetFrameByName(TOOL_FRAME)
 
+    def tool(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(p_EB (3,) m, t (3,)) in the base frame at q (n,) rad: where the tool is, and points."""
+        self._plant.SetPositions(self._context, q)
+        X_BE = self._tool.CalcPoseInWorld(self._context)  # The base is the world here.
+        return X_BE.translation(), X_BE.rotation().multiply(TOOL_AXIS)
+
     def arm(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(p_EB (3,) m, J_B (3, n)) in the base frame at joint angles q (n,) rad."""
         plant, world = self._plant, self._plant.world_frame()

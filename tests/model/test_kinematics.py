@@ -105,3 +105,7 @@ def test_position_is_composed_of_base_and_arm(kinematics):
     p_EB, J_B = kinematics.arm(state.q)
     np.testing.assert_array_equal(at.p_EB, p_EB)
     np.testing.assert_array_equal(at.J_B, J_B)
+    for quantity, by_jacobian in zip(
+        kinematics.tool(state.q), (p_EB, kinematics.arm_axis(state.q)[0]), strict=True
+    ):
+        np.testing.assert_allclose(quantity, by_jacobian, atol=1e-15)
