@@ -1,7 +1,7 @@
 """All wiring: the station, the coordinator, and the closed loop of the two.
 
-The *station* is what hardware would replace: plant, rotors, wind, sensors and
-the low-level controllers. The *coordinator* is what runs on a companion computer:
+The *station* is what hardware would replace: plant and rotors (wired in `physics`),
+wind, sensors and the low-level controllers. The *coordinator* is what runs on a companion computer:
 reference, kinematics, pointing (if asked for), weight allocator, residual estimator,
 MPC (or CLIK) and setpoint integrator. They meet in seven signals: `state`,
 `external_acceleration`, `specific_thrust`, `disturbance` and `saturated` one way,
@@ -36,8 +36,6 @@ from typing import Any
 
 import numpy as np
 from pydrake.common import RandomGenerator
-from pydrake.geometry import SceneGraph
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
@@ -48,12 +46,11 @@ from aerodrake.model.horizon import stage_times
 from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
-from aerodrake.model.payload import add_payload
 from aerodrake.model.reference import make_reference
 from aerodrake.model.scenario_network import network_for
 from aerodrake.model.setpoint import SetpointLimits
-from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
-from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
+from aerodrake.model.vehicle import Vehicle
+from aerodrake.physics import add_physics
 from aerodrake.scenario import Scenario
 from aerodrake.sensors import make_sensors
 from aerodrake.systems.arm_controller import ArmController
@@ -65,7 +62,6 @@ from aerodrake.systems.mpc import MpcSystem
 from aerodrake.systems.pointing import PointingSystem
 from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
-from aerodrake.systems.rotors import make_propellers, make_rotors
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.wind import make_wind
@@ -84,29 +80,7 @@ def make_station(scenario: Scenario) -> Diagram:
     vehicle = Vehicle.load(scenario)
     builder = DiagramBuilder()
 
-    plant = builder.AddNamedSystem("plant", MultibodyPlant(rates.plant_step_s))
-    scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
-    plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, scenario.vehicle.robot, scenario.mismatch)
-    add_payload(plant, scenario.payload.mass_kg)
-    add_ground(plant)
-    plant.SetUseSampledOutputPorts(False)  # With them a step would be an unrestricted update.
-    plant.Finalize()
-    base = plant.GetBodyByName(BASE_FRAME)
-    plant.SetDefaultPositions(vehicle.trim_state[: plant.num_positions()])
-
-    rotors = builder.AddNamedSystem(
-        "rotors",
-        make_rotors(
-            rotor,
-            scenario.mismatch,
-            allocate(ThrustAllocation.make(vehicle, rotor), vehicle.trim_wrench),
-            rates.plant_step_s,
-        ),
-    )
-    propellers = builder.AddNamedSystem(
-        "propellers", make_propellers(rotor, vehicle.rotors, base.index())
-    )
+    plant, scene_graph, rotors, _ = add_physics(builder, scenario, vehicle)
     wind = builder.AddSystem(make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s))
     flight_controller = builder.AddNamedSystem(
         "flight_controller",
@@ -133,15 +107,7 @@ def make_station(scenario: Scenario) -> Diagram:
     )
 
     connect = builder.Connect
-    connect(
-        plant.get_geometry_pose_output_port(),
-        scene_graph.get_source_pose_port(plant.get_source_id()),
-    )
-    connect(scene_graph.get_query_output_port(), plant.get_geometry_query_input_port())
     connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
-    connect(rotors.get_output_port(), propellers.get_command_input_port())
-    connect(plant.get_body_poses_output_port(), propellers.get_body_poses_input_port())
-    connect(propellers.GetOutputPort("spatial_forces"), plant.GetInputPort("applied_spatial_force"))
     connect(plant.get_state_output_port(), wind.GetInputPort("true_state"))
     connect(
         wind.GetOutputPort("generalized_force"), plant.GetInputPort("applied_generalized_force")

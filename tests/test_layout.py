@@ -30,7 +30,7 @@ STOREYS = {
     ),
     1: ("model",),
     2: ("systems",),
-    3: ("station", "bare_plant", "open_loop", "sensors", "wind"),
+    3: ("station", "physics", "bare_plant", "open_loop", "sensors", "wind"),
     4: (
         "simulate",
         "flight_log",
