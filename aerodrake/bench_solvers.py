@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from importlib import import_module
 from importlib.metadata import version
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -44,8 +45,13 @@ class Judged:
 
 
 def installed_peers() -> tuple[str, ...]:
-    """The names of those that are there."""
-    return tuple(name for name, kind in PEERS.items() if find_spec(kind.package) is not None)
+    """The names of those that can be imported."""
+    found = []
+    for name, kind in PEERS.items():
+        with suppress(ImportError):
+            import_module(kind.package)
+            found.append(name)
+    return tuple(found)
 
 
 def judge(recorded: RecordedTicks, replay: Replay) -> Judged:

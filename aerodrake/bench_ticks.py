@@ -39,12 +39,10 @@ class RecordedTicks:
 
     Attributes:
         formulation: Forms their programs.
-        max_iterations: Of the scenario's OSQP.
         inputs: What each tick was about.
     """
 
     formulation: MpcFormulation
-    max_iterations: int
     inputs: list[MpcInputs]
 
 
@@ -88,7 +86,7 @@ def record_ticks(scenario: Scenario) -> RecordedTicks:
     model = EquivalentModel.of(scenario, vehicle.joints)
     limits = SetpointLimits.make(scenario.mpc, vehicle)
     formulation = MpcFormulation(scenario.mpc, model, limits, vehicle)
-    return RecordedTicks(formulation, scenario.mpc.max_iterations, inputs)
+    return RecordedTicks(formulation, inputs)
 
 
 def replay(
@@ -98,7 +96,7 @@ def replay(
 ) -> Replay:
     """Solves recorded ticks anew, tick by tick with every solver, on one thread.
 
-    A pass starts cold and goes through the ticks in the flight's order, so that warm
+    A pass goes through the ticks in the flight's order, so that warm
     starts are those of the flight. A tick's program is formed, and solved by each
     solver in an order that rotates from tick to tick. Of what a tick takes in the
     passes the least counts: the rest is what else the machine does.

@@ -29,15 +29,23 @@ class Recording(Mapping[str, np.ndarray]):
 
     def append(self, times: np.ndarray, samples: np.ndarray) -> None:
         """Adds samples (size, T), one a column, that were taken at times (T,) in s."""
-        self._times.append(times.copy())
-        self._blocks.append((self._file.seek(0, 2), samples.shape[1]))
+        # After the last whole block: what an interrupt left of another is written over.
+        before = sum(length for _, length in self._blocks)
+        offset = self._file.seek(before * len(samples) * samples.itemsize)
         # Row by row: those of one key are together, and the others need not be read.
         self._file.write(np.ascontiguousarray(samples).data)
+        self._times.append(times.copy())
+        self._blocks.append((offset, samples.shape[1]))
 
     @property
     def times(self) -> np.ndarray:
         """(T,) s, when the samples were taken."""
         return np.concatenate(self._times)
+
+    @property
+    def end(self) -> float:
+        """s, when the last one was; before all time if there is none."""
+        return self._times[-1][-1] if self._times else -np.inf
 
     def add(self, signals: Mapping[str, np.ndarray]) -> None:
         """Adds signals that are held in memory."""

@@ -119,9 +119,11 @@ class Flight:
     def _record(self, recording: Recording, context: Context, least: int = 1) -> None:
         """Moves what the sink holds to the recording, if it is `least` samples or more."""
         log = self._sink.FindMutableLog(context)
-        if log.num_samples() < least:
+        # What an interrupt kept from being cleared is there already.
+        fresh = log.sample_times() > recording.end
+        if np.count_nonzero(fresh) < least:
             return
-        times, samples = log.sample_times(), log.data().copy()
+        times, samples = log.sample_times()[fresh], log.data()[:, fresh]
         # Setpoints in the place of the polynomials that they follow.
         segment = samples[self._segment]
         m = len(segment) // 3

@@ -34,10 +34,15 @@ def measured():
             progress(step)
         return PROCESSES
 
-    found = bench_solvers.find_spec
+    def imported(name):
+        if name == MISSING:
+            raise ImportError(name)
+        return found(name)
+
+    found = bench_solvers.import_module
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "process_figures", processes)
-        patch.setattr(bench_solvers, "find_spec", lambda n: None if n == MISSING else found(n))
+        patch.setattr(bench_solvers, "import_module", imported)
         patch.setattr(bench_scaling, "HORIZONS", (3, 15, 30))
         patch.setattr(bench_scaling, "JOINTS", (4,))
         figures = bench(TINY, steps.append)

@@ -1,75 +1,78 @@
-"""Machine code that others' sources have outdated is not run."""
+"""Machine code that any of the sources has outdated is not run, nor kept."""
 
 import os
 import subprocess
 import sys
 from pathlib import Path
 
-from aerodrake.compiled import forget_stale, is_cold
+import pytest
 
-CALLED = "from numba import njit\n@njit(cache=True)\ndef f():\n    return {}\n"
+from aerodrake.compiled import cache_folder
+
+NUMBER = "NUMBER = {}\n"
+CALLED = (
+    "from numba import njit\nfrom number import NUMBER\n"
+    "@njit(cache=True)\ndef f():\n    return {} + NUMBER\n"
+)
 CALLS = (
     "from numba import njit\nfrom called import f\n@njit(cache=True)\ndef g():\n    return f()\n"
 )
 RUN = """
 from pathlib import Path
-from aerodrake.compiled import forget_stale
-forget_stale(Path())
+from numba import config
+from aerodrake.compiled import cache_folder
+config.CACHE_DIR = str(cache_folder(Path(), Path("elsewhere")))
 from calls import g
 print(g())
 """
 
 
+@pytest.fixture
+def sources(tmp_path) -> Path:
+    """A function that calls one of another file, which takes a number of a third."""
+    (tmp_path / "number.py").write_text(NUMBER.format(100))
+    (tmp_path / "called.py").write_text(CALLED.format(1))
+    (tmp_path / "calls.py").write_text(CALLS)
+    return tmp_path
+
+
 def run(folder: Path) -> int:
     """What `calls.g` returns in a process of its own."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    environment.pop("NUMBA_CACHE_DIR", None)
     done = subprocess.run(
         [sys.executable, "-c", RUN], cwd=folder, env=environment, capture_output=True, check=True
     )
     return int(done.stdout)
 
 
-def test_a_change_of_what_is_called_is_noticed(tmp_path):
-    (tmp_path / "called.py").write_text(CALLED.format(1))
-    (tmp_path / "calls.py").write_text(CALLS)
-    assert run(tmp_path) == 1
-    (tmp_path / "called.py").write_text(CALLED.format(20))
-    assert run(tmp_path) == 20
+def machine_code(folder: Path) -> set[str]:
+    return {str(path) for path in folder.rglob("*.nbc")}
 
 
-def test_what_is_older_than_a_compiled_source_goes_and_the_rest_stays(tmp_path):
-    cache = tmp_path / "__pycache__"
-    cache.mkdir()
-    times = {
-        "old.f-1.py311.nbi": 10,
-        "new.g-1.py311.nbi": 30,
-        "gone.h-1.py311.nbi": 30,
-        "old.py": 5,
-        "new.py": 20,
-        "not_compiled.py": 40,
-    }
-    for name, time in times.items():
-        path = (cache if name.endswith("nbi") else tmp_path) / name
-        path.touch()
-        os.utime(path, (time, time))
-    forget_stale(tmp_path)
-    assert {path.name for path in cache.iterdir()} == {"new.g-1.py311.nbi", "gone.h-1.py311.nbi"}
+def test_a_change_of_what_is_called_or_of_a_number_is_noticed(sources):
+    assert run(sources) == 101
+    before = machine_code(sources)
+    assert before and run(sources) == 101 and machine_code(sources) == before
+    (sources / "called.py").write_text(CALLED.format(20))
+    assert run(sources) == 120
+    old = (sources / "number.py").stat().st_mtime
+    (sources / "number.py").write_text(NUMBER.format(200))
+    os.utime(sources / "number.py", (old, old))  # As restored files have it.
+    assert run(sources) == 220
+    assert len(machine_code(sources)) == len(before)
 
 
-def test_without_a_cache_there_is_nothing_to_forget(tmp_path):
-    forget_stale(tmp_path)
-    assert not list(tmp_path.iterdir())
+def test_where_nothing_can_be_written_it_is_kept_elsewhere(sources, tmp_path, monkeypatch):
+    elsewhere = tmp_path / "elsewhere"
+    assert cache_folder(sources, elsewhere).parent == sources / "__pycache__"
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    folder = cache_folder(sources, elsewhere)
+    assert folder.parent == elsewhere
+    assert folder.name == cache_folder(sources, elsewhere).name
 
 
-def test_it_is_cold_until_something_is_compiled(tmp_path):
-    (tmp_path / "called.py").write_text(CALLED.format(1))
-    (tmp_path / "calls.py").write_text(CALLS)
-    assert is_cold(tmp_path)
-    run(tmp_path)
-    assert not is_cold(tmp_path)
-    tmp_path.chmod(0o500)
-    try:
-        assert not is_cold(tmp_path / "nowhere")  # Machine code is kept elsewhere then.
-    finally:
-        tmp_path.chmod(0o700)
+def test_folders_differ_by_what_the_sources_say(sources):
+    first = cache_folder(sources, sources)
+    assert cache_folder(sources, sources) == first
+    (sources / "another.py").write_text("")
+    assert cache_folder(sources, sources) != first

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import aerodrake.simulate
+from aerodrake.recording import Recording
 from aerodrake.reference_kinds import Hover, MovingTarget
 from aerodrake.scenario import Filter, Rates, Rotor, Scenario, Sensors, Vehicle
 from aerodrake.simulate import Flight
@@ -178,6 +179,30 @@ def test_a_flight_can_be_flown_again_after_an_interrupt(short_flight):
     again = flight.fly()
     np.testing.assert_array_equal(again["p_E_m"], whole["p_E_m"])
     assert len(again["tick_ms"]) == len(whole["tick_ms"])
+
+
+@pytest.mark.parametrize("is_written", [True, False])
+def test_an_interrupt_while_samples_are_moved_neither_loses_nor_doubles_any(
+    short_flight, monkeypatch, is_written
+):
+    scenario, whole = short_flight
+    append, interrupts = Recording.append, iter([True])
+
+    def interrupted(recording, times, samples):
+        if is_written:
+            append(recording, times, samples)
+        if next(interrupts, False):
+            raise KeyboardInterrupt
+        if not is_written:
+            append(recording, times, samples)
+
+    monkeypatch.setattr(Recording, "append", interrupted)
+    monkeypatch.setattr("aerodrake.simulate.LOG_SAMPLES", 50)
+    log = Flight(scenario).fly()
+    assert log.exit_reason == "interrupted"
+    np.testing.assert_array_equal(log.time_s, whole.time_s[: len(log.time_s)])
+    np.testing.assert_array_equal(log["p_B_m"], whole["p_B_m"][: len(log.time_s)])
+    assert len(log.time_s) >= 50
 
 
 def test_a_flight_without_network_needs_no_torch():

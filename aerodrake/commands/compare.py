@@ -41,7 +41,7 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.compare import OWN_VARIANT, compare, make_variant, make_variants, notes
     from aerodrake.comparison_report import FILES, comparison_table, headline, plot_comparison
-    from aerodrake.compiled import EQUATIONS, is_cold
+    from aerodrake.compiled import is_cold
     from aerodrake.flight_log import FlightLog
     from aerodrake.margins import find_margins
     from aerodrake.margins_report import FILES as MARGINS_FILES
@@ -56,7 +56,7 @@ def main(arguments: argparse.Namespace) -> int:
     joints = len(scenario.vehicle.working_rad)
     for note in (*warnings(scenario), *provenance_notes(scenario, joints), *notes(scenario)):
         say(f"note: {note}")
-    if is_cold(EQUATIONS):
+    if is_cold():
         say("note: equations are compiled first; this takes a minute, once on a machine")
     jobs, margins, written = arguments.jobs, None, FILES
     with run_folder(target, FILES) as folder:

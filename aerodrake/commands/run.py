@@ -33,7 +33,7 @@ def main(arguments: argparse.Namespace) -> int:
     scenario = load_scenario(arguments.scenario, overrides(arguments))
     target = arguments.out or new_folder(scenario.name)
 
-    from aerodrake.compiled import EQUATIONS, is_cold
+    from aerodrake.compiled import is_cold
     from aerodrake.flight_folder import fly_into
     from aerodrake.model.scenario_network import provenance_notes
     from aerodrake.replay import write_replay
@@ -45,7 +45,7 @@ def main(arguments: argparse.Namespace) -> int:
     joints = len(scenario.vehicle.working_rad)
     for warning in (*warnings(scenario), *provenance_notes(scenario, joints)):
         say(f"note: {warning}")
-    if is_cold(EQUATIONS):
+    if is_cold():
         say("note: equations are compiled first; this takes a minute, once on a machine")
     flight = Flight(scenario)
     with run_folder(target) as folder:

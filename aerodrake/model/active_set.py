@@ -13,7 +13,7 @@ TOLERANCE = 1e-9
 """By how much the solution may be beyond a bound."""
 
 MET = 1e-7
-"""By how much it may be off a bound that is active."""
+"""By how much it may be off a bound that is active, and a price below zero."""
 
 DEPENDENT = 1e-9
 """What of a bound's influence others leave of it, of all, if they imply it."""
@@ -55,8 +55,9 @@ def exchange_active_set(
 
     The dual active set method (Goldfarb and Idnani 1983), from a guess: those of its bounds
     are held that have a price. Then the one that is violated most is taken in, and those
-    are let go that this makes worthless, until none is violated. The conditions of
-    optimality are checked in the end.
+    are let go that this makes worthless, until none is violated. z is always the minimiser
+    at the prices of what is held; in the end it is checked that no bound is exceeded, and
+    that what is held is met and has no negative price: then z is the solution.
 
     Args:
         V: (nz, nz), the transpose of L^-1, with H = L L'.
@@ -97,7 +98,7 @@ def exchange_active_set(
             for j in range(k):
                 active[held.row[j]] = held.side[j]
                 excess = _excess(held.row[j], held.side[j], z, A, lower, upper)
-                is_met = is_met and abs(excess) < MET
+                is_met = is_met and abs(excess) < MET and held.price[j] > -MET
             return is_met, z, active
         half, push = _influence(V, A, row, side)
         k = _exchange(held, k, row, side, excess, half, push)

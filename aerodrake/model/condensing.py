@@ -15,8 +15,8 @@ class Condensing(NamedTuple):
 
     Attributes:
         axis: (F,) the axis of each output.
-        outputs: (m, 4) those of each axis: four of the base's, of joints the first
-        answers: (m,) two.
+        outputs: (m, 4) those of each axis; of joints, which have two, each twice.
+        answers: (m,) how many those are.
         kind: (F,) its kind of response.
         responses: (K, N, N), G of each kind.
         ticks: (N,) how many each stage lasts.

@@ -24,7 +24,6 @@ class StageOutputs:
     that answer alike, as those of equal joints do, share their G.
 
     Attributes:
-        speeds, places, tilting, swing: Where these parts of y stand.
         axis: (F,) the axis of each output.
         kind: (F,) which of the `responses` each output has.
         responses: (K, N, N), G of every kind: [stage, input].
@@ -45,8 +44,6 @@ class StageOutputs:
         scale: np.ndarray,
     ):
         N, m = len(stage_s), len(scale)
-        self.speeds, self.places = slice(m), slice(m, 2 * m)
-        self.tilting, self.swing = slice(2 * m, 2 * m + 3), slice(2 * m + 3, 2 * m + 6)
         self.axis = np.concatenate([np.arange(m), np.arange(m), np.arange(3), np.arange(3)])
         velocity = np.concatenate([model.base_velocity, model.joint_velocity])
         position = np.concatenate([model.base_position, model.joint_position])

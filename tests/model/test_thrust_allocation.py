@@ -58,7 +58,7 @@ def test_priorities(wrench):
     lift, roll, pitch, yaw = MIXER @ allocate(ALLOCATION, wrench)
     # Every rotor's share of a torque is +- torque / (4 ARM).
     spread = 2 * (abs(wrench[1]) + abs(wrench[2])) / (4 * ARM)
-    served = min(1.0, (MAX - MIN) / spread) if spread else 1.0
+    served = min(1.0, (MAX - MIN) / spread) if spread > 1e-9 else 1.0
     np.testing.assert_allclose([roll, pitch], served * wrench[1:3], atol=1e-9)
 
     # With yaw aside, thrust is free between what keeps the least and the most loaded rotor legal.
