@@ -18,8 +18,8 @@ def cache_folder(sources: Path, elsewhere: Path) -> Path:
     """Where machine code of a folder of sources is kept, by what all of them say.
 
     numba itself looks at the file of a function alone: not at functions of other files that
-    it has inlined, nor at numbers that it took from there. Machine code of other contents in
-    the same place is deleted.
+    it has inlined, nor at numbers that it took from there. Machine code beside the sources
+    that is of other contents is deleted.
 
     Args:
         sources: Beside these, in `__pycache__`, where that can be written.
@@ -29,20 +29,19 @@ def cache_folder(sources: Path, elsewhere: Path) -> Path:
     for source in sorted(sources.glob("*.py")):
         content.update(source.name.encode() + source.read_bytes())
     beside = sources / "__pycache__"
-    place = beside if os.access(beside if beside.exists() else sources, os.W_OK) else elsewhere
-    folder = place / f"compiled-{content.hexdigest()[:16]}"
-    for other in place.glob("compiled-*"):
-        if other != folder:
+    name = f"compiled-{content.hexdigest()[:16]}"
+    if not os.access(beside if beside.exists() else sources, os.W_OK):
+        return elsewhere / name
+    for other in beside.glob("compiled-*"):
+        if other.name != name:
             shutil.rmtree(other, ignore_errors=True)
-    return folder
+    return beside / name
 
 
-def _cache_home() -> Path:
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home, "aerodrake")
-
-
-CACHE = cache_folder(EQUATIONS, Path(os.environ.get("NUMBA_CACHE_DIR") or _cache_home()))
+CACHE = cache_folder(
+    EQUATIONS,
+    Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser(), "aerodrake"),
+)
 
 
 def is_cold() -> bool:
