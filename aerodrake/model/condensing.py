@@ -64,31 +64,25 @@ def hessian(form: Condensing, C: np.ndarray) -> np.ndarray:
             and that of the inputs.
     """
     m, N, _ = form.H_input.shape
-    NN = N * N
-    products = form.products.reshape(len(form.products), -1, NN)
+    NN, K = N * N, len(form.products)
+    products = form.products.reshape(K * K, NN)
     H, block = np.empty((m * N, m * N)), np.empty(NN)
-    C_fg, kinds = np.empty(16), np.empty((16, 2), dtype=np.int64)
+    C_fg, pair = np.empty(16), np.empty(16, dtype=np.int64)
     for a in range(m):
         for b in range(a, m):
             pairs = 0
             for f in form.outputs[a, : form.answers[a]]:
                 for g in form.outputs[b, : form.answers[b]]:
                     C_fg[pairs] = C[f, g]
-                    kinds[pairs, 0], kinds[pairs, 1] = form.kind[f], form.kind[g]
+                    pair[pairs] = form.kind[f] * K + form.kind[g]
                     pairs += 1
             own = form.H_input[a].reshape(NN)
             for i in range(NN):
                 block[i] = own[i] if a == b else 0.0
             for k in range(0, pairs, 4):  # Four at a time are fewer passes over the block.
                 c_0, c_1, c_2, c_3 = C_fg[k], C_fg[k + 1], C_fg[k + 2], C_fg[k + 3]
-                M_0, M_1 = (
-                    products[kinds[k, 0], kinds[k, 1]],
-                    products[kinds[k + 1, 0], kinds[k + 1, 1]],
-                )
-                M_2, M_3 = (
-                    products[kinds[k + 2, 0], kinds[k + 2, 1]],
-                    products[kinds[k + 3, 0], kinds[k + 3, 1]],
-                )
+                M_0, M_1 = products[pair[k]], products[pair[k + 1]]
+                M_2, M_3 = products[pair[k + 2]], products[pair[k + 3]]
                 for i in range(NN):
                     block[i] += c_0 * M_0[i] + c_1 * M_1[i] + c_2 * M_2[i] + c_3 * M_3[i]
             for i in range(N):

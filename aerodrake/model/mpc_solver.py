@@ -29,7 +29,7 @@ class MpcSolver:
                 them; None where none did.
         """
         g, lower, upper = program.g, program.lower, program.upper
-        if active is None:  # Else this one is hardly held by none.
+        if active is None:  # Where bounds held the last program, some most likely hold this one.
             z = self._redundancy.minimiser(program.C, g, program.carried)
             if z is not None and (result := self._qp.accepted(z, lower, upper)) is not None:
                 return result

@@ -27,8 +27,9 @@ class QpStatus(IntEnum):
     """How the answer came about, best first.
 
     UNCONSTRAINED, EXCHANGED and SOLVED are exact: the conditions of optimality were
-    checked. The active bounds of EXCHANGED were found from those of the tick before,
-    those of SOLVED from OSQP's iterate. INACCURATE is such an iterate with small residuals.
+    checked. The active bounds of EXCHANGED were found from those of the tick before or, if
+    it had none, from those that the unconstrained minimiser violates; those of SOLVED from
+    OSQP's iterate. INACCURATE is such an iterate with small residuals.
     """
 
     UNCONSTRAINED = 0
