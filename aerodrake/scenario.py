@@ -10,8 +10,10 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+from aerodrake.fault_kinds import AnyFault
 from aerodrake.reference_kinds import Hover, Orientation, OrientationOff, Reference
-from aerodrake.schema import choice, file, provenance, quantity
+from aerodrake.schema import choice, file, provenance, quantity, several
+from aerodrake.world import Mismatch, Payload, Sensors, Wind
 
 
 @dataclass(frozen=True)
@@ -52,19 +54,6 @@ class Vehicle:
 
 
 @dataclass(frozen=True)
-class Sensors:
-    """Standard deviations of white noise, one draw per sample and axis; and what comes late."""
-
-    position_noise_m: float = quantity(0.0, "m", 0.0, 1.0)
-    velocity_noise_m_s: float = quantity(0.0, "m/s", 0.0, 1.0)
-    attitude_noise_rad: float = quantity(0.0, "rad", 0.0, 0.2)
-    rate_noise_rad_s: float = quantity(0.0, "rad/s", 0.0, 1.0)
-    joint_noise_rad: float = quantity(0.0, "rad", 0.0, 0.2)
-    # Of the base's attitude, position and velocities; joints are never late.
-    base_delay_s: float = quantity(0.0, "s", 0.0, 0.5)
-
-
-@dataclass(frozen=True)
 class Filter:
     """Kalman filters that make the state of the samples, and tell what disturbs the base.
 
@@ -87,40 +76,33 @@ class Filter:
 
 
 @dataclass(frozen=True)
-class Wind:
-    """Moving air, and the force it exerts at the base's origin, in the world frame.
+class Supervisor:
+    """When it gives up what: how long a fault lasts, or how much it is, before a mode is asked for.
 
-    Air at rest, with neither wind nor gusts, exerts none, not even on a base that
-    flies through it.
+    The conditions themselves stand in `aerodrake.model.supervision`.
     """
 
-    velocity_m_s: tuple[float, ...] = quantity((0.0, 0.0, 0.0), "m/s", -20.0, 20.0, length=3)
-    # Gusts: an Ornstein-Uhlenbeck process on each axis, by standard deviation and correlation time.
-    gust_m_s: tuple[float, ...] = quantity((0.0, 0.0, 0.0), "m/s", 0.0, 10.0, length=3)
-    gust_correlation_s: float = quantity(1.0, "s", 0.05, 100.0)
-    # quadratic |v_r| v_r + linear v_r, for the air's velocity v_r as the base feels it.
-    quadratic_drag_n_s2_m2: float = quantity(0.25, "N s^2/m^2", 0.0, 10.0)
-    linear_drag_n_s_m: float = quantity(0.15, "N s/m", 0.0, 10.0)
-
-
-@dataclass(frozen=True)
-class Payload:
-    """A small steel ball at the end-effector, which no controller knows of."""
-
-    mass_kg: float = quantity(0.0, "kg", 0.0, 2.0)
-
-
-@dataclass(frozen=True)
-class Mismatch:
-    """How the plant is off the model that all controllers have: factors, 1 for none."""
-
-    # Of every link's mass, and of its inertia about its own centre of mass.
-    mass_scale: float = quantity(1.0, "1", 0.5, 2.0)
-    inertia_scale: float = quantity(1.0, "1", 0.5, 2.0)
-    # Of both time constants of the rotors.
-    rotor_lag_scale: float = quantity(1.0, "1", 0.2, 5.0)
-    # Of how far each rotor's commanded thrust is from its trim: the loop gain.
-    thrust_scale: float = quantity(1.0, "1", 0.1, 5.0)
+    # Ticks that an MPC without an answer goes on with its last plan.
+    plan_ticks: int = quantity(5, "ticks", 1, 1000)
+    # Without an answer for so long it lands.
+    plan_lost_s: float = quantity(5.0, "s", 0.02, 3600.0)
+    # Outages of samples, from the last one that was taken in: how long the task goes on by
+    # prediction alone, and how long the flight does.
+    position_outage_s: float = quantity(0.3, "s", 0.02, 60.0)
+    position_lost_s: float = quantity(2.0, "s", 0.02, 60.0)
+    attitude_outage_s: float = quantity(0.1, "s", 0.02, 60.0)
+    attitude_lost_s: float = quantity(0.5, "s", 0.02, 60.0)
+    joints_outage_s: float = quantity(0.1, "s", 0.02, 60.0)
+    joints_lost_s: float = quantity(0.5, "s", 0.02, 60.0)
+    # What has asked for a mode must be over for so long.
+    clear_s: float = quantity(0.5, "s", 0.0, 60.0)
+    max_tilt_rad: float = quantity(1.0472, "rad", 0.1, 1.57)
+    # A rotor that gives less than this share of its thrust is lost.
+    rotor_lost: float = quantity(0.4, "1", 0.0, 1.0)
+    # A reference is refused that is lower than this, or further from the start than that.
+    lowest_m: float = quantity(0.1, "m", -1000.0, 1000.0)
+    farthest_m: float = quantity(50.0, "m", 0.1, 10_000.0)
+    descend_m_s: float = quantity(0.3, "m/s", 0.05, 2.0)
 
 
 @dataclass(frozen=True)
@@ -287,6 +269,8 @@ class Scenario:
     wind: Wind = Wind()
     payload: Payload = Payload()
     mismatch: Mismatch = Mismatch()
+    # What breaks on the way.
+    faults: tuple[AnyFault, ...] = several()
     flight: Flight = Flight()
     arm: Arm = Arm()
     model: Model = Model()
@@ -296,5 +280,6 @@ class Scenario:
     clik: Clik = Clik()
     baseline: Baseline = Baseline()
     allocation: Allocation = Allocation()
+    supervisor: Supervisor = Supervisor()
     # The file this was read from, for messages.
     source: str = provenance()

@@ -65,6 +65,11 @@ def file(default: str = "") -> Any:
     return dataclasses.field(default=default, metadata={"file": True})
 
 
+def several() -> Any:
+    """Declares a list of mappings, each told apart by its `kind`; empty by default."""
+    return dataclasses.field(default=(), metadata={"several": True})
+
+
 def provenance() -> Any:
     """Declares a string that tells where the data came from and is not part of it."""
     return dataclasses.field(default="", metadata={"provenance": True})
@@ -131,6 +136,8 @@ def _data_fields(config: Any) -> list[dataclasses.Field]:
 def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, key: str) -> Any:
     if isinstance(hint, types.UnionType):
         return _build_union(typing.get_args(hint), value, source, key)
+    if "several" in meta:
+        return _build_several(typing.get_args(hint)[0], value, source, key)
     if dataclasses.is_dataclass(hint):
         return build(hint, value, source, key)
     if hint is bool:
@@ -158,6 +165,16 @@ def _build_union(options: tuple[type, ...], value: object, source: object, key: 
     if not isinstance(kind, str) or kind not in kinds:
         raise BadInput(source, f"{key}.kind", f"unknown kind {_show(kind)}; {nearest(kind, kinds)}")
     return build(kinds[kind], {k: v for k, v in value.items() if k != "kind"}, source, key)
+
+
+def _build_several(option: Any, value: object, source: object, key: str) -> tuple[Any, ...]:
+    if not isinstance(value, list | tuple):
+        raise BadInput(source, key, f"expected a list of mappings, got {_show(value)}")
+    if len(value) > MAX_LIST:
+        raise BadInput(source, key, f"expected at most {MAX_LIST} of them, got {len(value)}")
+    return tuple(
+        _build_union(typing.get_args(option), v, source, f"{key}[{i}]") for i, v in enumerate(value)
+    )
 
 
 def _string(meta: Mapping[str, Any], value: object, source: object, key: str) -> str:

@@ -10,9 +10,10 @@ from pydrake.systems.primitives import AffineSystem, DiscreteTimeDelay, RandomSo
 from aerodrake.model.sample import noise_size
 from aerodrake.model.state_filter import StateFilter
 from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.scenario import Filter, Rates, Sensors
+from aerodrake.scenario import Filter, Rates
 from aerodrake.systems.sensors import SensorSystem, is_exact
 from aerodrake.systems.state_filter import StateFilterSystem
+from aerodrake.world import Sensors
 
 
 def make_sensors(

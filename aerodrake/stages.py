@@ -22,7 +22,8 @@ from aerodrake.model.reference import make_reference
 from aerodrake.model.stage_motion import joint_motion, turn_about
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.reference_kinds import FigureEight, Hover, Lissajous
-from aerodrake.scenario import Payload, Scenario, Wind
+from aerodrake.scenario import Scenario
+from aerodrake.world import Payload, Wind
 
 SETTLE_S = 5.0
 """s of hover before a stage's motion; nothing is recorded of it."""

@@ -8,8 +8,8 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.model.wind import discrete_gusts
-from aerodrake.scenario import Wind
 from aerodrake.systems.wind_force import WindForce
+from aerodrake.world import Wind
 
 
 def make_wind(config: Wind, joints: int, period: float) -> Diagram:

@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from aerodrake.collection import describe, place
-from aerodrake.scenario import Mismatch, Mpc, Sensors
+from aerodrake.scenario import Mpc
 from aerodrake.stages import quick_stages
+from aerodrake.world import Mismatch, Sensors
 
 
 @pytest.mark.parametrize(

@@ -11,10 +11,11 @@ from pydrake.systems.analysis import Simulator
 
 import aerodrake
 from aerodrake.reference_kinds import Clover
-from aerodrake.scenario import Mismatch, Mpc, Payload, Residual, Scenario, Sensors, Wind
+from aerodrake.scenario import Mpc, Residual, Scenario
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.threads import single_thread
+from aerodrake.world import Mismatch, Payload, Sensors, Wind
 
 
 def noisy(seed: int = 7) -> Scenario:

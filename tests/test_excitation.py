@@ -9,8 +9,9 @@ from pydrake.systems.analysis import Simulator
 from aerodrake.excitation import excite
 from aerodrake.model.motion import held_acceleration_motion
 from aerodrake.open_loop import make_open_loop
-from aerodrake.scenario import Filter, Rates, Scenario, Sensors
+from aerodrake.scenario import Filter, Rates, Scenario
 from aerodrake.station import make_context
+from aerodrake.world import Sensors
 
 FLOWN_S = 0.4
 NOISE = Sensors(position_noise_m=0.002, velocity_noise_m_s=0.01, joint_noise_rad=0.001)

@@ -2,7 +2,8 @@ import dataclasses
 
 from aerodrake.files import locate
 from aerodrake.fingerprint import plant_hash, scenario_hash
-from aerodrake.scenario import Model, Mpc, Scenario, Wind
+from aerodrake.scenario import Model, Mpc, Scenario
+from aerodrake.world import Wind
 
 
 def test_the_name_is_no_part_of_a_scenario_and_all_else_is(scenario):

@@ -25,8 +25,9 @@ from aerodrake.identify import (
 )
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.processes import run_parallel
-from aerodrake.scenario import Flight, Model, Rates, Scenario, Sensors
+from aerodrake.scenario import Flight, Model, Rates, Scenario
 from aerodrake.scenario_file import load_scenario
+from aerodrake.world import Sensors
 
 TRUE_K_B = (2.0, 3.0, 4.0)
 

@@ -26,6 +26,8 @@ STOREYS = {
         "scenario_edit",
         "scenario_file",
         "scenario_rules",
+        "fault_kinds",
+        "world",
         "threads",
     ),
     1: ("model",),

@@ -13,10 +13,11 @@ from aerodrake import compare as compare_module
 from aerodrake import margins as module
 from aerodrake.cli import main
 from aerodrake.margins import DISTURBANCES, R40, Disturbance, find_margins
-from aerodrake.scenario import Mismatch, Payload, Rates, Scenario, Sensors
+from aerodrake.scenario import Rates, Scenario
 from aerodrake.scenario_file import load_scenario
 from aerodrake.scenario_rules import check
 from aerodrake.simulate import Flight
+from aerodrake.world import Mismatch, Payload, Sensors
 
 TINY = ["--set", "duration=0.2", "--set", "settle_s=0"]
 

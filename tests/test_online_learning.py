@@ -7,9 +7,10 @@ from pydrake.systems.analysis import Simulator
 from aerodrake.model.residual_features import features
 from aerodrake.model.residual_network import ResidualNetwork
 from aerodrake.reference_kinds import Clover, MovingTarget
-from aerodrake.scenario import Residual, Rotor, Scenario, Sensors, Vehicle
+from aerodrake.scenario import Residual, Rotor, Scenario, Vehicle
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context
+from aerodrake.world import Sensors
 
 
 @pytest.mark.parametrize("max_drift", [0.005, 0.01])

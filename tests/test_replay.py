@@ -9,7 +9,7 @@ import pytest
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.replay import write_replay
-from aerodrake.scenario import Payload
+from aerodrake.world import Payload
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,11 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, DiscreteTimeIntegrator, RandomSource
 
-from aerodrake.scenario import Filter, Payload, Rates, Scenario, Sensors
+from aerodrake.scenario import Filter, Rates, Scenario
 from aerodrake.sensors import make_sensors
 from aerodrake.simulate import Flight
 from aerodrake.station import make_context
+from aerodrake.world import Payload, Sensors
 
 JOINTS = 6
 STEP, PERIOD = 0.001, 0.010

@@ -12,9 +12,10 @@ import pytest
 import aerodrake.simulate
 from aerodrake.recording import Recording
 from aerodrake.reference_kinds import Hover, MovingTarget
-from aerodrake.scenario import Filter, Rates, Rotor, Scenario, Sensors, Vehicle
+from aerodrake.scenario import Filter, Rates, Rotor, Scenario, Vehicle
 from aerodrake.simulate import Flight
 from aerodrake.summary import summarize, to_json
+from aerodrake.world import Sensors
 
 WEAK = Vehicle(rotor=Rotor(max_thrust_n=2.0))
 """Four rotors that give 8 N, where it weighs 37 N."""

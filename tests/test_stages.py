@@ -7,8 +7,8 @@ import pytest
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.reference import make_reference
 from aerodrake.reference_kinds import Hover
-from aerodrake.scenario import Payload, Wind
 from aerodrake.stages import Stage, circle, fly_stage, paper_stages, quick_stages, weathers
+from aerodrake.world import Payload, Wind
 
 STAGES = paper_stages()
 

@@ -12,9 +12,10 @@ from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.vehicle import TOOL_FRAME, add_robot
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.reference_kinds import MovingTarget
-from aerodrake.scenario import Mismatch, Payload, Scenario, Sensors, Wind
+from aerodrake.scenario import Scenario
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context, make_coordinator, make_station
+from aerodrake.world import Mismatch, Payload, Sensors, Wind
 
 N, JOINTS, ROTORS = 15, 6, 4
 STATE = 13 + 2 * JOINTS

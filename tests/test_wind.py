@@ -6,9 +6,9 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput
 
-from aerodrake.scenario import Wind
 from aerodrake.station import make_context
 from aerodrake.wind import make_wind
+from aerodrake.world import Wind
 
 JOINTS, PERIOD = 6, 0.01
 MEAN, SIGMA, T = np.array([2.0, 0.0, -1.0]), np.array([1.0, 0.5, 0.0]), 0.1

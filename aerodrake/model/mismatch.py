@@ -8,7 +8,7 @@ from xml.dom.minidom import Element
 from xml.parsers.expat import ExpatError
 
 from aerodrake.errors import BadInput
-from aerodrake.scenario import Mismatch
+from aerodrake.world import Mismatch
 
 EXACT = Mismatch()
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")

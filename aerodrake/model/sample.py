@@ -9,7 +9,7 @@ import numpy as np
 from aerodrake.compiled import compiled
 from aerodrake.model.rotation import length, product, quaternion_of
 from aerodrake.model.vehicle_state import parts
-from aerodrake.scenario import Sensors
+from aerodrake.world import Sensors
 
 
 class Deviations(NamedTuple):

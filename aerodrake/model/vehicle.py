@@ -17,7 +17,8 @@ from aerodrake.errors import BadInput
 from aerodrake.files import locate
 from aerodrake.model.mismatch import EXACT, is_exact, mismatched_urdf
 from aerodrake.model.vehicle_state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
-from aerodrake.scenario import Mismatch, Scenario
+from aerodrake.scenario import Scenario
+from aerodrake.world import Mismatch
 
 BASE_FRAME = "base"
 TOOL_FRAME = "tool"

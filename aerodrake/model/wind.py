@@ -9,7 +9,7 @@ import numpy as np
 from aerodrake.compiled import compiled
 from aerodrake.model.rotation import length
 from aerodrake.model.vehicle_state import parts
-from aerodrake.scenario import Wind
+from aerodrake.world import Wind
 
 
 def is_at_rest(config: Wind) -> bool:

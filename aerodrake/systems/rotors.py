@@ -10,7 +10,8 @@ from pydrake.symbolic import Variable, exp, if_then_else, max, min
 from pydrake.systems.primitives import SymbolicVectorSystem
 
 from aerodrake.model.vehicle import Rotors
-from aerodrake.scenario import Mismatch, Rotor
+from aerodrake.scenario import Rotor
+from aerodrake.world import Mismatch
 
 
 def make_rotors(

@@ -9,7 +9,7 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.sample import Deviations, disturbed, noise_size, sampled
 from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.scenario import Sensors
+from aerodrake.world import Sensors
 
 
 def is_exact(config: Sensors) -> bool:

@@ -7,7 +7,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.model.wind import drag_on_base, is_at_rest
-from aerodrake.scenario import Wind
+from aerodrake.world import Wind
 
 
 class WindForce(LeafSystem):

@@ -13,7 +13,7 @@ from aerodrake.errors import BadInput
 from aerodrake.files import locate
 from aerodrake.model.mismatch import mismatched_urdf
 from aerodrake.model.vehicle import Vehicle, add_robot
-from aerodrake.scenario import Mismatch
+from aerodrake.world import Mismatch
 
 MASS, INERTIA = 1.3, 0.8
 OFF = Mismatch(mass_scale=MASS, inertia_scale=INERTIA)

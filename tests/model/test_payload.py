@@ -10,7 +10,7 @@ from pydrake.multibody.tree import JacobianWrtVariable
 
 from aerodrake.model.payload import PAYLOAD_BODY, STEEL_KG_M3, add_payload
 from aerodrake.model.vehicle import TOOL_FRAME, Vehicle, add_robot
-from aerodrake.scenario import Payload
+from aerodrake.world import Payload
 
 MASS = 0.2
 

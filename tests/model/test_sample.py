@@ -9,7 +9,7 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 
 from aerodrake.model.sample import Deviations, disturbed, noise_size, sampled
 from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.scenario import Sensors
+from aerodrake.world import Sensors
 
 JOINTS = 6
 SIZE = VehicleState.size(JOINTS)

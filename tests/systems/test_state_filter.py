@@ -20,13 +20,14 @@ from aerodrake.model.state_filter import StateFilter
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.open_loop import make_open_loop
-from aerodrake.scenario import Filter, Rates, Rotor, Sensors, Wind
+from aerodrake.scenario import Filter, Rates, Rotor
 from aerodrake.scenario_file import load_scenario
 from aerodrake.sensors import make_sensors
 from aerodrake.simulate import Flight
 from aerodrake.station import make_context
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.state_filter import StateFilterSystem
+from aerodrake.world import Sensors, Wind
 
 JOINTS = 6
 SIZE = VehicleState.size(JOINTS)
