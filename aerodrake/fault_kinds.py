@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from aerodrake.schema import choice, quantity
 
@@ -19,7 +19,11 @@ class Fault:
     @property
     def end_s(self) -> float:
         """s, reference time at which it is over."""
-        return self.start_s + self.duration_s
+        return round(self.start_s + self.duration_s, 9)
+
+    def is_active(self, time: Any) -> Any:
+        """Whether it is, at a reference time or at each of several, s."""
+        return (self.start_s <= time) & (time < self.end_s)
 
 
 @dataclass(frozen=True)

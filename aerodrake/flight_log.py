@@ -53,20 +53,28 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "wind_force": (("wind_force_n", "3"),),
     "weights": (("gamma", "1"), ("mode", "1"), ("w_q", "1"), ("w_m", "1"), ("w_d", "1")),
     "prediction": (("predicted_p_E_m", "3(N+1)"),),
-    "status": (("qp_status", "1"), ("qp_iterations", "1")),
+    "status": (("qp_status", "1"), ("qp_iterations", "1"), ("plan_age_ticks", "1")),
     "delta": (("delta_m_s", "3"),),
     "prediction_error": (("prediction_error_m_s", "3"),),
     "nominal_prediction_error": (("nominal_prediction_error_m_s", "3"),),
+    "mode": (("supervisor_mode", "1"),),
+    "cause": (("supervisor_cause", "1"),),
+    "conditions": (("conditions", "c"),),
+    "sample_health": (("sample_outage_s", "3"), ("sample_verdict", "3")),
+    "rotor_effectiveness": (("rotor_effectiveness", "k"),),
+    "reference_verdict": (("reference_verdict", "1"),),
+    "learner_health": (("learner_cause", "1"), ("learner_shut_out_s", "1")),
 }
 """Ports of the closed loop that are logged, and the keys and widths of their parts.
 
-n is the number of joints, k that of rotors, N the horizon. A part of width 1
+n is the number of joints, k that of rotors, N the horizon, c the supervisor's conditions. A part of width 1
 is logged as a plain series (T,), the others as (T, width). Each of these ports shows
 a state, or what is computed at a tick anyway: nothing is evaluated for the log. Of
 `segment` the log has the setpoints that its polynomials give at each sample.
 A row shows what was there before the updates of its instant: the sample of the
 instant itself, `measured_*`, and the state that was made of the one before,
-`estimated_*` and `external_acceleration`; of the MPC, all that is of its last tick.
+`estimated_*` and `external_acceleration`; of the MPC, all that is of its last tick. A number
+that is none is logged as the last one that was: what was the matter, others say.
 """
 
 DERIVED = {
@@ -94,7 +102,8 @@ class FlightLog:
     Attributes:
         signals: Arrays by the keys of `PORTS` and `DERIVED`; all but `PER_TICK`
             have one row per sample. They may be read from a file at each access.
-        exit_reason: `completed`, `lost` or `interrupted`.
+        exit_reason: `completed`; `hold` or `descend`, the safe mode in which time was up;
+            `landed` or `stopped`, by the supervisor; `lost`; or `interrupted`.
         exit_cause: One line on why it did not complete; empty if it did.
         wall_s: Wall time of the simulation.
     """

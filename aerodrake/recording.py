@@ -24,6 +24,7 @@ class Recording(Mapping[str, np.ndarray]):
         self._times: list[np.ndarray] = []
         self._others: dict[str, np.ndarray] = {}
         self._blocks: list[tuple[int, int]] = []  # Where each begins, and how many samples it has.
+        self._newest: np.ndarray | None = None
         self._file = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115
         weakref.finalize(self, self._file.close)
 
@@ -36,6 +37,19 @@ class Recording(Mapping[str, np.ndarray]):
         self._file.write(np.ascontiguousarray(samples).data)
         self._times.append(times.copy())
         self._blocks.append((offset, samples.shape[1]))
+
+    def fill(self, samples: np.ndarray) -> None:
+        """Puts in place of what is no number, in samples (size, T) to be added, the last one.
+
+        Where there was none, zero.
+        """
+        first = np.zeros(len(samples)) if self._newest is None else self._newest
+        if not np.isfinite(samples).all():
+            before = np.column_stack([first, samples])
+            latest = np.where(np.isfinite(before), np.arange(before.shape[1]), 0)
+            latest = np.maximum.accumulate(latest, axis=1)
+            samples[:] = np.take_along_axis(before, latest, axis=1)[:, 1:]
+        self._newest = samples[:, -1].copy()
 
     @property
     def times(self) -> np.ndarray:

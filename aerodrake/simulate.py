@@ -15,8 +15,12 @@ from aerodrake.flight_log import PORTS, FlightLog, key_columns, rotate
 from aerodrake.model.direction import make_direction
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.reference import hover_then_follow, make_reference
+from aerodrake.model.reference_check import JUMP_M, Envelope, ReferenceVerdict, judged
+from aerodrake.model.reference_fault import faulty
 from aerodrake.model.rotation import rotation_matrix
+from aerodrake.model.safe_mode import SafeMode
 from aerodrake.model.setpoint import integrate
+from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import parts
 from aerodrake.recording import Recording
@@ -37,7 +41,8 @@ class Flight:
 
     Attributes:
         scenario: What is flown.
-        closed_loop: Its diagram: station, coordinator and log; out `true_state`.
+        closed_loop: Its diagram: station, coordinator and log; out `true_state`, and of the
+            coordinator `reference`, `mode` and `cause`.
         curve: Its reference.
     """
 
@@ -58,7 +63,8 @@ class Flight:
         self._columns = key_columns(sizes)
         first = self._columns["p_Bd_m"].start
         self._segment = slice(first, first + sizes["segment"])
-        builder.ExportOutput(ports["true_state"], "true_state")
+        for name in ("true_state", "reference", "mode", "cause"):
+            builder.ExportOutput(ports[name], name)
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
         coordinator = self.closed_loop.GetSubsystemByName("coordinator")
@@ -72,7 +78,7 @@ class Flight:
             Simulator(self.closed_loop, context).AdvanceTo(scenario.rates.mpc_period_s)
 
     def fly(self, progress: Callable[[float], None] = lambda simulated_s: None) -> FlightLog:
-        """Flies from trim to the scenario's end, or until the vehicle is lost.
+        """Flies from trim to the scenario's end, or until the vehicle is lost, or stops.
 
         Args:
             progress: Called with the simulated time in s as it advances.
@@ -85,7 +91,7 @@ class Flight:
         self._controller.tick_ms.clear()
         monitor = _Monitor(self, context)
         recording = Recording(self._columns)
-        reason, cause = "completed", ""
+        reason = cause = ""
         start = time.perf_counter()
         with single_thread():
             try:
@@ -93,10 +99,12 @@ class Flight:
                     simulator.AdvanceTo(min(round(step * MONITOR_PERIOD_S, 9), end))
                     self._record(recording, context, LOG_SAMPLES)
                     progress(context.get_time())
-                    cause = monitor.lost()
-                    if cause:
-                        reason = "lost"
+                    reason, cause = monitor.ended()
+                    if reason:
+                        self.closed_loop.ForcedPublish(context)  # What ended it is logged, too.
                         break
+                else:
+                    reason, cause = monitor.ended(in_time=True)
             except KeyboardInterrupt:
                 reason, cause = "interrupted", f"at {monitor.time():.2f} s"
             except RuntimeError as error:
@@ -111,6 +119,18 @@ class Flight:
         recording.add(self._derived(time_s, recording))
         return FlightLog(recording, reason, cause, wall_s)
 
+    def _followed(self, time_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """p_Ed (T, 3) m and p_Ed' (T, 3) m/s as they were followed: held where refused."""
+        start = self._vehicle.p_E
+        motion = hover_then_follow(self.curve, start, time_s)
+        rows = np.hstack(faulty(self.scenario.faults, time_s, motion))
+        envelope = Envelope.make(self.scenario, start)
+        is_followed = [judged(envelope, row) == ReferenceVerdict.OK for row in rows]
+        last = np.maximum.accumulate(np.where(is_followed, np.arange(len(rows)), -1))
+        rows = np.vstack([rows, [*start, 0.0, 0.0, 0.0]])[last]
+        rows[~np.array(is_followed), 3:] = 0.0
+        return rows[:, :3], rows[:, 3:]
+
     def p_E(self, state: np.ndarray) -> np.ndarray:
         """(3,) m, the end-effector at a state (13 + 2 n,)."""
         quaternion, p_B, q, _, _, _ = parts(state)
@@ -124,6 +144,7 @@ class Flight:
         if np.count_nonzero(fresh) < least:
             return
         times, samples = log.sample_times()[fresh], log.data()[:, fresh]
+        recording.fill(samples)
         # Setpoints in the place of the polynomials that they follow.
         segment = samples[self._segment]
         m = len(segment) // 3
@@ -140,7 +161,7 @@ class Flight:
         p_EB, t_B = np.empty((2, len(time_s), 3))
         for i, q in enumerate(signals["q_rad"]):
             p_EB[i], t_B[i] = self._kinematics.tool(q)
-        p_Ed, v_Ed = hover_then_follow(self.curve, self._vehicle.p_E, time_s)
+        p_Ed, v_Ed = self._followed(time_s)
         direction = make_direction(self.scenario.orientation)
         return {
             "time_s": time_s,
@@ -156,41 +177,61 @@ class Flight:
 
 
 class _Monitor:
-    """Tells when the vehicle is lost. Its times are reference times."""
+    """Tells when a flight is over, and why. Its times are reference times."""
 
     def __init__(self, flight: Flight, context: Context):
         self._flight = flight
         self._context = context
-        self._state = flight.closed_loop.GetOutputPort("true_state")
-        self._start = flight.p_E(self._state.Eval(self._context))
-        # A target that is far at first is to be approached before it can be left.
-        distance = float(np.linalg.norm(self._target(0.0) - self._start))
-        self._approached = distance <= flight.scenario.allocation.d_h_m
-        self._farthest = LOST_ERROR_M + distance
+        self._conditions = conditions(flight.scenario.supervisor)
+        self._target = self._eval("reference")[:3]
+        self._begin_approach(flight.p_E(self._eval("true_state")))
 
     def time(self) -> float:
         """Reference time, s."""
         return self._context.get_time() - self._flight.scenario.settle_s
 
+    def ended(self, in_time: bool = False) -> tuple[str, str]:
+        """Why a flight is over, in a word and in a line; both are empty if it is not.
+
+        Args:
+            in_time: Whether it is, since the scenario's time is flown.
+        """
+        if cause := self.lost():
+            return "lost", cause
+        mode = SafeMode(int(self._eval("mode")[0]))
+        if mode is SafeMode.NOMINAL:
+            return ("completed", "") if in_time else ("", "")
+        condition = self._conditions[int(self._eval("cause")[0])]
+        cause = f"{condition.name} at {self.time():.2f} s"
+        if mode is SafeMode.STOP:
+            return condition.exit_reason, cause
+        return (mode.label, cause) if in_time else ("", "")
+
     def lost(self) -> str:
         """Why the vehicle is lost; empty if it is not."""
-        x, t = self._state.Eval(self._context), self.time()
-        when = f"at {t:.2f} s"
+        x, when = self._eval("true_state"), f"at {self.time():.2f} s"
         if not np.isfinite(x).all():
             return f"the state is not finite {when}"
         upright = rotation_matrix(x[:4])[2, 2]
         tilt = math.acos(min(1.0, max(-1.0, upright)))
         if tilt > LOST_TILT_RAD:
             return f"tilt of {math.degrees(tilt):.0f} deg {when}"
-        # Before reference time 0 it is to stay where it starts.
-        is_hovering = t < 0
-        target = self._start if is_hovering else self._target(t)
-        error = math.dist(self._flight.p_E(x), target)
-        self._approached |= error <= self._flight.scenario.allocation.d_h_m and not is_hovering
-        if error > (LOST_ERROR_M if self._approached or is_hovering else self._farthest):
+        reference, p_E = self._eval("reference"), self._flight.p_E(x)
+        moved = math.dist(reference[:3], self._target)
+        self._target = reference[:3]
+        has_jumped = moved > JUMP_M + MONITOR_PERIOD_S * np.linalg.norm(reference[3:])
+        if has_jumped or self._eval("mode")[0] != SafeMode.NOMINAL:
+            self._begin_approach(p_E)
+        error = math.dist(p_E, self._target)
+        self._approached |= error <= self._flight.scenario.allocation.d_h_m
+        if error > (LOST_ERROR_M if self._approached else self._farthest):
             return f"error of {error:.2f} m {when}"
         return ""
 
-    def _target(self, t: float) -> np.ndarray:
-        """(3,) m, where the end-effector is to be at a reference time >= 0."""
-        return self._flight.curve.evaluate(np.array([t]))[0][0]
+    def _begin_approach(self, p_E: np.ndarray) -> None:
+        """A target that is far at first is to be approached before it can be left."""
+        self._approached = False
+        self._farthest = LOST_ERROR_M + math.dist(self._target, p_E)
+
+    def _eval(self, port: str) -> np.ndarray:
+        return self._flight.closed_loop.GetOutputPort(port).Eval(self._context).copy()

@@ -3,9 +3,10 @@
 The *station* is what hardware would replace: plant and rotors (wired in `physics`),
 wind, sensors and the low-level controllers. The *coordinator* is what runs on a companion computer:
 reference, kinematics, pointing (if asked for), weight allocator, residual estimator,
-MPC (or CLIK) and setpoint integrator. They meet in seven signals: `state`,
-`external_acceleration`, `specific_thrust`, `disturbance` and `saturated` one way,
-`base_setpoint` and `joint_setpoint` the other.
+MPC (or CLIK), setpoint integrator, and the supervisor, which says in which mode it
+works. They meet in nine signals: those of `SEAM` one way, `base_setpoint` and
+`joint_setpoint` the other. `physics`, `sensors`, `wind` and `guidance` have pages of their
+own. What a scenario's `faults` inject stands between systems, and only where it has some.
 
     event                           period, offset (defaults)     kind
     plant, rotors,
@@ -15,9 +16,11 @@ MPC (or CLIK) and setpoint integrator. They meet in seven signals: `state`,
     state_filter                    10 ms                         unrestricted, so first
     air, wind_force (if any wind)   10 ms                         discrete
     mpc or clik, equivalent_state,
+    reference_guard,
     residual_estimator,
     weight_allocator,
     setpoint_integrator             20 ms                         discrete
+    supervisor                      10 ms                         discrete
     flight_controller               10 ms, after 0.5 ms           discrete
     arm_controller                   5 ms, after 0.5 ms           discrete
 
@@ -39,6 +42,7 @@ from pydrake.common import RandomGenerator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
+from aerodrake.guidance import make_guidance
 from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.direction import make_direction
 from aerodrake.model.equivalent_model import EquivalentModel
@@ -46,9 +50,10 @@ from aerodrake.model.horizon import stage_times
 from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
-from aerodrake.model.reference import make_reference
+from aerodrake.model.safe_mode import SafeMotion
 from aerodrake.model.scenario_network import network_for
 from aerodrake.model.setpoint import SetpointLimits
+from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.physics import add_physics
 from aerodrake.scenario import Scenario
@@ -59,12 +64,24 @@ from aerodrake.systems.equivalent_state import EquivalentState
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.kinematics import KinematicsSystem
 from aerodrake.systems.mpc import MpcSystem
+from aerodrake.systems.mpc_fault import CODES, MpcFaultSystem
 from aerodrake.systems.pointing import PointingSystem
-from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
+from aerodrake.systems.supervisor import Supervisor
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.wind import make_wind
+
+SEAM = (
+    "state",
+    "sample_health",
+    "external_acceleration",
+    "specific_thrust",
+    "disturbance",
+    "saturated",
+    "rotor_effectiveness",
+)
+"""What the coordinator is told by the station, by name."""
 
 
 def make_station(scenario: Scenario) -> Diagram:
@@ -139,11 +156,12 @@ def make_station(scenario: Scenario) -> Diagram:
 def make_coordinator(scenario: Scenario) -> Diagram:
     """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
-    Inputs: those of the station's outputs that it meets, as above.
+    Inputs: those of `SEAM`.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment`, which tells both
-    until the next tick (3 (3 + n) + 1); `reference` (6), `weights`
-    (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (2), `delta` (3),
-    `prediction_error` (3), `nominal_prediction_error` (3).
+    until the next tick (3 (3 + n) + 1); `reference` (6) and `reference_verdict` (1), as it
+    is followed; `weights` (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (3), `delta` (3),
+    `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2); `mode` (1),
+    `cause` (1) and `conditions` (K), of the supervisor.
     """
     period = scenario.rates.mpc_period_s
     vehicle = Vehicle.load(scenario)
@@ -152,11 +170,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     limits = SetpointLimits.make(scenario.mpc, vehicle)
     builder = DiagramBuilder()
 
-    stages_s = stage_times(scenario.mpc, period)
-    curve = make_reference(scenario.reference, vehicle.p_E)
-    reference = builder.AddNamedSystem(
-        "reference", ReferenceSystem(curve, vehicle.p_E, scenario.settle_s, stages_s)
-    )
+    guidance = builder.AddSystem(make_guidance(scenario, vehicle))
     kinematics = builder.AddNamedSystem(
         "kinematics", KinematicsSystem(Kinematics(vehicle.robot), n, vehicle.p_O)
     )
@@ -177,7 +191,18 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     )
     setpoint_integrator = builder.AddNamedSystem(
         "setpoint_integrator",
-        SetpointIntegrator(limits, np.concatenate([vehicle.p_B, vehicle.working]), period),
+        SetpointIntegrator(
+            limits,
+            SafeMotion.make(scenario.supervisor, vehicle),
+            np.concatenate([vehicle.p_B, vehicle.working]),
+            period,
+        ),
+    )
+    supervisor = builder.AddNamedSystem(
+        "supervisor",
+        Supervisor(
+            conditions(scenario.supervisor), vehicle, scenario.rates.sensor_period_s, period
+        ),
     )
 
     def connect(source: Any, source_port: str, target: Any, target_port: str = "") -> None:
@@ -185,9 +210,18 @@ def make_coordinator(scenario: Scenario) -> Diagram:
             source.GetOutputPort(source_port), target.GetInputPort(target_port or source_port)
         )
 
-    connect(reference, "reference", kinematics)
-    connect(reference, "horizon", controller)
-    connect(reference, "d_g", weight_allocator)
+    if any(type(fault) in CODES for fault in scenario.faults):
+        mpc_fault = builder.AddNamedSystem(
+            "mpc_fault", MpcFaultSystem(scenario.faults, scenario.settle_s)
+        )
+        connect(mpc_fault, "fault", controller)
+    connect(guidance, "reference", kinematics)
+    connect(guidance, "horizon", controller)
+    connect(guidance, "d_g", weight_allocator)
+    connect(guidance, "reference_verdict", supervisor)
+    connect(controller, "status", supervisor)
+    connect(residual_estimator, "learner_health", supervisor)
+    connect(supervisor, "mode", setpoint_integrator)
     connect(equivalent_state, "x_0", controller)
     connect(equivalent_state, "x_0", residual_estimator)
     connect(kinematics, "distances", weight_allocator)
@@ -200,22 +234,29 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         connect(setpoint_integrator, "joint_setpoint", consumer)
 
     builder.ExportInput(kinematics.GetInputPort("state"), "state")
-    for consumer in (controller, residual_estimator, equivalent_state):
+    for consumer in (controller, residual_estimator, equivalent_state, supervisor):
         builder.ConnectInput("state", consumer.GetInputPort("state"))
     if (direction := make_direction(scenario.orientation)) is not None:
         pointing = builder.AddNamedSystem(
-            "pointing", PointingSystem(vehicle, direction, scenario.settle_s, stages_s)
+            "pointing",
+            PointingSystem(
+                vehicle, direction, scenario.settle_s, stage_times(scenario.mpc, period)
+            ),
         )
         connect(pointing, "pointing", controller)
         builder.ConnectInput("state", pointing.GetInputPort("state"))
     for port in ("external_acceleration", "specific_thrust", "disturbance"):
         builder.ExportInput(equivalent_state.GetInputPort(port), port)
     builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")
+    builder.ConnectInput("saturated", supervisor.GetInputPort("saturated"))
+    for port in ("sample_health", "rotor_effectiveness"):
+        builder.ExportInput(supervisor.GetInputPort(port), port)
     for system, ports in (
         (setpoint_integrator, ("base_setpoint", "joint_setpoint", "segment")),
-        (reference, ("reference",)),
+        (guidance, ("reference", "reference_verdict")),
+        (supervisor, ("mode", "cause", "conditions")),
         (controller, ("u", "prediction", "status", "weights", "delta")),
-        (residual_estimator, ("prediction_error", "nominal_prediction_error")),
+        (residual_estimator, ("prediction_error", "nominal_prediction_error", "learner_health")),
     ):
         for port in ports:
             builder.ExportOutput(system.GetOutputPort(port), port)
@@ -226,7 +267,7 @@ def add_closed_loop(builder: DiagramBuilder, scenario: Scenario) -> dict[str, Ou
     """Adds station and coordinator, which flies it; returns all outputs of both by name."""
     station = builder.AddSystem(make_station(scenario))
     coordinator = builder.AddSystem(make_coordinator(scenario))
-    for port in ("state", "external_acceleration", "specific_thrust", "disturbance", "saturated"):
+    for port in SEAM:
         builder.Connect(station.GetOutputPort(port), coordinator.GetInputPort(port))
     for port in ("base_setpoint", "joint_setpoint"):
         builder.Connect(coordinator.GetOutputPort(port), station.GetInputPort(port))

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from aerodrake.events import events, safe_modes
 from aerodrake.flight_log import FlightLog
 from aerodrake.model.qp import QpStatus
 from aerodrake.model.reach import farthest_reach
 from aerodrake.model.reference import make_reference
+from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.weight_allocation import Mode
 from aerodrake.scenario import Scenario
@@ -34,7 +36,9 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         base_error: the same for the base and its setpoint.
         mpc: ticks, wall time in ms, and ticks that took a fallback, did not
             happen, or took longer than the period.
-        modes: s in each mode.
+        modes: s in each mode of the weight allocation.
+        safe_modes: s in each mode of the supervisor, the hover before included.
+        events: What the supervisor noticed, as `aerodrake.events.events` has it.
         arm: m, the farthest the joint limits let the end-effector get from the
             centre of the learning space, and the d_edge that gamma uses; the
             farthest it was (d_o), s that it was beyond d_h, and the least that
@@ -69,13 +73,17 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             "median_ms": rounded(np.median(ticks)) if len(ticks) else None,
             "p99_ms": rounded(np.percentile(ticks, 99)) if len(ticks) else None,
             "unconstrained": int((statuses == QpStatus.UNCONSTRAINED).sum()),
-            "solver_fallbacks": int((statuses == QpStatus.FAILED).sum()),
+            "solver_fallbacks": int(
+                ((statuses > QpStatus.RELAXED) & (statuses < QpStatus.MISSED)).sum()
+            ),
             "missed": max(0, math.ceil(round(simulated_s / period_s, 6)) - len(ticks)),
             "overruns": int((ticks > 1e3 * period_s).sum()),
         },
         "modes": {
             mode.label: rounded(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode
         },
+        "safe_modes": safe_modes(log, scenario.rates.flight_period_s),
+        "events": events(conditions(scenario.supervisor), log),
         "arm": _arm(scenario, log),
         "residual": {
             "mode": scenario.residual.mode,

@@ -32,10 +32,11 @@ STOREYS = {
     ),
     1: ("model",),
     2: ("systems",),
-    3: ("station", "physics", "bare_plant", "open_loop", "sensors", "wind"),
+    3: ("station", "physics", "bare_plant", "open_loop", "sensors", "wind", "guidance"),
     4: (
         "simulate",
         "flight_log",
+        "events",
         "recording",
         "summary",
         "report",

@@ -182,7 +182,7 @@ def test_each_ticks_status_counts_once():
     log = made(until_s=1.0)
     status = log.signals["qp_status"]
     per_tick = np.zeros(100)
-    per_tick[[0, 7, 99]] = QpStatus.FAILED
+    per_tick[[0, 7, 99]] = QpStatus.ITERATION_LIMIT
     per_tick[[3, 4]] = QpStatus.SOLVED
     per_tick[50] = QpStatus.INACCURATE
     status[1:] = np.repeat(per_tick, 2)

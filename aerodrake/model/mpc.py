@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from aerodrake.model.braking import braking
 from aerodrake.model.condensing import Condensing, driven, gradient, hessian
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.horizon import stage_ticks
@@ -20,6 +21,9 @@ from aerodrake.model.stage_outputs import StageOutputs
 from aerodrake.model.tracking import add_tracking, carried_along, limited_gain
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Mpc
+
+SLACK = 1e-6
+"""Of scaled rows: what relaxed bounds leave to full braking."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,7 @@ class MpcProgram:
         C: (F, F), the cost of a stage's outputs y is y' C y, beside what is linear in y.
         carried: (k, n), how the joints move what the cost has wishes for.
         condensing: What makes H of C.
+        v_d: (m,) of the setpoints now, m/s and rad/s.
     """
 
     g: np.ndarray
@@ -44,6 +49,7 @@ class MpcProgram:
     C: np.ndarray
     carried: np.ndarray
     condensing: Condensing
+    v_d: np.ndarray
 
     @cached_property
     def H(self) -> np.ndarray:
@@ -107,6 +113,7 @@ class MpcFormulation:
         self._W_1, self._W_6 = np.array(config.w_1), np.full(3, config.w_6)
         self.W_2 = np.array([*config.w_2_base, *w_2_joints])
         self._W_4 = np.array(config.w_4)
+        self._setpoint_rates = np.concatenate([model.setpoint_velocity, model.joint_velocity])
         self._is_base = np.arange(len(self.W_2)) < 3
         # Roll and pitch rates count where they are held; yaw's always.
         self._rates = np.array([1.0, 1.0, 1.0] if config.tilt == "held" else [0.0, 0.0, 1.0])
@@ -127,8 +134,8 @@ class MpcFormulation:
         and at the last one, room to brake: q + t_s q' within the limits. With
         t_s = v_max / (2 a_max) no joint needs more, so that the next tick's
         program is feasible if this one was, the horizon lasts 2 t_s or longer, and
-        each stage is one tick. With longer stages that is not certain: then the last
-        plan goes on, and the setpoint integrator keeps the limits.
+        each stage is one tick. With longer stages that is not certain: then bounds are
+        `relaxed`, and the setpoint integrator keeps the limits.
         """
         model, limits, prediction = self.model, self.limits, self.prediction
         high = np.concatenate([limits.velocity[:3], limits.upper[3:], limits.velocity[3:]])
@@ -186,8 +193,23 @@ class MpcFormulation:
         carried = end_effector.J_B
         if tick.pointing is not None:
             carried = np.vstack([carried, tick.pointing.axis.J_c[:, 4:]])
+        v_d = tick.x_0[self._setpoint_rates]
         return MpcProgram(
-            g, self._lower - rows, self._upper - rows, free, C, carried, self.condensing
+            g, self._lower - rows, self._upper - rows, free, C, carried, self.condensing, v_d
+        )
+
+    def relaxed(self, program: MpcProgram) -> MpcProgram:
+        """The program with bounds as wide as it takes: full braking keeps them.
+
+        A bound that braking keeps stays as it is. Others cannot be kept, since nothing takes
+        off speed faster, and there the program is to do no worse than braking.
+        """
+        z = braking(program.v_d, self.limits.acceleration, self.model.dt * self.stage_ticks)
+        rows = self.A @ z
+        return replace(
+            program,
+            lower=np.minimum(program.lower, rows - SLACK),
+            upper=np.maximum(program.upper, rows + SLACK),
         )
 
     def inputs(self, z: np.ndarray) -> np.ndarray:

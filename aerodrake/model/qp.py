@@ -6,7 +6,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from pydrake.solvers import MathematicalProgram, OsqpSolver, SolverOptions
+from pydrake.solvers import MathematicalProgram, OsqpSolver, SolutionResult, SolverOptions
 from scipy.linalg.lapack import dpotrf, dpotrs, dtrtri
 
 from aerodrake.compiled import compiled
@@ -29,26 +29,38 @@ class QpStatus(IntEnum):
     UNCONSTRAINED, EXCHANGED and SOLVED are exact: the conditions of optimality were
     checked. The active bounds of EXCHANGED were found from those of the tick before or, if
     it had none, from those that the unconstrained minimiser violates; those of SOLVED from
-    OSQP's iterate. INACCURATE is such an iterate with small residuals.
+    OSQP's iterate. INACCURATE is such an iterate with small residuals. RELAXED is exact for
+    bounds that were widened, since none could keep them. The others are no answers: no z
+    keeps all bounds; iterations ran out; numbers are not finite, or H is not positive
+    definite; and nobody asked.
     """
 
     UNCONSTRAINED = 0
     EXCHANGED = 1
     SOLVED = 2
     INACCURATE = 3
-    FAILED = 4
+    RELAXED = 4
+    INFEASIBLE = 5
+    ITERATION_LIMIT = 6
+    NON_FINITE = 7
+    MISSED = 8
+
+
+def is_answer(status: float) -> bool:
+    """Whether there is a z to go by."""
+    return status <= QpStatus.RELAXED
 
 
 def is_bound(status: float) -> bool:
     """Whether bounds hold the answer, and which they are is known."""
-    return QpStatus.UNCONSTRAINED < status < QpStatus.FAILED
+    return QpStatus.UNCONSTRAINED < status <= QpStatus.RELAXED
 
 
 class QpResult(NamedTuple):
     """The answer to one program.
 
     Attributes:
-        z: (nz,) the minimiser; zeros if it failed.
+        z: (nz,) the minimiser; zeros if there is no answer.
         status: How it came about.
         iterations: Of OSQP; 0 where it was not needed.
         active: (nz + rows,) which bounds hold z, those of the box first: 1 for upper,
@@ -94,19 +106,7 @@ class CondensedQp:
         unbounded = np.full(rows, np.inf)
         self._rows = self._program.AddLinearConstraint(A, -unbounded, unbounded, z)
         self._solver = OsqpSolver()
-        options = SolverOptions()
-        for name, value in {
-            "scaling": 0,
-            "rho": 0.03,
-            "adaptive_rho_interval": 25,
-            "check_termination": 25,
-            "eps_abs": 1e-5,
-            "eps_rel": 1e-5,
-            "polishing": 0,
-            "max_iter": max_iterations,
-        }.items():
-            options.SetOption(self._solver.id(), name, value)
-        self._options = options
+        self._max_iterations = max_iterations
         # What is compiled is loaded now, and not at the first tick that a bound holds.
         self.solve(np.eye(nz), -2.0 * np.eye(nz)[0], -unbounded, unbounded)
 
@@ -117,6 +117,7 @@ class CondensedQp:
         lower: np.ndarray,
         upper: np.ndarray,
         active: np.ndarray | None = None,
+        budget: int | None = None,
     ) -> QpResult:
         """Solves one program.
 
@@ -126,26 +127,33 @@ class CondensedQp:
             lower, upper: (rows,).
             active: (nz + rows,), those of a similar program; without, or where none
                 were, the bounds that the unconstrained minimiser violates.
+            budget: If given, there is time for so many iterations of OSQP, and nothing else.
         """
         # Symmetric: the transpose, as LAPACK wants it, is the same without a copy.
         factor, is_indefinite = dpotrf(H.T, lower=1, clean=0)
         if is_indefinite or not np.isfinite(factor.diagonal()).all():
-            return self._failed(0)
+            return self._without_answer(QpStatus.NON_FINITE, 0)
         free, _ = dpotrs(factor, -g, lower=1)
-        if (result := self.accepted(free, lower, upper)) is not None:
+        if budget is None and (result := self.accepted(free, lower, upper)) is not None:
             return result
         if not np.isfinite(free).all() or np.isnan(lower).any() or np.isnan(upper).any():
-            return self._failed(0)
+            return self._without_answer(QpStatus.NON_FINITE, 0)
+        if (lower > upper).any():
+            return self._without_answer(QpStatus.INFEASIBLE, 0)
         lower, upper = screened(lower, upper, self._reach)
+        inverse = np.triu(dtrtri(factor, lower=1)[0].T)
+        if budget is not None:
+            return self._by_osqp(H, g, lower, upper, inverse, free, budget, 1)
         if active is None or not active.any():
             active = violations(free, rows_dot(self._banded, free), lower, upper)
-        inverse = np.triu(dtrtri(factor, lower=1)[0].T)
         is_exact, z, held = exchange_active_set(
             inverse, free, self._banded, lower, upper, active, MOST_EXCHANGES
         )
         if is_exact:
             return QpResult(z.clip(-1, 1), QpStatus.EXCHANGED, 0, held)
-        return self._by_osqp(H, g, lower, upper, inverse, free)
+        return self._by_osqp(
+            H, g, lower, upper, inverse, free, self._max_iterations, MOST_EXCHANGES
+        )
 
     def accepted(self, free: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> QpResult | None:
         """The unconstrained minimiser (nz,) as the answer, if it keeps all bounds."""
@@ -161,33 +169,50 @@ class CondensedQp:
         upper: np.ndarray,
         inverse: np.ndarray,
         free: np.ndarray,
+        max_iterations: int,
+        exchanges: int,
     ) -> QpResult:
         scale = 1 / np.diag(H).mean()
         self._cost.evaluator().UpdateCoefficients(H * scale, g * scale, 0, True)
         self._rows.evaluator().set_bounds(lower, upper)
-        result = self._solver.Solve(self._program, None, self._options)
-        details = result.get_solver_details()
+        result = self._solver.Solve(self._program, None, self._options(max_iterations))
+        details, verdict = result.get_solver_details(), result.get_solution_result()
         z = result.get_x_val()
-        # An infeasible program comes back with a z that is huge, but finite.
-        if not (np.isfinite(z).all() and np.abs(z).max() < 2):
-            return self._failed(details.iter)
+        if verdict is SolutionResult.kInfeasibleConstraints:
+            return self._without_answer(QpStatus.INFEASIBLE, details.iter)
+        if not np.abs(z).max() < 2:  # Of an infeasible program it is huge, but finite.
+            return self._without_answer(QpStatus.ITERATION_LIMIT, details.iter)
         prices = np.concatenate(
             [result.GetDualSolution(self._box), result.GetDualSolution(self._rows)]
         )
         clear = np.abs(prices) > 1e-3 * np.abs(prices).max(initial=0.0)
         guess = -np.sign(prices).astype(np.int64) * clear  # Prices of upper bounds are negative.
         is_exact, exact, active = exchange_active_set(
-            inverse, free, self._banded, lower, upper, guess, MOST_EXCHANGES
+            inverse, free, self._banded, lower, upper, guess, exchanges
         )
         if is_exact:
             return QpResult(exact.clip(-1, 1), QpStatus.SOLVED, details.iter, active)
         if max(details.primal_res, details.dual_res) < ACCEPTED_RESIDUAL:
             return QpResult(z.clip(-1, 1), QpStatus.INACCURATE, details.iter, guess)
-        return self._failed(details.iter)
+        return self._without_answer(QpStatus.ITERATION_LIMIT, details.iter)
 
-    def _failed(self, iterations: int) -> QpResult:
-        z = np.zeros(self.A.shape[1])
-        return QpResult(z, QpStatus.FAILED, iterations, self._unbound)
+    def _options(self, max_iterations: int) -> SolverOptions:
+        options = SolverOptions()
+        for name, value in {
+            "scaling": 0,
+            "rho": 0.03,
+            "adaptive_rho_interval": 25,
+            "check_termination": 25,
+            "eps_abs": 1e-5,
+            "eps_rel": 1e-5,
+            "polishing": 0,
+            "max_iter": max_iterations,
+        }.items():
+            options.SetOption(self._solver.id(), name, value)
+        return options
+
+    def _without_answer(self, status: QpStatus, iterations: int) -> QpResult:
+        return QpResult(np.zeros(self.A.shape[1]), status, iterations, self._unbound)
 
 
 @compiled

@@ -18,7 +18,7 @@ class ClikSystem(KinematicController):
     Ports:
         those of every `KinematicController`. `prediction` goes on at the wanted
         velocity; `status` is UNCONSTRAINED, SOLVED where a bound cut u, or
-        FAILED where an input was not finite, and 0.
+        NON_FINITE where an input was not, and 0 iterations.
     State, rate:
         theirs.
 
@@ -40,6 +40,6 @@ class ClikSystem(KinematicController):
 
         u, status = command.u, QpStatus.SOLVED if command.is_bounded else QpStatus.UNCONSTRAINED
         if not np.isfinite(u).all():
-            u, status = np.zeros_like(u), QpStatus.FAILED
+            u, status = np.zeros_like(u), QpStatus.NON_FINITE
         prediction = self._inverse.predict(tick, command.velocity)
-        self._command(context, discrete, u, prediction, (status, 0))
+        self._command(context, discrete, u, prediction, status, 0)

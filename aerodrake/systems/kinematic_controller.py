@@ -8,6 +8,7 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.mpc_inputs import MpcInputs
+from aerodrake.model.qp import QpStatus, is_answer
 from aerodrake.model.vehicle_state import VehicleState
 
 
@@ -26,7 +27,8 @@ class KinematicController(LeafSystem):
         in `delta` (3): m/s, residual velocity.
         out `u` (3 + n): m/s^2 and rad/s^2, accelerations of the setpoints.
         out `prediction` (3 (N + 1)): m, p_E now and as predicted at each stage.
-        out `status` (2): a `QpStatus`, and the solver's iterations.
+        out `status` (3): a `QpStatus`, the solver's iterations, and how many ticks ago the
+            last answer was.
         out `weights` (5), `delta` (3): those that the last tick was given.
     State:
         `u`, `prediction`, `status`, `weights` and `delta`, of the last tick.
@@ -58,7 +60,7 @@ class KinematicController(LeafSystem):
         self._delta = self.DeclareVectorInputPort("delta", 3)
         self._x_u = self.DeclareDiscreteState(np.zeros(3 + n))
         self._x_prediction = self.DeclareDiscreteState(np.zeros(3 * (N + 1)))
-        self._x_status = self.DeclareDiscreteState(np.zeros(2))
+        self._x_status = self.DeclareDiscreteState(np.zeros(3))
         self.DeclareStateOutputPort("u", self._x_u)
         self.DeclareStateOutputPort("prediction", self._x_prediction)
         self.DeclareStateOutputPort("status", self._x_status)
@@ -95,11 +97,17 @@ class KinematicController(LeafSystem):
         discrete: DiscreteValues,
         u: np.ndarray,
         prediction: np.ndarray,
-        status: tuple[int, int],
+        status: QpStatus,
+        iterations: int,
     ) -> None:
         """Sets what the outputs show until the next tick."""
+        age = context.get_discrete_state(self._x_status).value()[2]
+        age = 0 if is_answer(status) else age + 1
+        # What a tick without inputs believes is nothing that others are to see.
+        if not np.isfinite(prediction).all():
+            prediction = context.get_discrete_state(self._x_prediction).value()
         discrete.set_value(self._x_u, u)
         discrete.set_value(self._x_prediction, prediction.ravel())
-        discrete.set_value(self._x_status, status)
+        discrete.set_value(self._x_status, (status, iterations, age))
         discrete.set_value(self._x_weights, self._weights.Eval(context))
         discrete.set_value(self._x_delta, self._delta.Eval(context))

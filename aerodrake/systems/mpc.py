@@ -9,10 +9,11 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, DiscreteValues
 
-from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.mpc import MpcFormulation, MpcProgram
+from aerodrake.model.mpc_fault import MpcFault, spoiled
 from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.mpc_solver import MpcSolver
-from aerodrake.model.qp import QpStatus, is_bound
+from aerodrake.model.qp import QpResult, QpStatus, is_answer, is_bound
 from aerodrake.systems.kinematic_controller import KinematicController
 
 
@@ -22,7 +23,9 @@ class MpcSystem(KinematicController):
     Ports:
         those of every `KinematicController`, and
         in `pointing` (abstract): `Pointing`; unconnected where the tool may point
-            where it likes. `status` is a `QpStatus`, and OSQP's iterations.
+            where it likes.
+        in `fault` (2): an `MpcFault`, and iterations of OSQP that are left where it is
+            STARVED; unconnected where there is none.
     State:
         beside theirs, `plan` (T (3 + n), m/s^2 and rad/s^2, the inputs of the last plan at
         each of the T ticks of the horizon), and `active`, the bounds that held it, as
@@ -30,8 +33,8 @@ class MpcSystem(KinematicController):
     Rate:
         the equivalent model's period.
 
-    A program that cannot be solved leaves the loop with the last plan, shifted
-    by one tick; at its end it runs out into zero acceleration.
+    A program that cannot be solved, or a tick that is missed, leaves the loop with the last
+    plan, shifted by one tick; at its end it runs out into zero acceleration.
 
     Args:
         formulation: Cost and bounds.
@@ -41,6 +44,7 @@ class MpcSystem(KinematicController):
         super().__init__(formulation.model, formulation.config.horizon)
         self._formulation = formulation
         self._pointing = self.DeclareAbstractInputPort("pointing", AbstractValue.Make(object()))
+        self._fault = self.DeclareVectorInputPort("fault", 2)
         self._solver = MpcSolver(formulation)
         self._inputs = 3 + formulation.model.joints
         self._starts = np.cumsum([0, *formulation.stage_ticks[:-1]])  # Of the stages, in ticks.
@@ -58,23 +62,35 @@ class MpcSystem(KinematicController):
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         tick = self.tick_inputs(context)
+        fault, iterations = MpcFault.NONE, 0
+        if self._fault.HasValue(context):
+            fault, iterations = self._fault.Eval(context)
         start = time.perf_counter()
         program = self._formulation.form(tick)
-        active = None
-        if is_bound(context.get_discrete_state(self._x_status).value()[0]):
-            active = context.get_discrete_state(self._x_active).value().astype(np.int64)
-        result = self._solver.solve(program, active)
-        self.tick_ms.append(1e3 * (time.perf_counter() - start))
+        result = self._solve(context, program, fault, iterations)
+        if fault != MpcFault.MISSED:
+            self.tick_ms.append(1e3 * (time.perf_counter() - start))
 
-        if result.status is QpStatus.FAILED:
-            last = context.get_discrete_state(self._x_plan).value().reshape(-1, self._inputs)
-            plan = np.vstack([last[1:], np.zeros(self._inputs)])
-        else:
+        if is_answer(result.status):
             stages = self._formulation.inputs(result.z)
             plan = np.repeat(stages, self._formulation.stage_ticks, axis=0)
+        else:
+            last = context.get_discrete_state(self._x_plan).value().reshape(-1, self._inputs)
+            plan = np.vstack([last[1:], np.zeros(self._inputs)])
         U = plan[self._starts]
         prediction = self._formulation.predict(tick, program, U)
         discrete.set_value(self._x_plan, plan.ravel())
         if is_bound(result.status):  # Else nobody asks which they are.
             discrete.set_value(self._x_active, result.active)
-        self._command(context, discrete, U[0], prediction, (result.status, result.iterations))
+        self._command(context, discrete, U[0], prediction, result.status, result.iterations)
+
+    def _solve(
+        self, context: Context, program: MpcProgram, fault: float, iterations: float
+    ) -> QpResult:
+        if fault == MpcFault.MISSED:
+            return QpResult(np.zeros_like(program.g), QpStatus.MISSED, 0, np.zeros(0))
+        active = None
+        if is_bound(context.get_discrete_state(self._x_status).value()[0]):
+            active = context.get_discrete_state(self._x_active).value().astype(np.int64)
+        budget = int(iterations) if fault == MpcFault.STARVED else None
+        return self._solver.solve(spoiled(program, fault), active, budget)

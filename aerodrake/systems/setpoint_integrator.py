@@ -5,37 +5,44 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from aerodrake.model.safe_mode import SafeMotion, safe_acceleration
 from aerodrake.model.setpoint import SetpointLimits, advanced, evaluate, segment
 
 
 class SetpointIntegrator(LeafSystem):
-    """Exact double integration of u, within limits.
+    """Exact double integration of u, within limits; in a safe mode, of what that asks for.
 
     Ports:
         in `u` (3 + n): accelerations, m/s^2 and rad/s^2, held between ticks.
+        in `mode` (1): a `SafeMode`, heeded from tick to tick.
         out `base_setpoint` (9): p_d, v_d, a_d.
         out `joint_setpoint` (3 n): q_d, q_d', q_d''.
         out `segment` (3 (3 + n) + 1): the polynomials that they follow until the next
             tick: positions and velocities at the last one, accelerations, and its time.
     State:
         positions and velocities (3 + n each) of the setpoints at the last tick,
-        and its time.
+        and its time; the mode since then.
     Rate:
         `period`; between ticks the outputs are the exact polynomials in time.
 
     Args:
         limits: Of setpoints, (3 + n).
+        motion: Of setpoints in safe modes.
         position: (3 + n,) setpoints at the start: p_B and q in trim.
         period: s.
     """
 
-    def __init__(self, limits: SetpointLimits, position: np.ndarray, period: float):
+    def __init__(
+        self, limits: SetpointLimits, motion: SafeMotion, position: np.ndarray, period: float
+    ):
         super().__init__()
-        self._limits = limits
+        self._limits, self._motion = limits, motion
         self._period = period
         m = self._axes = len(position)
         self._u = self.DeclareVectorInputPort("u", m)
-        self.DeclareDiscreteState(np.concatenate([position, np.zeros(m + 1)]))
+        self._mode = self.DeclareVectorInputPort("mode", 1)
+        self._x = self.DeclareDiscreteState(np.concatenate([position, np.zeros(m + 1)]))
+        self._x_mode = self.DeclareDiscreteState(1)
         # Does not change with time: between ticks only polynomials are evaluated.
         self._segment = self.DeclareVectorOutputPort(
             "segment", 3 * m + 1, self._calc_segment, {self.xd_ticket(), self._u.ticket()}
@@ -45,8 +52,10 @@ class SetpointIntegrator(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
     def _calc_segment(self, context: Context, output: BasicVector) -> None:
-        x = context.get_discrete_state_vector().value()
-        output.set_value(segment(self._limits, x, self._u.Eval(context), self._period))
+        state = context.get_discrete_state()
+        x, mode = state.value(self._x), state.value(self._x_mode)[0]
+        u = safe_acceleration(self._motion, mode, x, self._u.Eval(context))
+        output.set_value(segment(self._limits, x, u, self._period))
 
     def _calc_base(self, context: Context, output: BasicVector) -> None:
         output.set_value(evaluate(self._segment.Eval(context), context.get_time(), 0, 3))
@@ -56,4 +65,6 @@ class SetpointIntegrator(LeafSystem):
         output.set_value(evaluate(segment, time, 3, self._axes))
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        discrete.set_value(advanced(self._segment.Eval(context), context.get_time()))
+        x = advanced(self._segment.Eval(context), context.get_time())
+        discrete.set_value(self._x, x)
+        discrete.set_value(self._x_mode, self._mode.Eval(context))

@@ -9,7 +9,7 @@ from scipy import sparse
 
 from aerodrake.model import qp
 from aerodrake.model.active_set import exchange_active_set
-from aerodrake.model.qp import CondensedQp, QpResult, QpStatus
+from aerodrake.model.qp import CondensedQp, QpResult, QpStatus, is_answer
 
 NZ, ROWS = 12, 20
 
@@ -145,9 +145,12 @@ def test_infeasible_programs_fail():
     contradictory = solve(A, H, g, lower, upper)
     lower[0], upper[0] = 50.0, 60.0
     out_of_reach = solve(A, H, g, lower, upper)
-    for result in (contradictory, out_of_reach):
-        assert result.status is QpStatus.FAILED
+    lower[0], upper[0] = 0.1, -0.1
+    crossed = solve(A, H, g, lower, upper)
+    for result in (contradictory, out_of_reach, crossed):
+        assert result.status in (QpStatus.INFEASIBLE, QpStatus.ITERATION_LIMIT)
         np.testing.assert_array_equal(result.z, 0)
+    assert crossed.status is QpStatus.INFEASIBLE
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
@@ -157,13 +160,14 @@ def test_numbers_that_are_none_fail(value, place):
     program = {"H": H, "g": g, "lower": lower, "upper": upper}
     program[place][0] = -value if place == "upper" else value
     result = solve(A, **program)
-    assert result.status is QpStatus.FAILED
+    is_bound = place in ("lower", "upper") and np.isinf(value)
+    assert result.status is (QpStatus.INFEASIBLE if is_bound else QpStatus.NON_FINITE)
     np.testing.assert_array_equal(result.z, 0)
 
 
 def test_costs_without_a_minimum_fail():
     A, H, g, lower, upper = random_program(0, pull=2.0, slack=0.3)
-    assert solve(A, H - 1e3 * np.eye(NZ), g, lower, upper).status is QpStatus.FAILED
+    assert solve(A, H - 1e3 * np.eye(NZ), g, lower, upper).status is QpStatus.NON_FINITE
 
 
 def test_few_iterations_are_enough_to_tell_the_active_bounds(monkeypatch):
@@ -192,9 +196,25 @@ def test_the_iteration_limit_is_told_and_keeps_only_what_is_nearly_solved(withou
         assert result.iterations <= 50
         if result.status is QpStatus.INACCURATE:
             np.testing.assert_allclose(result.z, by_clarabel(*program), atol=0.05)
-        if result.status is QpStatus.FAILED:
+        if result.status is QpStatus.ITERATION_LIMIT:
             np.testing.assert_array_equal(result.z, 0)
-    assert statuses == {QpStatus.INACCURATE, QpStatus.FAILED}
+    assert statuses == {QpStatus.INACCURATE, QpStatus.ITERATION_LIMIT}
+
+
+@pytest.mark.parametrize("budget", [1, 40, 2000])
+def test_a_budget_is_all_there_is(budget):
+    """However easy the program: what OSQP has by then counts if it is near the optimum."""
+    statuses = set()
+    for seed in range(20):
+        A, *program = random_program(seed, pull=2.0, slack=10.0)
+        result = CondensedQp(A, 200).solve(*program, budget=budget)
+        statuses.add(result.status)
+        assert result.iterations <= budget
+        if is_answer(result.status):
+            np.testing.assert_allclose(result.z, by_clarabel(A, *program), atol=0.05)
+    assert (QpStatus.ITERATION_LIMIT in statuses) == (budget == 1)
+    assert statuses & {QpStatus.SOLVED, QpStatus.INACCURATE}
+    assert QpStatus.INFEASIBLE not in statuses
 
 
 def test_answers_stay_in_the_box():

@@ -84,7 +84,7 @@ def test_a_tick_is_that_of_the_equations(clik, parts, values):
     np.testing.assert_array_equal(
         prediction, inverse.predict(clik.tick_inputs(context), command.velocity).ravel()
     )
-    assert tuple(status) == (QpStatus.UNCONSTRAINED, 0) and not command.is_bounded
+    assert tuple(status) == (QpStatus.UNCONSTRAINED, 0, 0) and not command.is_bounded
     assert len(clik.tick_ms) == 1 and clik.tick_ms[0] > 0
 
 
@@ -100,7 +100,7 @@ def test_what_is_not_finite_commands_nothing_and_stays_nowhere(clik, values, por
     broken = values | {port: np.full(len(values[port]), np.nan)}
     u, _, status = tick(clik, context, broken)
     np.testing.assert_array_equal(u, np.zeros_like(u))
-    assert status[0] == QpStatus.FAILED
+    assert status[0] == QpStatus.NON_FINITE
     fresh = tick(clik, clik.CreateDefaultContext(), values)
     for ours, expected in zip(tick(clik, context, values), fresh, strict=True):
         np.testing.assert_array_equal(ours, expected)

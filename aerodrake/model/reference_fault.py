@@ -1,0 +1,33 @@
+"""References that are not what they should be, for a time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from aerodrake.fault_kinds import AnyFault, ReferenceDrift, ReferenceJump, ReferenceNan
+from aerodrake.model.reference import Motion
+
+REFERENCE_FAULTS = (ReferenceJump, ReferenceDrift, ReferenceNan)
+
+
+def faulty(faults: Sequence[AnyFault], times: np.ndarray, motion: Motion) -> Motion:
+    """A reference with what is the matter with it, one fault after the other.
+
+    Args:
+        faults: Of which those of the reference count.
+        times: (T,) s, reference times.
+        motion: (T, 3) m and (T, 3) m/s then.
+    """
+    p, v = motion[0].copy(), motion[1].copy()
+    for fault in faults:
+        active = fault.is_active(times)
+        if isinstance(fault, ReferenceJump):
+            p[active] += fault.offset_m
+        elif isinstance(fault, ReferenceDrift):
+            p[active] += np.outer(times[active] - fault.start_s, fault.velocity_m_s)
+            v[active] += fault.velocity_m_s
+        elif isinstance(fault, ReferenceNan):
+            p[active] = v[active] = np.nan
+    return p, v
