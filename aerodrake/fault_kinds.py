@@ -7,6 +7,9 @@ from typing import Any, ClassVar
 
 from aerodrake.schema import choice, quantity
 
+SAMPLE_GROUPS = ("position", "attitude", "joints")
+"""Of a sample's numbers: p_B and v_B; quaternion and omega_W; q and q'."""
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -28,10 +31,9 @@ class Fault:
 
 @dataclass(frozen=True)
 class SampleFault(Fault):
-    """Of some of the samples' numbers: the base's pose by its parts, or the joints'."""
+    """Of all of the samples' numbers, or of one of `SAMPLE_GROUPS`."""
 
-    # position: p_B, v_B; attitude: quaternion, omega_W; joints: q, q'.
-    group: str = choice("all", "position", "attitude", "joints")
+    group: str = choice("all", *SAMPLE_GROUPS)
 
 
 @dataclass(frozen=True)
@@ -186,3 +188,6 @@ AnyFault = (
     | ReferenceDrift
     | ReferenceNan
 )
+
+MPC_FAULTS = (MpcInfeasible, MpcStarved, MpcNonFinite, MpcMissed)
+REFERENCE_FAULTS = (ReferenceJump, ReferenceDrift, ReferenceNan)

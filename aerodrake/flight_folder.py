@@ -35,5 +35,5 @@ def fly_into(
     (folder / "summary.json").write_text(to_json(summary), encoding="utf-8")
     save_scenario(flight.scenario, folder)
     log.save(folder / "log.npz")
-    plot_tracking(log, title, folder / "tracking.png")
+    plot_tracking(log, flight.scenario, title, folder / "tracking.png")
     return summary, log

@@ -67,10 +67,10 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
 }
 """Ports of the closed loop that are logged, and the keys and widths of their parts.
 
-n is the number of joints, k that of rotors, N the horizon, c the supervisor's conditions. A part of width 1
-is logged as a plain series (T,), the others as (T, width). Each of these ports shows
-a state, or what is computed at a tick anyway: nothing is evaluated for the log. Of
-`segment` the log has the setpoints that its polynomials give at each sample.
+n is the number of joints, k that of rotors, N the horizon, c the supervisor's conditions. A
+part of width 1 is logged as a plain series (T,), the others as (T, width). Each of these
+ports shows a state, or what is computed at a tick anyway: nothing is evaluated for the log.
+Of `segment` the log has the setpoints that its polynomials give at each sample.
 A row shows what was there before the updates of its instant: the sample of the
 instant itself, `measured_*`, and the state that was made of the one before,
 `estimated_*` and `external_acceleration`; of the MPC, all that is of its last tick. A number

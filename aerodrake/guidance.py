@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from aerodrake.fault_kinds import REFERENCE_FAULTS
 from aerodrake.model.horizon import stage_times
 from aerodrake.model.reference import make_reference
 from aerodrake.model.reference_check import Envelope
-from aerodrake.model.reference_fault import REFERENCE_FAULTS
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Scenario
 from aerodrake.systems.reference import ReferenceSystem

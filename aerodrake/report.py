@@ -12,8 +12,12 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from aerodrake.events import spans
 from aerodrake.flight_log import FlightLog
+from aerodrake.model.safe_mode import SafeMode
 from aerodrake.model.weight_allocation import Mode
+from aerodrake.scenario import Scenario
+from aerodrake.supervision_plot import draw_spans, shade_safe_modes
 
 PAPER = {
     "clover": {"lap_mean_m": 0.0122, "integral_lap_mean_m": 0.0302},
@@ -32,6 +36,9 @@ MODE_COLORS = {
 }
 MOST_SAMPLES = 6000
 """In a line of a figure: ten for each pixel. A minute's log is drawn as it is."""
+
+MOST_EVENTS = 20
+"""In a table; a flight can have any number."""
 
 INK, ACCENT = "#1f2933", "#e8590c"
 REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 4))}
@@ -82,6 +89,11 @@ def table(summary: dict[str, Any], kind: str) -> str:
         ("MPC fallbacks", f"{mpc['solver_fallbacks']} of {mpc['ticks']}", ""),
     ]
     rows += [
+        (f"supervisor in {mode}", _unit(seconds, "s"), "")
+        for mode, seconds in summary["safe_modes"].items()
+        if seconds and mode != SafeMode.NOMINAL.label
+    ]
+    rows += [
         (f"time in mode {mode}", _unit(seconds, "s"), "")
         for mode, seconds in summary["modes"].items()
         if seconds
@@ -99,15 +111,28 @@ def table(summary: dict[str, Any], kind: str) -> str:
         f"{'':<24}{'here':>12}{'paper':>12}",
         *(f"{label:<24}{here:>12}{there:>12}".rstrip() for label, here, there in rows),
     ]
+    lines += [""] * bool(summary["events"])
+    lines += [
+        f"{event['time_s']:8.2f} s  {event['cause']} {event['event']}"
+        + (f": {event['mode']}" if event["event"] == "triggered" else "")
+        for event in summary["events"][:MOST_EVENTS]
+    ]
+    left = len(summary["events"]) - MOST_EVENTS
+    if left > 0:
+        lines.append(f"{'':11} and {left} more, in summary.json")
     return "\n".join(lines)
 
 
-def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
-    """Writes the figure of one flight: paths, errors, allocation, base and joints."""
+def plot_tracking(log: FlightLog, scenario: Scenario, title: str, path: Path) -> None:
+    """Writes the figure of one flight: paths, errors, allocation, base and joints.
+
+    And the tool's angle, faults and what the supervisor noticed, where there are some.
+    """
+    lasting = spans(scenario, log)
     log = log.thinned(MOST_SAMPLES)
     with rc_context(STYLE):
         angle = log.tool_angle_rad
-        rows = 6 if angle is None else 7
+        rows = 6 + (angle is not None) + bool(lasting)
         figure = Figure(figsize=(13, 14 * rows / 6), dpi=120, layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         grid = figure.add_gridspec(rows, 2, width_ratios=[1.15, 1])
@@ -130,6 +155,10 @@ def plot_tracking(log: FlightLog, title: str, path: Path) -> None:
         _series(timeline(grid[5, 1]), log, "qdot_rad_s", np.degrees, "joint velocities / deg/s")
         if angle is not None:
             _angle(timeline(grid[6, :]), log.time_s, angle)
+        if lasting:
+            draw_spans(timeline(grid[-1, :]), lasting)
+        for axes in times:
+            shade_safe_modes(axes, log)
         for axes in (times[5], times[-1]):
             axes.set_xlabel("reference time / s")
         write_png(figure, path)

@@ -6,6 +6,7 @@ import dataclasses
 import math
 
 from aerodrake.errors import BadInput
+from aerodrake.fault_kinds import MPC_FAULTS, SAMPLE_GROUPS
 from aerodrake.reference_kinds import AxisAlong, FixedAxis, OrientationOff, Waypoints
 from aerodrake.scenario import Scenario
 
@@ -71,6 +72,11 @@ def check(scenario: Scenario, source: object) -> None:
             "velocity_aware expects flight.interface trajectory, since a base that is "
             f"not told v_d cannot follow it; got '{scenario.flight.interface}'",
         )
+    for i, fault in enumerate(scenario.faults):
+        if scenario.controller == "clik" and isinstance(fault, MPC_FAULTS):
+            message = f"controller clik expects no fault of the MPC, got '{fault.kind}'"
+            raise BadInput(source, f"faults[{i}].kind", message)
+    _check_supervisor(scenario, source)
     allocation = scenario.allocation
     for key in ("k_q", "k_m"):
         if scenario.controller == "clik" and getattr(allocation, key) == 0:
@@ -86,6 +92,27 @@ def check(scenario: Scenario, source: object) -> None:
         if high <= low:
             message = f"expected more than d_h_m ({low:g} m), got {high:g} m"
             raise BadInput(source, f"allocation.{key}", message)
+
+
+def _check_supervisor(scenario: Scenario, source: object) -> None:
+    """What is ridden out must be given up later than the task is."""
+    own = scenario.supervisor
+    pairs = [(f"{group}_outage_s", f"{group}_lost_s") for group in SAMPLE_GROUPS]
+    plan_s = own.plan_ticks * scenario.rates.mpc_period_s
+    for early, late in pairs:
+        if getattr(own, late) <= getattr(own, early):
+            raise BadInput(
+                source,
+                f"supervisor.{late}",
+                f"expected more than {early} ({getattr(own, early):g} s), "
+                f"got {getattr(own, late):g} s",
+            )
+    if own.plan_lost_s <= plan_s:
+        raise BadInput(
+            source,
+            "supervisor.plan_lost_s",
+            f"expected more than plan_ticks last ({plan_s:g} s), got {own.plan_lost_s:g} s",
+        )
 
 
 def _check_steps(scenario: Scenario, source: object, key: str, time: float) -> None:

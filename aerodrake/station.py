@@ -42,6 +42,7 @@ from pydrake.common import RandomGenerator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
+from aerodrake.fault_kinds import MPC_FAULTS
 from aerodrake.guidance import make_guidance
 from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.direction import make_direction
@@ -64,7 +65,7 @@ from aerodrake.systems.equivalent_state import EquivalentState
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.kinematics import KinematicsSystem
 from aerodrake.systems.mpc import MpcSystem
-from aerodrake.systems.mpc_fault import CODES, MpcFaultSystem
+from aerodrake.systems.mpc_fault import MpcFaultSystem
 from aerodrake.systems.pointing import PointingSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
@@ -210,7 +211,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
             source.GetOutputPort(source_port), target.GetInputPort(target_port or source_port)
         )
 
-    if any(type(fault) in CODES for fault in scenario.faults):
+    if any(isinstance(fault, MPC_FAULTS) for fault in scenario.faults):
         mpc_fault = builder.AddNamedSystem(
             "mpc_fault", MpcFaultSystem(scenario.faults, scenario.settle_s)
         )

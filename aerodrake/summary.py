@@ -14,7 +14,6 @@ from aerodrake.flight_log import FlightLog
 from aerodrake.model.qp import QpStatus
 from aerodrake.model.reach import farthest_reach
 from aerodrake.model.reference import make_reference
-from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.weight_allocation import Mode
 from aerodrake.scenario import Scenario
@@ -83,7 +82,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             mode.label: rounded(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode
         },
         "safe_modes": safe_modes(log, scenario.rates.flight_period_s),
-        "events": events(conditions(scenario.supervisor), log),
+        "events": events(scenario, log),
         "arm": _arm(scenario, log),
         "residual": {
             "mode": scenario.residual.mode,

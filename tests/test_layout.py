@@ -37,6 +37,7 @@ STOREYS = {
         "simulate",
         "flight_log",
         "events",
+        "supervision_plot",
         "recording",
         "summary",
         "report",

@@ -9,8 +9,6 @@ import numpy as np
 from aerodrake.fault_kinds import AnyFault, ReferenceDrift, ReferenceJump, ReferenceNan
 from aerodrake.model.reference import Motion
 
-REFERENCE_FAULTS = (ReferenceJump, ReferenceDrift, ReferenceNan)
-
 
 def faulty(faults: Sequence[AnyFault], times: np.ndarray, motion: Motion) -> Motion:
     """A reference with what is the matter with it, one fault after the other.

@@ -6,7 +6,14 @@ from collections.abc import Sequence
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from aerodrake.fault_kinds import AnyFault, MpcInfeasible, MpcMissed, MpcNonFinite, MpcStarved
+from aerodrake.fault_kinds import (
+    MPC_FAULTS,
+    AnyFault,
+    MpcInfeasible,
+    MpcMissed,
+    MpcNonFinite,
+    MpcStarved,
+)
 from aerodrake.model.mpc_fault import MpcFault
 
 CODES = {
@@ -34,7 +41,7 @@ class MpcFaultSystem(LeafSystem):
 
     def __init__(self, faults: Sequence[AnyFault], settle_s: float):
         super().__init__()
-        self._faults = [fault for fault in faults if type(fault) in CODES]
+        self._faults = [fault for fault in faults if isinstance(fault, MPC_FAULTS)]
         self._settle_s = settle_s
         self.DeclareVectorOutputPort("fault", 2, self._calc_fault, {self.time_ticket()})
 
