@@ -31,7 +31,10 @@ def make_guidance(scenario: Scenario, vehicle: Vehicle) -> Diagram:
     guard = builder.AddNamedSystem(
         "reference_guard",
         ReferenceGuard(
-            Envelope.make(scenario, vehicle.p_E), vehicle.p_E, scenario.mpc.horizon, period
+            Envelope.make(scenario.supervisor, vehicle.p_E),
+            vehicle.p_E,
+            scenario.mpc.horizon,
+            period,
         ),
     )
     asked = reference

@@ -99,9 +99,10 @@ class Supervisor:
     max_tilt_rad: float = quantity(1.0472, "rad", 0.1, 1.57)
     # A rotor that gives less than this share of its thrust is lost.
     rotor_lost: float = quantity(0.4, "1", 0.0, 1.0)
-    # A reference is refused that is lower than this, or further from the start than that.
+    # A reference is refused that is lower, further from the start, or faster along an axis.
     lowest_m: float = quantity(0.1, "m", -1000.0, 1000.0)
     farthest_m: float = quantity(50.0, "m", 0.1, 10_000.0)
+    fastest_m_s: float = quantity(1.5, "m/s", 0.01, 100.0)
     descend_m_s: float = quantity(0.3, "m/s", 0.05, 2.0)
 
 

@@ -123,8 +123,8 @@ class Flight:
         """p_Ed (T, 3) m and p_Ed' (T, 3) m/s as they were followed: held where refused."""
         start = self._vehicle.p_E
         motion = hover_then_follow(self.curve, start, time_s)
-        rows = np.hstack(faulty(self.scenario.faults, time_s, motion))
-        envelope = Envelope.make(self.scenario, start)
+        rows = np.hstack(faulty(self.scenario.faults, time_s, time_s, motion))
+        envelope = Envelope.make(self.scenario.supervisor, start)
         is_followed = [judged(envelope, row) == ReferenceVerdict.OK for row in rows]
         last = np.maximum.accumulate(np.where(is_followed, np.arange(len(rows)), -1))
         rows = np.vstack([rows, [*start, 0.0, 0.0, 0.0]])[last]

@@ -7,6 +7,7 @@ import typing
 import pytest
 
 from aerodrake.errors import BadInput
+from aerodrake.fault_kinds import AnyFault, Push
 from aerodrake.reference_kinds import Hover, Orientation, Reference
 from aerodrake.scenario import Scenario
 from aerodrake.schema import as_mapping, build
@@ -46,6 +47,7 @@ def sections(config: object, prefix: str = ""):
             yield from sections(value, f"{prefix}{field.name}.")
 
 
+FAULTS = [fault() for fault in typing.get_args(AnyFault)]
 LEAVES = [(Hover(), *leaf) for leaf in leaves(Scenario())]
 LEAVES += [(kind, *leaf) for kind in KINDS for leaf in leaves(kind, "reference.")]
 QUANTITIES = [leaf for leaf in LEAVES if "unit" in leaf[2].metadata]
@@ -77,6 +79,52 @@ def test_every_kind_of_orientation(orientation):
         build(Scenario, data, "f.yaml")
 
 
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.kind)
+def test_every_kind_of_fault(fault):
+    scenario = Scenario(faults=(fault, dataclasses.replace(fault, start_s=2.0, duration_s=0.5)))
+    assert build(Scenario, as_mapping(scenario), "f.yaml") == scenario
+    assert build(Scenario, {"faults": [{"kind": fault.kind}]}, "f.yaml").faults == (fault,)
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.kind)
+def test_numbers_of_faults_are_named_with_their_place(fault):
+    for field in dataclasses.fields(fault):
+        if "unit" not in field.metadata:
+            continue
+        default = getattr(fault, field.name)
+        key = f"faults[1].{field.name}"
+        if isinstance(default, tuple):
+            key, value = f"{key}[0]", [math.nan, *default[1:]]
+        else:
+            value = field.metadata["high"] + 1
+        data = {"faults": [{"kind": fault.kind}, {"kind": fault.kind, field.name: value}]}
+        with pytest.raises(BadInput) as caught:
+            build(Scenario, data, "f.yaml")
+        assert str(caught.value).startswith(f"f.yaml: {key}: expected a")
+
+
+@pytest.mark.parametrize(
+    ("faults", "expected"),
+    [
+        ({"kind": "push"}, "faults: expected a list of mappings, got"),
+        ("push", "faults: expected a list of mappings, got 'push'"),
+        ([3], r"faults\[0\]: expected a mapping with a kind \(valid: joint_degraded,"),
+        ([{"kind": "push"}, {"start_s": 1}], r"faults\[1\]: expected a mapping with a kind"),
+        ([{"kind": "pusch"}], r"faults\[0\].kind: unknown kind 'pusch'; did you mean 'push'"),
+        ([{"kind": "push", "start": 1}], r"faults\[0\].start: unknown key; did you mean 'start_s'"),
+        ([{"kind": "push"}] * 1001, "faults: expected at most 1000 of them, got 1001"),
+    ],
+)
+def test_faults_that_are_none_are_named(faults, expected):
+    with pytest.raises(BadInput, match=f"f.yaml: {expected}"):
+        build(Scenario, {"faults": faults}, "f.yaml")
+
+
+def test_a_fault_is_active_from_its_start_until_before_its_end():
+    fault = Push(start_s=0.1, duration_s=0.2)
+    assert [bool(fault.is_active(t)) for t in (0.09, 0.1, 0.29, 0.3)] == [False, True, True, False]
+
+
 def test_a_bare_off_is_off():
     """YAML reads it as false."""
     assert build(Scenario, {"orientation": {"kind": False}}, "f.yaml") == Scenario()
@@ -106,7 +154,7 @@ def test_every_key_is_declared():
     for _, key, field, value in LEAVES:
         if isinstance(value, str):
             assert key == "name" or field.metadata.keys() & {"options", "file"}, key
-        elif not isinstance(value, bool):
+        elif not isinstance(value, bool) and "several" not in field.metadata:
             low, high, length = (field.metadata[k] for k in ("low", "high", "length"))
             assert field.metadata["unit"] and math.isfinite(low) and math.isfinite(high), key
             assert low < high, key

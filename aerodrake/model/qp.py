@@ -143,7 +143,7 @@ class CondensedQp:
         lower, upper = screened(lower, upper, self._reach)
         inverse = np.triu(dtrtri(factor, lower=1)[0].T)
         if budget is not None:
-            return self._by_osqp(H, g, lower, upper, inverse, free, budget, 1)
+            return self._by_osqp(H, g, lower, upper, inverse, free, budget, 0)
         if active is None or not active.any():
             active = violations(free, rows_dot(self._banded, free), lower, upper)
         is_exact, z, held = exchange_active_set(

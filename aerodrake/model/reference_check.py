@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from aerodrake.compiled import compiled
-from aerodrake.scenario import Scenario
+from aerodrake.scenario import Supervisor
 
 JUMP_M = 0.1
 """What a reference is elsewhere than its velocity took it, if it has jumped."""
@@ -31,20 +31,18 @@ class Envelope(NamedTuple):
         start: (3,) m, where the end-effector starts.
         lowest: m, smallest height.
         farthest: m, largest distance from the start.
-        fastest: (3,) m/s, largest velocity along each axis: the base's setpoints' own.
+        fastest: m/s, largest velocity along an axis.
     """
 
     start: np.ndarray
     lowest: float
     farthest: float
-    fastest: np.ndarray
+    fastest: float
 
     @classmethod
-    def make(cls, scenario: Scenario, start: np.ndarray) -> Envelope:
+    def make(cls, config: Supervisor, start: np.ndarray) -> Envelope:
         """Of the scenario, for an end-effector that starts at `start` (3,) m."""
-        own = scenario.supervisor
-        fastest = np.array(scenario.mpc.base_velocity_m_s)
-        return cls(np.array(start), own.lowest_m, own.farthest_m, fastest)
+        return cls(np.array(start), config.lowest_m, config.farthest_m, config.fastest_m_s)
 
 
 @compiled
@@ -56,14 +54,14 @@ def judged(envelope: Envelope, row: np.ndarray) -> int:
     if row[2] < envelope.lowest or np.sqrt(np.sum(away * away)) > envelope.farthest:
         return 2
     for i in range(3):
-        if abs(row[3 + i]) > envelope.fastest[i]:
+        if abs(row[3 + i]) > envelope.fastest:
             return 3
     return 0
 
 
 @compiled
 def accepted(
-    envelope: Envelope, rows: np.ndarray, last: np.ndarray, dt: float
+    envelope: Envelope, rows: np.ndarray, last: np.ndarray, asked: np.ndarray, dt: float
 ) -> tuple[np.ndarray, int]:
     """A reference, now and over the horizon, as it is to be followed.
 
@@ -72,7 +70,8 @@ def accepted(
     Args:
         envelope: Where it may be.
         rows: (N + 1, 6) p_Ed, p_Ed' in m and m/s, now and at each stage.
-        last: (6,) what was accepted a tick ago.
+        last: (6,) what was accepted a tick ago,
+        asked: (6,) and what was asked for then.
         dt: s, a tick.
 
     Returns:
@@ -87,7 +86,7 @@ def accepted(
             found[k] = last if k == 0 else found[k - 1]
             found[k, 3:] = 0.0
     if verdict == 0:
-        jump = rows[0, :3] - last[:3] - dt / 2 * (rows[0, 3:] + last[3:])
+        jump = rows[0, :3] - asked[:3] - dt / 2 * (rows[0, 3:] + asked[3:])
         if np.sqrt(np.sum(jump * jump)) > JUMP_M:
             verdict = 4
     return found, verdict

@@ -10,17 +10,22 @@ from aerodrake.fault_kinds import AnyFault, ReferenceDrift, ReferenceJump, Refer
 from aerodrake.model.reference import Motion
 
 
-def faulty(faults: Sequence[AnyFault], times: np.ndarray, motion: Motion) -> Motion:
+def faulty(
+    faults: Sequence[AnyFault], now: float | np.ndarray, times: np.ndarray, motion: Motion
+) -> Motion:
     """A reference with what is the matter with it, one fault after the other.
+
+    Nobody knows of a fault before it is there: then it concerns all that is seen ahead.
 
     Args:
         faults: Of which those of the reference count.
-        times: (T,) s, reference times.
+        now: s, reference time at which it is looked at; for all rows, or (T,) for each.
+        times: (T,) s, reference times of the rows.
         motion: (T, 3) m and (T, 3) m/s then.
     """
     p, v = motion[0].copy(), motion[1].copy()
     for fault in faults:
-        active = fault.is_active(times)
+        active = np.broadcast_to(fault.is_active(now), times.shape)
         if isinstance(fault, ReferenceJump):
             p[active] += fault.offset_m
         elif isinstance(fault, ReferenceDrift):

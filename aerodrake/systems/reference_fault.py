@@ -38,5 +38,5 @@ class ReferenceFaultSystem(LeafSystem):
     def _calc_horizon(self, context: Context, output: BasicVector) -> None:
         rows = self._asked.Eval(context).reshape(-1, 6)
         now = round(context.get_time() - self._settle_s, 9)
-        motion = faulty(self._faults, now + self._stages, (rows[:, :3], rows[:, 3:]))
+        motion = faulty(self._faults, now, now + self._stages, (rows[:, :3], rows[:, 3:]))
         output.SetFromVector(np.hstack(motion).ravel())

@@ -25,7 +25,7 @@ class ReferenceGuard(LeafSystem):
         out `reference` (6): the same, now.
         out `reference_verdict` (1): a `ReferenceVerdict` on the last tick's.
     State:
-        what was accepted at the last tick (6), and the verdict.
+        what was accepted at the last tick (6), what was asked for then (6), and the verdict.
     Rate:
         `period`, from time 0.
 
@@ -41,13 +41,15 @@ class ReferenceGuard(LeafSystem):
         self._envelope, self._period = envelope, period
         size = 6 * (stages + 1)
         self._asked = self.DeclareVectorInputPort("horizon", size)
-        self._last = self.DeclareDiscreteState(np.concatenate([start, np.zeros(3)]))
+        at_start = np.concatenate([start, np.zeros(3)])
+        self._last = self.DeclareDiscreteState(at_start)
+        self._last_asked = self.DeclareDiscreteState(at_start)
         self._verdict = self.DeclareDiscreteState(1)
         # Both outputs and the update need it: computed once a tick.
         self._accepted = self.DeclareCacheEntry(
             "accepted",
             ValueProducer(lambda: Value[object](None), self._calc_accepted),
-            {self._asked.ticket(), self.discrete_state_ticket(self._last)},
+            {self._asked.ticket(), self.xd_ticket()},
         )
         ticket = {self._accepted.ticket()}
         self.DeclareVectorOutputPort("horizon", size, self._calc_horizon, ticket)
@@ -57,8 +59,9 @@ class ReferenceGuard(LeafSystem):
 
     def _calc_accepted(self, context: Context, found: AbstractValue) -> None:
         rows = self._asked.Eval(context).reshape(-1, 6)
-        last = context.get_discrete_state(self._last).value()
-        found.set_value(accepted(self._envelope, rows, last, self._period))
+        state = context.get_discrete_state()
+        last, asked = state.value(self._last), state.value(self._last_asked)
+        found.set_value(accepted(self._envelope, rows, last, asked, self._period))
 
     def _calc_horizon(self, context: Context, output: BasicVector) -> None:
         output.set_value(self._accepted.Eval(context)[0].ravel())
@@ -69,4 +72,5 @@ class ReferenceGuard(LeafSystem):
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         rows, verdict = self._accepted.Eval(context)
         discrete.set_value(self._last, rows[0])
+        discrete.set_value(self._last_asked, self._asked.Eval(context)[:6])
         discrete.set_value(self._verdict, [verdict])

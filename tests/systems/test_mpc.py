@@ -9,6 +9,7 @@ from pydrake.common.value import Value
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.mpc_fault import MpcFault
 from aerodrake.model.mpc_inputs import MpcInputs
 from aerodrake.model.qp import QpStatus
 from aerodrake.model.setpoint import SetpointLimits
@@ -165,14 +166,34 @@ def test_a_program_that_fails_leaves_the_shifted_plan(mpc, formulation, values, 
     for k in range(1, T + 2):
         u, _, status = tick(mpc, context, broken)
         np.testing.assert_array_equal(u, first[k] if k < T else np.zeros_like(u))
-        assert status[0] == QpStatus.NON_FINITE
+        assert tuple(status) == (QpStatus.NON_FINITE, 0, k)
 
     # Nothing of it stays once the inputs are back.
     u, prediction, status = tick(mpc, context, values)
     fresh, fresh_prediction, _ = tick(mpc, mpc.CreateDefaultContext(), values)
-    assert status[0] == QpStatus.UNCONSTRAINED
+    assert tuple(status) == (QpStatus.UNCONSTRAINED, 0, 0)
     np.testing.assert_array_equal(u, fresh)
     np.testing.assert_array_equal(prediction, fresh_prediction)
+
+
+@pytest.mark.parametrize("fault", list(MpcFault))
+def test_a_tick_with_a_fault_leaves_the_shifted_plan_and_says_why(mpc, formulation, values, fault):
+    context = mpc.CreateDefaultContext()
+    tick(mpc, context, values)
+    first = plan(mpc, formulation, context).copy()
+    ticks = len(mpc.tick_ms)
+    u, _, status = tick(mpc, context, values | {"fault": np.array([fault, 1.0])})
+    expected = {
+        MpcFault.NONE: QpStatus.UNCONSTRAINED,
+        MpcFault.STARVED: QpStatus.ITERATION_LIMIT,
+        MpcFault.INFEASIBLE: QpStatus.INFEASIBLE,
+        MpcFault.NON_FINITE: QpStatus.NON_FINITE,
+        MpcFault.MISSED: QpStatus.MISSED,
+    }[fault]
+    assert status[0] == expected and status[2] == (fault != MpcFault.NONE)
+    if fault != MpcFault.NONE:
+        np.testing.assert_array_equal(u, first[1])
+    assert len(mpc.tick_ms) - ticks == (fault != MpcFault.MISSED)
 
 
 def test_what_a_shifted_plan_is_believed_to_do(mpc, formulation, values):

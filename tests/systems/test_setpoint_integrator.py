@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.systems.analysis import Simulator
 
+from aerodrake.model.safe_mode import BRAKING_1_S, SafeMode, SafeMotion
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 
@@ -19,16 +20,22 @@ LIMITS = SetpointLimits(
 )
 START = np.array([0.0, -1.0, 1.5, 0.1, -0.1])
 SIZE = len(START)
+TUCKED = np.array([0.3, 0.1])
+MOTION = SafeMotion(np.array([0.0, 0.0, -0.3, 0.0, 0.0]), TUCKED)
 
 
 class Driver:
     """The integrator in a Simulator, from rest at `START`."""
 
     def __init__(self):
-        self.system = SetpointIntegrator(LIMITS, START, DT)
+        self.system = SetpointIntegrator(LIMITS, MOTION, START, DT)
         self.simulator = Simulator(self.system)
         self.context = self.simulator.get_mutable_context()
         self.command(np.zeros(SIZE))
+        self.enter(SafeMode.NOMINAL)
+
+    def enter(self, mode: SafeMode) -> None:
+        self.system.GetInputPort("mode").FixValue(self.context, [float(mode)])
 
     def brake(self) -> None:
         """Asks for rest at the next tick, to be called just after each."""
@@ -158,6 +165,38 @@ def test_braking_keeps_the_position_limits(slack, ticks):
         assert np.all(p <= LIMITS.upper + 1e-9)
 
 
+def test_safe_modes_change_nothing_at_once_and_never_jump():
+    """Whenever they are entered and left: from tick to tick, within limits, to rest."""
+    driver, rng, track = Driver(), np.random.default_rng(2), []
+    modes = {300: SafeMode.HOLD, 1507: SafeMode.NOMINAL, 1801: SafeMode.DESCEND}
+    for k in range(6000):
+        if k in modes:
+            before = driver.now
+            driver.enter(modes[k])
+            np.testing.assert_array_equal(driver.now, before)
+        track.append(driver.advance(k * 0.001 + 1e-9))
+        if k % 20 == 0:
+            driver.command(rng.uniform(-5, 5, SIZE))
+    track = np.array(track)
+    assert_smooth(track, 0.001)
+    assert np.abs(track[300, 1]).max() > 0.1  # It moved,
+    np.testing.assert_allclose(track[1500, 1], 0, atol=0.01)  # stopped,
+    assert np.abs(track[1800, 1]).max() > 0.1  # moved again,
+    np.testing.assert_allclose(track[-1, 1], [0, 0, -0.3, 0, 0], atol=0.02)  # and went down.
+    np.testing.assert_allclose(track[-1, 0, 3:], TUCKED, atol=0.02)
+
+
+def test_a_mode_is_heeded_from_the_next_tick_on():
+    driver = Driver()
+    driver.command(np.ones(SIZE))
+    driver.advance(after_tick(3))
+    driver.advance(3.5 * DT)
+    driver.enter(SafeMode.HOLD)
+    np.testing.assert_allclose(driver.advance(3.9 * DT)[2], 1, atol=1e-9)
+    _, v, u = driver.advance(after_tick(4))
+    np.testing.assert_allclose(u, -BRAKING_1_S * v, atol=1e-6)
+
+
 def test_a_command_that_changes_between_ticks_counts_from_the_last_tick():
     """The contract is that u is held; what comes of a change is still within the limits."""
     driver = Driver()
@@ -190,9 +229,9 @@ def test_between_ticks_limits_are_not_looked_at(monkeypatch):
 
 
 def test_ports_rate_and_feedthrough():
-    system = SetpointIntegrator(LIMITS, START, DT)
+    system = SetpointIntegrator(LIMITS, MOTION, START, DT)
     assert system.GetInputPort("u").size() == SIZE
-    assert system.num_input_ports() == 1
+    assert system.num_input_ports() == 2
     assert system.GetOutputPort("base_setpoint").size() == 9
     assert system.GetOutputPort("joint_setpoint").size() == 3 * (SIZE - 3)
     for port in ("base_setpoint", "joint_setpoint"):
