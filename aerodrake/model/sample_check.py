@@ -40,8 +40,8 @@ class Verdict(IntEnum):
 ABSURD = 1e4
 """m, rad, m/s or rad/s: no vehicle is there, and none is so fast."""
 
-UNIT_LENGTH = 0.01
-"""How far the length of a quaternion may be off 1."""
+UNIT_LENGTH = 0.1
+"""How far the length of a quaternion may be off 1; that of the plant drifts a little."""
 
 RESOLUTION = np.array([2e-3, 3e-3, 1e-3])
 """m, rad, rad: what moves by as much cannot give the same numbers again."""
@@ -155,27 +155,9 @@ def check(
             verdict = Verdict.FROZEN
         else:
             step = _difference(g, x_believed, x) - since / 2 * (rate_believed + rate)
-            follows = (
-                since < (FOLLOWS + 0.5) * bounds.dt
-                and length(step)
-                <= 2 * bounds.noise[g]
-                + since * bounds.rate_noise[g]
-                + ACCELERATION[g] * since**2 / 4
-                and length(rate - rate_believed)
-                <= 2 * bounds.rate_noise[g] + ACCELERATION[g] * since
-            )
-            is_near = (
-                length(_difference(g, x_predicted, x))
-                <= SLACK[g]
-                + bounds.noise[g]
-                + DRIFT[g] * since**2 / 2
-                + DRIFT_RATE[g] * since**3 / 6
-                and length(rate - rate_predicted)
-                <= RATE_SLACK[g]
-                + bounds.rate_noise[g]
-                + DRIFT[g] * since
-                + DRIFT_RATE[g] * since**2 / 2
-            )
+            follows = _follows(bounds, g, since, length(step), length(rate - rate_believed))
+            innovation = _difference(g, x_predicted, x)
+            is_near = _is_near(bounds, g, since, length(innovation), length(rate - rate_predicted))
             verdict = Verdict.OK if follows or is_near else Verdict.JUMP
         if verdict == Verdict.OK:
             since = 0.0
@@ -188,6 +170,42 @@ def check(
         if np.isfinite(stamps[g]):
             now[2 * m + g] = stamps[g]
     return health, now
+
+
+@compiled
+def _follows(bounds: SampleCheck, g: int, since: float, step: float, speeding: float) -> bool:
+    """Whether a sample can come after the last that was believed.
+
+    Args:
+        bounds: Of noise.
+        g: Group.
+        since: s, from that one.
+        step: Between them, beyond what the mean of both velocities makes.
+        speeding: Between their velocities.
+    """
+    noise, rate_noise, a = bounds.noise[g], bounds.rate_noise[g], ACCELERATION[g]
+    return (
+        since < (FOLLOWS + 0.5) * bounds.dt
+        and step <= 2 * noise + since * rate_noise + a * since**2 / 4
+        and speeding <= 2 * rate_noise + a * since
+    )
+
+
+@compiled
+def _is_near(bounds: SampleCheck, g: int, since: float, off: float, rate_off: float) -> bool:
+    """Whether a sample is so far off its prediction, in value and velocity, as this may be.
+
+    Args:
+        bounds: Of noise.
+        g: Group.
+        since: s, how long it has been predicted.
+        off, rate_off: The distances.
+    """
+    a, j = DRIFT[g], DRIFT_RATE[g]
+    return (
+        off <= SLACK[g] + bounds.noise[g] + a * since**2 / 2 + j * since**3 / 6
+        and rate_off <= RATE_SLACK[g] + bounds.rate_noise[g] + a * since + j * since**2 / 2
+    )
 
 
 @compiled

@@ -17,6 +17,7 @@ from aerodrake.model.rotation import (
     turned,
 )
 from aerodrake.model.sample_check import SampleCheck, Verdict, check
+from aerodrake.model.sample_check import initial_memory as initial_check_memory
 from aerodrake.model.vehicle_state import parts
 from aerodrake.scenario import Filter
 
@@ -75,16 +76,34 @@ class StateFilter(NamedTuple):
         )
 
 
+def initial_memory(
+    gains: StateFilter, state: np.ndarray, trim_acceleration: np.ndarray
+) -> np.ndarray:
+    """What `update` needs at rest at a state (m,), known since a sample before time 0.
+
+    [what the check remembers (2 m + 6), its health (6), the estimate (6 + m) of the base at
+    its last sample and of the joints, the accelerations (6 steps) modelled from then on].
+
+    Args:
+        gains: Of which lateness.
+        state: (13 + 2 n,)
+        trim_acceleration: (6,) modelled at rest; what it says is not there.
+    """
+    checked = initial_check_memory(state, -gains.dt)
+    since = np.tile(trim_acceleration, gains.steps)
+    return np.concatenate([checked, np.zeros(6), -trim_acceleration, state, since])
+
+
 @compiled
 def update(
     gains: StateFilter,
     bounds: SampleCheck,
-    memory: tuple[np.ndarray, np.ndarray, np.ndarray],
+    memory: np.ndarray,
     acceleration: np.ndarray,
     sample: np.ndarray,
     stamps: np.ndarray,
     joint_setpoint: np.ndarray,
-) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Takes in what is believed of a sample, and goes on with predictions of the rest.
 
     The base goes on as modelled, and the arm to its setpoints.
@@ -92,23 +111,22 @@ def update(
     Args:
         gains: And lateness.
         bounds: Of what is believed.
-        memory: (19 + 2 n + 6 steps,) the last one: estimate of the base at its last
-            sample and of the joints, and the accelerations from then on. What `check`
-            remembers, and its (6,) of the last sample.
+        memory: The last one, as `initial_memory` has it.
         acceleration: (6,) modelled, since the sample before this one, as in `follow`.
         sample: (13 + 2 n,) of the base, late, and of the joints.
         stamps: (3,) s, when its groups were taken.
         joint_setpoint: (3 n,) now.
 
     Returns:
-        The memory now, and the estimate (19 + 2 n,) as of now.
+        The memory now; the estimate (19 + 2 n,) as of now; health (6,) of the sample.
     """
-    known, checked, health = memory
-    size = 6 + len(sample)
-    since = np.concatenate((known[size:], acceleration))
-    then = follow(gains, known[:size], since[:6])
+    m = len(sample)
+    judged, known = 2 * m + 6, 2 * m + 12
+    since = np.concatenate((memory[known + 6 + m :], acceleration))
+    then = follow(gains, memory[known : known + 6 + m], since[:6])
     predicted = arm_follows(gains, then, joint_setpoint)
-    health, checked = check(bounds, checked, health[:3], predicted[6:], sample, stamps)
+    ages = memory[judged : judged + 3]
+    health, checked = check(bounds, memory[:judged], ages, predicted[6:], sample, stamps)
     if health[3] == Verdict.OK.value:
         correct_motion(gains, then, sample)
     if health[4] == Verdict.OK.value:
@@ -121,7 +139,7 @@ def update(
     now = then
     for k in range(6, len(since), 6):
         now = follow(gains, now, since[k : k + 6])
-    return (np.concatenate((then, since[6:])), checked, health), now
+    return np.concatenate((checked, health, then, since[6:])), now, health
 
 
 @compiled

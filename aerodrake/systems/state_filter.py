@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import Context, LeafSystem, State
 
-from aerodrake.model.sample_check import SampleCheck, initial_memory
-from aerodrake.model.state_filter import StateFilter, passed, update
+from aerodrake.model.sample_check import SampleCheck
+from aerodrake.model.state_filter import StateFilter, initial_memory, passed, update
 from aerodrake.model.vehicle_state import VehicleState
 
 
@@ -28,9 +28,8 @@ class StateFilterSystem(LeafSystem):
         out `sample_health` (6): of each group, s from the last sample that was believed,
             0 if it is this one; and its `Verdict`.
     State:
-        `memory` (19 + 2 n + 6 steps): estimate, of the base at the time of its last
-        sample, and accelerations from then to now; what the check remembers; and
-        what the outputs show.
+        what the filter remembers, as its `initial_memory` has it; and what the
+        outputs show.
     Rate:
         `period`, by an *unrestricted* update: these run before the discrete
         updates of the same instant, so that a controller that ticks together
@@ -63,12 +62,9 @@ class StateFilterSystem(LeafSystem):
         self._acceleration = self.DeclareVectorInputPort("acceleration", 6)
         self._reaction = self.DeclareVectorInputPort("reaction", 3)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * joints)
-        since = np.tile(trim_acceleration, state_filter.steps)
         self._x_memory = self.DeclareDiscreteState(
-            np.concatenate([-trim_acceleration, initial, since])
+            initial_memory(state_filter, initial, trim_acceleration)
         )
-        # As if there had been a sample before the one at time 0.
-        self._x_checked = self.DeclareDiscreteState(initial_memory(initial, -state_filter.dt))
         self._x_health = self.DeclareDiscreteState(np.zeros(6))
         self.DeclareStateOutputPort("sample_health", self._x_health)
         self._x_state = self.DeclareDiscreteState(initial)
@@ -80,20 +76,17 @@ class StateFilterSystem(LeafSystem):
     def _update(self, context: Context, state: State) -> None:
         discrete = state.get_mutable_discrete_state()
         sample = self._sample.Eval(context)
-        groups = (self._x_memory, self._x_checked, self._x_health)
-        memory, now = update(
+        memory, now, health = update(
             self._filter,
             self._check,
-            tuple([discrete.value(group) for group in groups]),
+            discrete.value(self._x_memory),
             self._acceleration.Eval(context),
             sample,
             self._stamps.Eval(context),
             self._joint_setpoint.Eval(context),
         )
-        for group, value in zip(groups, memory, strict=True):
-            discrete.set_value(group, value)
-        shown = now[6:]
-        if self._passes:
-            shown = passed(sample, shown, memory[2])
+        shown = passed(sample, now[6:], health) if self._passes else now[6:]
+        discrete.set_value(self._x_memory, memory)
+        discrete.set_value(self._x_health, health)
         discrete.set_value(self._x_state, shown)
         discrete.set_value(self._x_external, now[:3] - self._reaction.Eval(context))
