@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from pydrake.common import RandomDistribution
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import AffineSystem, DiscreteTimeDelay, RandomSource
 
+from aerodrake.fault_kinds import AnyFault, SampleFault
 from aerodrake.model.sample import noise_size
+from aerodrake.model.sample_check import SampleCheck
 from aerodrake.model.state_filter import StateFilter
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Filter, Rates
+from aerodrake.systems.sample_fault import SampleFaultSystem
 from aerodrake.systems.sensors import SensorSystem, is_exact
 from aerodrake.systems.state_filter import StateFilterSystem
 from aerodrake.world import Sensors
@@ -22,6 +27,8 @@ def make_sensors(
     rates: Rates,
     trim_state: np.ndarray,
     trim_acceleration: np.ndarray,
+    faults: Sequence[AnyFault] = (),
+    settle_s: float = 0.0,
 ) -> Diagram:
     """The state for all who look at the vehicle: exact and at once, unless the scenario says more.
 
@@ -30,9 +37,10 @@ def make_sensors(
     whatever is due there sees the sample, whichever kind of update it has.
 
     Inputs: `true_state` (13 + 2 n); `acceleration` (6) and `reaction` (3) of the flight
-    controller, for the filter.
-    Outputs: `sample` (13 + 2 n), the last one, and `state` (13 + 2 n), what the filter
-    makes of it, `trim_state` before the first; `external_acceleration` (3).
+    controller and `joint_setpoint` (3 n), for the filter.
+    Outputs: `sample` (13 + 2 n), the last one as it arrives, and `state` (13 + 2 n), what
+    the filter makes of it, `trim_state` before the first; `external_acceleration` (3);
+    `sample_health` (6), what it believes of the sample.
 
     Args:
         config: Noise and delay.
@@ -40,6 +48,8 @@ def make_sensors(
         rates: Of samples, and of the plant, whose steps the delay counts.
         trim_state: (13 + 2 n,) the state before time 0.
         trim_acceleration: (6,) as the flight controller believes then.
+        faults: Those of samples among them strike one after another, in their order.
+        settle_s: Reference time 0.
     """
     joints = len(VehicleState.from_vector(trim_state).q)
     period, step = rates.sensor_period_s, rates.plant_step_s
@@ -73,18 +83,28 @@ def make_sensors(
         "state_filter",
         StateFilterSystem(
             StateFilter.make(state_filter, period),
+            SampleCheck.make(state_filter, config, period),
             state_filter.kind == "none" or is_exact_now,
             joints,
-            period,
             trim_state,
             trim_acceleration,
         ),
     )
-    builder.Connect(sampler.GetOutputPort("state"), filtered.GetInputPort("sample"))
-    for port in ("acceleration", "reaction"):
+    sample, stamps = sampler.GetOutputPort("state"), sampler.GetOutputPort("stamps")
+    for i, fault in enumerate(faults):
+        if isinstance(fault, SampleFault):
+            struck = builder.AddNamedSystem(
+                f"{fault.kind}_{i}", SampleFaultSystem(fault, settle_s, period, trim_state)
+            )
+            builder.Connect(sample, struck.GetInputPort("sample"))
+            builder.Connect(stamps, struck.GetInputPort("stamps"))
+            sample, stamps = struck.GetOutputPort("sample"), struck.GetOutputPort("stamps")
+    builder.Connect(sample, filtered.GetInputPort("sample"))
+    builder.Connect(stamps, filtered.GetInputPort("stamps"))
+    for port in ("acceleration", "reaction", "joint_setpoint"):
         builder.ExportInput(filtered.GetInputPort(port), port)
-    builder.ExportOutput(sampler.GetOutputPort("state"), "sample")
-    for port in ("state", "external_acceleration"):
+    builder.ExportOutput(sample, "sample")
+    for port in ("state", "external_acceleration", "sample_health"):
         builder.ExportOutput(filtered.GetOutputPort(port), port)
     diagram = builder.Build()
     diagram.set_name("sensors")

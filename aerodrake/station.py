@@ -89,10 +89,11 @@ def make_station(scenario: Scenario) -> Diagram:
     """Plant, rotors, wind, sensors, and flight and arm controllers.
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
-    Outputs: `sample` and what the filter makes of it, `state` (13 + 2 n each) and
-    `external_acceleration` (3); `true_state`; `thrust` and `thrust_command` (k) N;
-    `joint_torque` (n) N m; `specific_thrust` (1), `disturbance` (6) and `saturated` (1),
-    of the flight controller; `wind_force` (3) N, in the world; `query_object`.
+    Outputs: `sample` and what the filter makes of it, `state` (13 + 2 n each),
+    `external_acceleration` (3) and `sample_health` (6); `true_state`; `thrust` and
+    `thrust_command` (k) N; `joint_torque` (n) N m; `specific_thrust` (1), `disturbance` (6)
+    and `saturated` (1), of the flight controller; `wind_force` (3) N, in the world;
+    `query_object`.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
@@ -113,6 +114,8 @@ def make_station(scenario: Scenario) -> Diagram:
             rates,
             vehicle.trim_state,
             flight_controller.trim_acceleration,
+            scenario.faults,
+            scenario.settle_s,
         )
     )
     arm_controller = builder.AddNamedSystem(
@@ -139,12 +142,13 @@ def make_station(scenario: Scenario) -> Diagram:
 
     builder.ExportInput(flight_controller.GetInputPort("base_setpoint"), "base_setpoint")
     builder.ExportInput(arm_controller.GetInputPort("joint_setpoint"), "joint_setpoint")
-    builder.ConnectInput("joint_setpoint", flight_controller.GetInputPort("joint_setpoint"))
+    for consumer in (flight_controller, sensors):
+        builder.ConnectInput("joint_setpoint", consumer.GetInputPort("joint_setpoint"))
     builder.ExportOutput(plant.get_state_output_port(), "true_state")
     builder.ExportOutput(rotors.get_output_port(), "thrust")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     for system, ports in (
-        (sensors, ("sample", "state", "external_acceleration")),
+        (sensors, ("sample", "state", "external_acceleration", "sample_health")),
         (flight_controller, ("thrust_command", "specific_thrust", "disturbance", "saturated")),
         (arm_controller, ("joint_torque",)),
         (wind, ("wind_force",)),

@@ -8,8 +8,11 @@ import numpy as np
 
 from aerodrake.compiled import compiled
 from aerodrake.model.rotation import length, product, quaternion_of
-from aerodrake.model.vehicle_state import parts
+from aerodrake.model.vehicle_state import VehicleState, parts
 from aerodrake.world import Sensors
+
+GROUPS = ("position", "attitude", "joints")
+"""Of a sample, since three sensors make it: p_B and v_B, quaternion and omega_W, q and q'."""
 
 
 class Deviations(NamedTuple):
@@ -31,6 +34,23 @@ class Deviations(NamedTuple):
             config.rate_noise_rad_s,
             config.joint_noise_rad,
         )
+
+
+def group_columns(group: str, joints: int) -> np.ndarray:
+    """Where the numbers of a group of samples, or those of `all`, are in a sample (13 + 2 n,).
+
+    Args:
+        group: As a `SampleFault` names it.
+        joints: n.
+    """
+    at = VehicleState.from_vector(np.arange(float(VehicleState.size(joints))))
+    groups = {
+        "position": (at.p_B, at.v_B),
+        "attitude": (at.quaternion, at.omega_W),
+        "joints": (at.q, at.qdot),
+    }
+    groups["all"] = sum(groups.values(), ())
+    return np.concatenate(groups[group]).astype(int)
 
 
 def noise_size(joints: int) -> int:

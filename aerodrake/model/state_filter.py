@@ -16,11 +16,16 @@ from aerodrake.model.rotation import (
     rotation_vector,
     turned,
 )
+from aerodrake.model.sample_check import SampleCheck, Verdict, check
+from aerodrake.model.sample_check import initial_memory as initial_check_memory
 from aerodrake.model.vehicle_state import parts
 from aerodrake.scenario import Filter
 
 JOINT_WALK_RAD = 1e-4
 """Standard deviation, per sample, of what the measured joint rates miss of the joints' motion."""
+
+ARM_DECAY_S = 0.1
+"""In which the arm, while no samples of it come, is believed to come to its setpoints."""
 
 
 class StateFilter(NamedTuple):
@@ -71,37 +76,70 @@ class StateFilter(NamedTuple):
         )
 
 
+def initial_memory(
+    gains: StateFilter, state: np.ndarray, trim_acceleration: np.ndarray
+) -> np.ndarray:
+    """What `update` needs at rest at a state (m,), known since a sample before time 0.
+
+    [what the check remembers (2 m + 6), its health (6), the estimate (6 + m) of the base at
+    its last sample and of the joints, the accelerations (6 steps) modelled from then on].
+
+    Args:
+        gains: Of which lateness.
+        state: (13 + 2 n,)
+        trim_acceleration: (6,) modelled at rest; what it says is not there.
+    """
+    checked = initial_check_memory(state, -gains.dt)
+    since = np.tile(trim_acceleration, gains.steps)
+    return np.concatenate([checked, np.zeros(6), -trim_acceleration, state, since])
+
+
 @compiled
 def update(
-    gains: StateFilter, memory: np.ndarray, acceleration: np.ndarray, sample: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Takes in a sample.
+    gains: StateFilter,
+    bounds: SampleCheck,
+    memory: np.ndarray,
+    acceleration: np.ndarray,
+    sample: np.ndarray,
+    stamps: np.ndarray,
+    joint_setpoint: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Takes in what is believed of a sample, and goes on with predictions of the rest.
 
-    One that is not finite corrects nothing: the base goes on as modelled, and the
-    arm stays where it was.
+    The base goes on as modelled, and the arm to its setpoints.
 
     Args:
         gains: And lateness.
-        memory: (19 + 2 n + 6 steps,) the last one: estimate of the base at its last
-            sample and of the joints, and the accelerations from then on.
+        bounds: Of what is believed.
+        memory: The last one, as `initial_memory` has it.
         acceleration: (6,) modelled, since the sample before this one, as in `follow`.
         sample: (13 + 2 n,) of the base, late, and of the joints.
+        stamps: (3,) s, when its groups were taken.
+        joint_setpoint: (3 n,) now.
 
     Returns:
-        The memory now, and the estimate (19 + 2 n,) as of now.
+        The memory now; the estimate (19 + 2 n,) as of now; health (6,) of the sample.
     """
-    size = 6 + len(sample)
-    since = np.concatenate((memory[size:], acceleration))
-    then = follow(gains, memory[:size], since[:6])
-    if np.all(np.isfinite(sample)):
-        then = correct(gains, then, sample)
+    m = len(sample)
+    judged, known = 2 * m + 6, 2 * m + 12
+    since = np.concatenate((memory[known + 6 + m :], acceleration))
+    then = follow(gains, memory[known : known + 6 + m], since[:6])
+    predicted = arm_follows(gains, then, joint_setpoint)
+    ages = memory[judged : judged + 3]
+    health, checked = check(bounds, memory[:judged], ages, predicted[6:], sample, stamps)
+    if health[3] == Verdict.OK.value:
+        correct_motion(gains, then, sample)
+    if health[4] == Verdict.OK.value:
+        correct_rotation(gains, then, sample)
+    if health[5] == Verdict.OK.value:
+        correct_joints(gains, then, sample)
     else:
-        qdot = parts(then[6:])[-1]
-        qdot[:] = 0.0
+        _, _, q, _, _, qdot = parts(then[6:])
+        _, _, q[:], _, _, qdot[:] = parts(predicted[6:])
     now = then
     for k in range(6, len(since), 6):
         now = follow(gains, now, since[k : k + 6])
-    return np.concatenate((then, since[6:])), now
+    return np.concatenate((checked, health, then, since[6:])), now, health
 
 
 @compiled
@@ -130,39 +168,82 @@ def follow(gains: StateFilter, estimate: np.ndarray, acceleration: np.ndarray) -
 
 
 @compiled
-def correct(gains: StateFilter, predicted: np.ndarray, sample: np.ndarray) -> np.ndarray:
-    """The estimate (19 + 2 n,) at a sample's own time.
+def arm_follows(gains: StateFilter, estimate: np.ndarray, setpoint: np.ndarray) -> np.ndarray:
+    """The estimate (19 + 2 n,) with the arm one sample later, moving as its setpoints do.
+
+    How far it is off them dies down.
 
     Args:
-        gains: Of all.
-        predicted: (19 + 2 n,) for the base at that time; its joints are still those
-            of the sample before, and move at the mean of both measured rates.
-        sample: (13 + 2 n,)
+        gains: Of which dt.
+        estimate: (19 + 2 n,), its joints those of the sample before.
+        setpoint: (3 n,) q_d, q_d', q_d'' at this sample.
     """
-    found = predicted.copy()
-    d, delta = found[:3], found[3:6]
-    quaternion, p_B, q, omega_W, v_B, qdot = parts(found[6:])
-    quaternion_m, p_m, q_m, omega_m, v_m, qdot_m = parts(sample)
+    dt, later = gains.dt, estimate.copy()
+    _, _, q, _, _, qdot = parts(later[6:])
+    n, decay = len(q), np.exp(-dt / ARM_DECAY_S)
+    for i in range(n):
+        q_d, qdot_d, qddot_d = setpoint[i], setpoint[n + i], setpoint[2 * n + i]
+        q[i] = q_d + decay * (q[i] - (q_d - dt * qdot_d + dt**2 / 2 * qddot_d))
+        qdot[i] = qdot_d + decay * (qdot[i] - (qdot_d - dt * qddot_d))
+    return later
 
-    R = rotation_matrix(quaternion)
-    turn = rotation_vector(product(conjugate(quaternion), quaternion_m))
-    omega, omega_m = apply(R.T, omega_W), apply(R.T, omega_m)
-    L, M = gains.motion, gains.rotation
+
+@compiled
+def correct_motion(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray) -> None:
+    """Corrects position, velocity and d of an estimate (19 + 2 n,) at a sample's own time."""
+    d, L = estimate[:3], gains.motion
+    _, p_B, _, _, v_B, _ = parts(estimate[6:])
+    _, p_m, _, _, v_m, _ = parts(sample)
     for i in range(3):
         p, v = p_m[i] - p_B[i], v_m[i] - v_B[i]
         p_B[i] += L[0, 0] * p + L[0, 1] * v
         v_B[i] += L[1, 0] * p + L[1, 1] * v
         d[i] += L[2, 0] * p + L[2, 1] * v
+
+
+@compiled
+def correct_rotation(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray) -> None:
+    """Corrects attitude, its rate and delta of an estimate (19 + 2 n,) at a sample's own time."""
+    delta, M = estimate[3:6], gains.rotation
+    quaternion, _, _, omega_W, _, _ = parts(estimate[6:])
+    quaternion_m, _, _, omega_m, _, _ = parts(sample)
+    R = rotation_matrix(quaternion)
+    turn = rotation_vector(product(conjugate(quaternion), quaternion_m))
+    omega, omega_m = apply(R.T, omega_W), apply(R.T, omega_m)
+    for i in range(3):
         theta, rate = turn[i], omega_m[i] - omega[i]
         turn[i] = M[0, 0] * theta + M[0, 1] * rate
         omega[i] += M[1, 0] * theta + M[1, 1] * rate
         delta[i] += M[2, 0] * theta + M[2, 1] * rate
     quaternion[:] = turned(quaternion, turn)
     omega_W[:] = apply(R, omega)
+
+
+@compiled
+def correct_joints(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray) -> None:
+    """Corrects the joints of an estimate (19 + 2 n,), which are those of the sample before.
+
+    They have moved at the mean of both measured rates.
+    """
+    _, _, q, _, _, qdot = parts(estimate[6:])
+    _, _, q_m, _, _, qdot_m = parts(sample)
     for i in range(len(q)):
         q[i] += gains.dt / 2 * (qdot[i] + qdot_m[i])
         q[i] += gains.joint * (q_m[i] - q[i])
         qdot[i] = qdot_m[i]
+
+
+@compiled
+def passed(sample: np.ndarray, predicted: np.ndarray, health: np.ndarray) -> np.ndarray:
+    """(13 + 2 n,) a sample as it is, but for the groups that are not believed."""
+    found = sample.copy()
+    quaternion, p_B, q, omega_W, v_B, qdot = parts(found)
+    if health[3] != Verdict.OK.value:
+        _, p_B[:], _, _, v_B[:], _ = parts(predicted)
+    if health[4] != Verdict.OK.value:
+        quaternion[:], _, _, omega_W[:], _, _ = parts(predicted)
+    if health[5] != Verdict.OK.value:
+        _, _, q[:], _, _, qdot[:] = parts(predicted)
     return found
 
 

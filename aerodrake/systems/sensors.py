@@ -11,6 +11,9 @@ from aerodrake.model.sample import Deviations, disturbed, noise_size, sampled
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.world import Sensors
 
+SAMPLE, STAMPS = 0, 1
+"""Groups of the state."""
+
 
 def is_exact(config: Sensors) -> bool:
     """Whether samples have no noise, late or not."""
@@ -25,8 +28,9 @@ class SensorSystem(LeafSystem):
         in `late_state` (13 + 2 n): the same or an earlier one, of which the base's is.
         in `noise` (12 + n): standard normal draws, new at each sample.
         out `state` (13 + 2 n): the last sample.
+        out `stamps` (3): s, when its groups were taken: position, attitude, joints.
     State:
-        the last sample.
+        the last sample, and when it was taken.
     Rate:
         `period`, after `offset`, by a discrete update.
 
@@ -51,10 +55,13 @@ class SensorSystem(LeafSystem):
         self._late_state = self.DeclareVectorInputPort("late_state", size)
         self._noise = self.DeclareVectorInputPort("noise", noise_size(joints))
         self.DeclareStateOutputPort("state", self.DeclareDiscreteState(initial))
+        stamps = self.DeclareDiscreteState(np.full(3, offset - period))
+        self.DeclareStateOutputPort("stamps", stamps)
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._sample)
 
     def _sample(self, context: Context, discrete: DiscreteValues) -> None:
         x = sampled(self._true_state.Eval(context), self._late_state.Eval(context))
         if not self._is_exact:
             x = disturbed(self._deviations, x, self._noise.Eval(context))
-        discrete.set_value(x)
+        discrete.set_value(SAMPLE, x)
+        discrete.set_value(STAMPS, np.full(3, context.get_time()))
