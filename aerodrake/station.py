@@ -50,9 +50,10 @@ from aerodrake.model.reference import make_reference
 from aerodrake.model.scenario_network import network_for
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle import Vehicle
-from aerodrake.physics import add_physics
+from aerodrake.physics import add_physics, through
 from aerodrake.scenario import Scenario
 from aerodrake.sensors import make_sensors
+from aerodrake.systems.actuator_faults import make_joint_faults, make_pushes
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.equivalent_state import EquivalentState
@@ -72,15 +73,15 @@ def make_station(scenario: Scenario) -> Diagram:
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
     Outputs: `sample` and what the filter makes of it, `state` (13 + 2 n each) and
-    `external_acceleration` (3); `true_state`; `thrust` and `thrust_command` (k) N;
-    `joint_torque` (n) N m; `specific_thrust` (1), `disturbance` (6) and `saturated` (1),
+    `external_acceleration` (3); `true_state`; `thrust`, as it acts, and `thrust_command` (k) N;
+    `joint_torque` (n) N m, as it acts; `specific_thrust` (1), `disturbance` (6) and `saturated` (1),
     of the flight controller; `wind_force` (3) N, in the world; `query_object`.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
     builder = DiagramBuilder()
 
-    plant, scene_graph, rotors, _ = add_physics(builder, scenario, vehicle)
+    plant, scene_graph, rotors, thrust, _ = add_physics(builder, scenario, vehicle)
     wind = builder.AddSystem(make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s))
     flight_controller = builder.AddNamedSystem(
         "flight_controller",
@@ -109,10 +110,13 @@ def make_station(scenario: Scenario) -> Diagram:
     connect = builder.Connect
     connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
     connect(plant.get_state_output_port(), wind.GetInputPort("true_state"))
-    connect(
-        wind.GetOutputPort("generalized_force"), plant.GetInputPort("applied_generalized_force")
-    )
-    connect(arm_controller.GetOutputPort("joint_torque"), plant.get_actuation_input_port())
+    joint_faults = make_joint_faults(scenario, vehicle.joints)
+    pushes = make_pushes(scenario, vehicle.joints)
+    torque = arm_controller.GetOutputPort("joint_torque")
+    torque = through(builder, torque, joint_faults, "joint_faults")
+    connect(torque, plant.get_actuation_input_port())
+    force = through(builder, wind.GetOutputPort("generalized_force"), pushes, "pushes")
+    connect(force, plant.GetInputPort("applied_generalized_force"))
     connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
     for port in ("acceleration", "reaction"):
         connect(flight_controller.GetOutputPort(port), sensors.GetInputPort(port))
@@ -123,12 +127,12 @@ def make_station(scenario: Scenario) -> Diagram:
     builder.ExportInput(arm_controller.GetInputPort("joint_setpoint"), "joint_setpoint")
     builder.ConnectInput("joint_setpoint", flight_controller.GetInputPort("joint_setpoint"))
     builder.ExportOutput(plant.get_state_output_port(), "true_state")
-    builder.ExportOutput(rotors.get_output_port(), "thrust")
+    builder.ExportOutput(thrust, "thrust")
+    builder.ExportOutput(torque, "joint_torque")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     for system, ports in (
         (sensors, ("sample", "state", "external_acceleration")),
         (flight_controller, ("thrust_command", "specific_thrust", "disturbance", "saturated")),
-        (arm_controller, ("joint_torque",)),
         (wind, ("wind_force",)),
     ):
         for port in ports:
