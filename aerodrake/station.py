@@ -13,6 +13,7 @@ MPC (or CLIK) and setpoint integrator. They meet in seven signals: `state`,
     sensors                         10 ms, before 0.25 ms         discrete
     sensor_noise, gust_noise,
     state_filter                    10 ms                         unrestricted, so first
+    rotor_monitor,
     air, wind_force (if any wind)   10 ms                         discrete
     mpc or clik, equivalent_state,
     residual_estimator,
@@ -47,6 +48,7 @@ from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
 from aerodrake.model.reference import make_reference
+from aerodrake.model.rotor_monitor import RotorMonitor
 from aerodrake.model.scenario_network import network_for
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle import Vehicle
@@ -63,6 +65,7 @@ from aerodrake.systems.mpc import MpcSystem
 from aerodrake.systems.pointing import PointingSystem
 from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
+from aerodrake.systems.rotor_monitor import RotorMonitorSystem
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.wind import make_wind
@@ -74,14 +77,15 @@ def make_station(scenario: Scenario) -> Diagram:
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
     Outputs: `sample` and what the filter makes of it, `state` (13 + 2 n each) and
     `external_acceleration` (3); `true_state`; `thrust`, as it acts, and `thrust_command` (k) N;
-    `joint_torque` (n) N m, as it acts; `specific_thrust` (1), `disturbance` (6) and `saturated` (1),
-    of the flight controller; `wind_force` (3) N, in the world; `query_object`.
+    `joint_torque` (n) N m, as it acts; `specific_thrust` (1), `disturbance` (6) and
+    `saturated` (1), of the flight controller; `rotor_effectiveness` (k);
+    `wind_force` (3) N, in the world; `query_object`.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
     builder = DiagramBuilder()
 
-    plant, scene_graph, rotors, thrust, _ = add_physics(builder, scenario, vehicle)
+    plant, scene_graph, rotors, thrust, trim = add_physics(builder, scenario, vehicle)
     wind = builder.AddSystem(make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s))
     flight_controller = builder.AddNamedSystem(
         "flight_controller",
@@ -107,6 +111,14 @@ def make_station(scenario: Scenario) -> Diagram:
         ),
     )
 
+    rotor_monitor = builder.AddNamedSystem(
+        "rotor_monitor",
+        RotorMonitorSystem(
+            RotorMonitor.make(vehicle, rotor, trim, scenario.filter.delay_s, rates.sensor_period_s),
+            vehicle,
+        ),
+    )
+
     connect = builder.Connect
     connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
     connect(plant.get_state_output_port(), wind.GetInputPort("true_state"))
@@ -121,6 +133,11 @@ def make_station(scenario: Scenario) -> Diagram:
     for port in ("acceleration", "reaction"):
         connect(flight_controller.GetOutputPort(port), sensors.GetInputPort(port))
     connect(sensors.GetOutputPort("state"), flight_controller.GetInputPort("state"))
+    connect(sensors.GetOutputPort("sample"), rotor_monitor.GetInputPort("sample"))
+    connect(
+        flight_controller.GetOutputPort("thrust_command"),
+        rotor_monitor.GetInputPort("thrust_command"),
+    )
     connect(sensors.GetOutputPort("state"), arm_controller.GetInputPort("state"))
 
     builder.ExportInput(flight_controller.GetInputPort("base_setpoint"), "base_setpoint")
@@ -133,6 +150,7 @@ def make_station(scenario: Scenario) -> Diagram:
     for system, ports in (
         (sensors, ("sample", "state", "external_acceleration")),
         (flight_controller, ("thrust_command", "specific_thrust", "disturbance", "saturated")),
+        (rotor_monitor, ("rotor_effectiveness",)),
         (wind, ("wind_force",)),
     ):
         for port in ports:
