@@ -7,13 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.framework import DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import SymbolicVectorSystem
 
 from aerodrake.model.payload import add_payload
 from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
 from aerodrake.scenario import Scenario
+from aerodrake.systems.actuator_faults import make_rotor_faults
 from aerodrake.systems.rotors import make_propellers, make_rotors
 
 
@@ -24,12 +25,14 @@ class Physics(NamedTuple):
         plant: Open: actuation, and forces beside those of propellers.
         scene_graph: Of the plant's geometry.
         rotors: Open: `u0`, commanded thrusts.
+        thrust: (k) N, what the rotors really give.
         trim_thrust: (k,) N, those in trim.
     """
 
     plant: MultibodyPlant
     scene_graph: SceneGraph
     rotors: SymbolicVectorSystem
+    thrust: OutputPort
     trim_thrust: np.ndarray
 
 
@@ -56,9 +59,22 @@ def add_physics(builder: DiagramBuilder, scenario: Scenario, vehicle: Vehicle) -
         scene_graph.get_source_pose_port(plant.get_source_id()),
     )
     connect(scene_graph.get_query_output_port(), plant.get_geometry_query_input_port())
-    connect(rotors.get_output_port(), propellers.get_command_input_port())
+    rotor_faults = make_rotor_faults(scenario, len(trim))
+    thrust = through(builder, rotors.get_output_port(), rotor_faults, "rotor_faults")
+    connect(thrust, propellers.get_command_input_port())
     connect(plant.get_body_poses_output_port(), propellers.get_body_poses_input_port())
     connect(
         propellers.get_spatial_forces_output_port(), plant.get_applied_spatial_force_input_port()
     )
-    return Physics(plant, scene_graph, rotors, trim)
+    return Physics(plant, scene_graph, rotors, thrust, trim)
+
+
+def through(
+    builder: DiagramBuilder, port: OutputPort, system: System | None, name: str
+) -> OutputPort:
+    """A port's signal after a system that is added to it by its name; the port itself if None."""
+    if system is None:
+        return port
+    builder.AddNamedSystem(name, system)
+    builder.Connect(port, system.get_input_port())
+    return system.get_output_port()

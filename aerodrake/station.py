@@ -14,6 +14,7 @@ own. What a scenario's `faults` inject stands between systems, and only where it
     sensors                         10 ms, before 0.25 ms         discrete
     sensor_noise, gust_noise,
     state_filter                    10 ms                         unrestricted, so first
+    rotor_monitor,
     air, wind_force (if any wind)   10 ms                         discrete
     mpc or clik, equivalent_state,
     reference_guard,
@@ -51,14 +52,16 @@ from aerodrake.model.horizon import stage_times
 from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.mpc import MpcFormulation
+from aerodrake.model.rotor_monitor import RotorMonitor
 from aerodrake.model.safe_mode import SafeMotion
 from aerodrake.model.scenario_network import network_for
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
-from aerodrake.physics import add_physics
+from aerodrake.physics import add_physics, through
 from aerodrake.scenario import Scenario
 from aerodrake.sensors import make_sensors
+from aerodrake.systems.actuator_faults import make_joint_faults, make_pushes
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.equivalent_state import EquivalentState
@@ -68,6 +71,7 @@ from aerodrake.systems.mpc import MpcSystem
 from aerodrake.systems.mpc_fault import MpcFaultSystem
 from aerodrake.systems.pointing import PointingSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
+from aerodrake.systems.rotor_monitor import RotorMonitorSystem
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.supervisor import Supervisor
 from aerodrake.systems.weight_allocator import WeightAllocator
@@ -90,16 +94,16 @@ def make_station(scenario: Scenario) -> Diagram:
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
     Outputs: `sample` and what the filter makes of it, `state` (13 + 2 n each),
-    `external_acceleration` (3) and `sample_health` (6); `true_state`; `thrust` and
-    `thrust_command` (k) N; `joint_torque` (n) N m; `specific_thrust` (1), `disturbance` (6)
-    and `saturated` (1), of the flight controller; `wind_force` (3) N, in the world;
-    `query_object`.
+    `external_acceleration` (3) and `sample_health` (6); `true_state`; `thrust` (k) N and
+    `joint_torque` (n) N m, as they act; `thrust_command` (k) N, `specific_thrust` (1),
+    `disturbance` (6) and `saturated` (1), of the flight controller; `rotor_effectiveness` (k);
+    `wind_force` (3) N, in the world; `query_object`.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
     builder = DiagramBuilder()
 
-    plant, scene_graph, rotors, _ = add_physics(builder, scenario, vehicle)
+    plant, scene_graph, rotors, thrust, trim = add_physics(builder, scenario, vehicle)
     wind = builder.AddSystem(make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s))
     flight_controller = builder.AddNamedSystem(
         "flight_controller",
@@ -127,17 +131,33 @@ def make_station(scenario: Scenario) -> Diagram:
         ),
     )
 
+    rotor_monitor = builder.AddNamedSystem(
+        "rotor_monitor",
+        RotorMonitorSystem(
+            RotorMonitor.make(vehicle, rotor, trim, scenario.filter.delay_s, rates.sensor_period_s),
+            vehicle,
+        ),
+    )
+
     connect = builder.Connect
     connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
     connect(plant.get_state_output_port(), wind.GetInputPort("true_state"))
-    connect(
-        wind.GetOutputPort("generalized_force"), plant.GetInputPort("applied_generalized_force")
-    )
-    connect(arm_controller.GetOutputPort("joint_torque"), plant.get_actuation_input_port())
+    joint_faults = make_joint_faults(scenario, vehicle.joints)
+    pushes = make_pushes(scenario, vehicle.joints)
+    torque = arm_controller.GetOutputPort("joint_torque")
+    torque = through(builder, torque, joint_faults, "joint_faults")
+    connect(torque, plant.get_actuation_input_port())
+    force = through(builder, wind.GetOutputPort("generalized_force"), pushes, "pushes")
+    connect(force, plant.GetInputPort("applied_generalized_force"))
     connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
     for port in ("acceleration", "reaction"):
         connect(flight_controller.GetOutputPort(port), sensors.GetInputPort(port))
     connect(sensors.GetOutputPort("state"), flight_controller.GetInputPort("state"))
+    connect(sensors.GetOutputPort("sample"), rotor_monitor.GetInputPort("sample"))
+    connect(
+        flight_controller.GetOutputPort("thrust_command"),
+        rotor_monitor.GetInputPort("thrust_command"),
+    )
     connect(sensors.GetOutputPort("state"), arm_controller.GetInputPort("state"))
 
     builder.ExportInput(flight_controller.GetInputPort("base_setpoint"), "base_setpoint")
@@ -145,12 +165,13 @@ def make_station(scenario: Scenario) -> Diagram:
     for consumer in (flight_controller, sensors):
         builder.ConnectInput("joint_setpoint", consumer.GetInputPort("joint_setpoint"))
     builder.ExportOutput(plant.get_state_output_port(), "true_state")
-    builder.ExportOutput(rotors.get_output_port(), "thrust")
+    builder.ExportOutput(thrust, "thrust")
+    builder.ExportOutput(torque, "joint_torque")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     for system, ports in (
         (sensors, ("sample", "state", "external_acceleration", "sample_health")),
         (flight_controller, ("thrust_command", "specific_thrust", "disturbance", "saturated")),
-        (arm_controller, ("joint_torque",)),
+        (rotor_monitor, ("rotor_effectiveness",)),
         (wind, ("wind_force",)),
     ):
         for port in ports:

@@ -52,7 +52,7 @@ class SafeMotion(NamedTuple):
         """Of the scenario and its robot."""
         velocity = np.zeros(3 + vehicle.joints)
         velocity[2] = -config.descend_m_s
-        return cls(velocity, vehicle.working)
+        return cls(velocity, vehicle.tucked)
 
 
 @compiled

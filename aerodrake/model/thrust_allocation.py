@@ -38,12 +38,20 @@ class ThrustAllocation(NamedTuple):
         """For the rotors of `vehicle`.
 
         Raises:
-            BadInput: if they cannot lift it without tilting it.
+            BadInput: if they cannot lift it without tilting it, or not within their limits.
         """
         mixer = vehicle.rotors.mixer(rotor.torque_ratio_m)
         allocation = cls.of(mixer, rotor.min_thrust_n, rotor.max_thrust_n)
         if not (allocation.inverse[0] > 1e-6).all():
             raise BadInput(vehicle.robot, "", "expected rotors all around the base's origin")
+        trim = vehicle.trim_wrench @ allocation.inverse
+        key, limit = "vehicle.rotor", "expected {} than {:.4g} N, which a rotor gives in hover"
+        if trim.max() >= rotor.max_thrust_n:
+            told = limit.format("more", trim.max()) + f", got {rotor.max_thrust_n:g} N"
+            raise BadInput(vehicle.source, f"{key}.max_thrust_n", told)
+        if trim.min() <= rotor.min_thrust_n:
+            told = limit.format("less", trim.min()) + f", got {rotor.min_thrust_n:g} N"
+            raise BadInput(vehicle.source, f"{key}.min_thrust_n", told)
         return allocation
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import cached_property
 from importlib import resources
 
 import numpy as np
-from pydrake.geometry import Box
+from pydrake.geometry import Box, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
@@ -16,6 +17,8 @@ from pydrake.multibody.tree import RevoluteJoint
 from aerodrake.errors import BadInput
 from aerodrake.files import locate
 from aerodrake.model.mismatch import EXACT, is_exact, mismatched_urdf
+from aerodrake.model.rotors import Rotors
+from aerodrake.model.tucking import GroundGeometry, tuck
 from aerodrake.model.vehicle_state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
 from aerodrake.scenario import Scenario
 from aerodrake.world import Mismatch
@@ -24,7 +27,6 @@ BASE_FRAME = "base"
 TOOL_FRAME = "tool"
 TOOL_AXIS = np.array([0.0, 0.0, -1.0])
 """Where the tool points, in its frame: the direction in which it approaches things."""
-ROTOR_PREFIX = "rotor_"
 GRAVITY = 9.81
 """m/s^2, Drake's default."""
 
@@ -69,30 +71,6 @@ def add_ground(plant: MultibodyPlant) -> None:
 
 
 @dataclass(frozen=True)
-class Rotors:
-    """Where the rotors are.
-
-    Attributes:
-        names: Of their frames, in the order of thrust vectors.
-        p_B: (k, 3) m, their positions in the base frame.
-        spin: (k,) +1 where the propeller turns counter-clockwise seen from above.
-    """
-
-    names: tuple[str, ...]
-    p_B: np.ndarray
-    spin: np.ndarray
-
-    def mixer(self, torque_ratio: float) -> np.ndarray:
-        """(4, k) from thrusts [N] to [collective thrust N, torque about the base x, y, z N m].
-
-        Args:
-            torque_ratio: m, drag torque over thrust; it acts against the spin.
-        """
-        x, y, _ = self.p_B.T
-        return np.vstack([np.ones_like(x), y, -x, -self.spin * torque_ratio])
-
-
-@dataclass(frozen=True)
 class Vehicle:
     """Facts about the robot, all read from its URDF, and its trim.
 
@@ -115,6 +93,7 @@ class Vehicle:
         joint_inertia: (n,) kg m^2, that each joint feels there with the base free.
         trim_wrench: (4,) [N, N m, N m, N m], what the rotors give in hover there.
         trim_torque: (n,) N m, what the joints hold there.
+        feet_m: m, the base's lowest point in its frame: on that it stands.
     """
 
     source: str
@@ -135,6 +114,7 @@ class Vehicle:
     joint_inertia: np.ndarray
     trim_wrench: np.ndarray
     trim_torque: np.ndarray
+    feet_m: float
 
     @property
     def joints(self) -> int:
@@ -152,6 +132,12 @@ class Vehicle:
         level, still = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)
         rest = np.zeros(self.joints)
         return VehicleState(level, self.p_B, self.working, still, still, rest).to_vector()
+
+    @cached_property
+    def tucked(self) -> np.ndarray:
+        """(n,) rad, where the arm goes for a landing, as `tuck` finds it."""
+        plant, scene_graph = _parsed(self.robot)
+        return tuck(GroundGeometry(plant, scene_graph, BASE_FRAME), self.working)
 
     def per_joint(self, values: tuple[float, ...], key: str) -> np.ndarray:
         """(n,), from a scenario's list of one value, or of one per joint.
@@ -175,9 +161,7 @@ class Vehicle:
             BadInput: if it cannot be flown, or the working configuration does not fit it.
         """
         robot, working = scenario.vehicle.robot, scenario.vehicle.working_rad
-        plant = MultibodyPlant(0.0)
-        add_robot(plant, robot)
-        plant.Finalize()
+        plant, scene_graph = _parsed(robot)
         joints = _arm_joints(plant, robot)
         n = len(joints)
         lower, upper = plant.GetPositionLowerLimits()[-n:], plant.GetPositionUpperLimits()[-n:]
@@ -196,7 +180,8 @@ class Vehicle:
         M = plant.CalcMassMatrix(context)
         b, a = slice(BASE_VELOCITIES), slice(BASE_VELOCITIES, None)
         felt = M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])
-        return cls(
+        geometry = GroundGeometry(plant, scene_graph, BASE_FRAME)
+        vehicle = cls(
             source=scenario.source,
             robot=robot,
             joint_names=tuple(j.name() for j in joints),
@@ -205,7 +190,7 @@ class Vehicle:
             velocity=plant.GetVelocityUpperLimits()[-n:],
             acceleration=plant.GetAccelerationUpperLimits()[-n:],
             effort=plant.GetEffortUpperLimits(),
-            rotors=_rotors(plant, robot),
+            rotors=Rotors.of(plant, plant.GetBodyByName(BASE_FRAME), robot),
             p_B=np.array(scenario.vehicle.base_position_m),
             working=np.array(working, dtype=float),
             p_O=X_BE.translation(),
@@ -215,7 +200,37 @@ class Vehicle:
             joint_inertia=np.diag(felt).copy(),
             trim_wrench=-gravity[[5, 0, 1, 2]],  # Generalized forces are [torque, force].
             trim_torque=-gravity[a],
+            feet_m=geometry.feet,
         )
+        vehicle._check_start(min(geometry.feet, *geometry.heights(vehicle.working)))
+        return vehicle
+
+    def _check_start(self, lowest: float) -> None:
+        """Refuses to start in the ground, lowest m below the base's origin, or with a limp arm."""
+        if self.p_B[2] + lowest < 0:
+            raise BadInput(
+                self.source,
+                "vehicle.base_position_m[2]",
+                f"expected {-lowest:.4g} m or more, so that feet and arm are above the ground, "
+                f"got {self.p_B[2]:.4g} m",
+            )
+        for i, name in enumerate(self.joint_names):
+            if abs(self.trim_torque[i]) > self.effort[i]:
+                raise BadInput(
+                    self.source,
+                    "vehicle.working_rad",
+                    f"expected angles at which {name} holds the arm with {self.effort[i]:.4g} N m "
+                    f"or less, got {abs(self.trim_torque[i]):.4g} N m",
+                )
+
+
+def _parsed(robot: str) -> tuple[MultibodyPlant, SceneGraph]:
+    """The robot by itself, and its geometry."""
+    plant, scene_graph = MultibodyPlant(0.0), SceneGraph()
+    plant.RegisterAsSourceForSceneGraph(scene_graph)
+    add_robot(plant, robot)
+    plant.Finalize()
+    return plant, scene_graph
 
 
 def _arm_joints(plant: MultibodyPlant, robot: str) -> list[RevoluteJoint]:
@@ -243,26 +258,6 @@ def _arm_joints(plant: MultibodyPlant, robot: str) -> list[RevoluteJoint]:
             "velocity and drake:acceleration",
         )
     return arm
-
-
-def _rotors(plant: MultibodyPlant, robot: str) -> Rotors:
-    frames = [
-        plant.get_frame(i)
-        for i in plant.GetFrameIndices(plant.GetFrameByName(BASE_FRAME).model_instance())
-    ]
-    frames = [f for f in frames if f.name().startswith(ROTOR_PREFIX)]
-    if len(frames) < 4 or not all(f.name().endswith(("_ccw", "_cw")) for f in frames):
-        raise BadInput(robot, "", "expected four or more frames rotor_*_ccw and rotor_*_cw")
-    base = plant.GetBodyByName(BASE_FRAME)
-    for f in frames:
-        pose = f.GetFixedPoseInBodyFrame()
-        if f.body() != base or not pose.rotation().IsNearlyIdentity(1e-6):
-            raise BadInput(robot, "", f"expected {f.name()} on the link base, with its z axis")
-    return Rotors(
-        names=tuple(f.name() for f in frames),
-        p_B=np.array([f.GetFixedPoseInBodyFrame().translation() for f in frames]),
-        spin=np.array([1.0 if f.name().endswith("_ccw") else -1.0 for f in frames]),
-    )
 
 
 def _check_working(

@@ -43,6 +43,20 @@ class WholeBody:
         plant.CalcForceElementsContribution(context, self._gravity)
         return plant.CalcInverseDynamics(context, vdot, self._gravity)
 
+    def momentum(self, x: np.ndarray) -> np.ndarray:
+        """(9,) in the world: angular momentum about the centre of mass, N m s, linear one, N s,
+        and m, from the base's origin to the centre of mass.
+
+        Args:
+            x: (13 + 2 n,) where base and joints are, and how fast.
+        """
+        plant, context = self._plant, self._context
+        plant.SetPositionsAndVelocities(context, x)
+        p_C = plant.CalcCenterOfMassPositionInWorld(context)
+        momentum = plant.CalcSpatialMomentumInWorldAboutPoint(context, p_C)
+        r_BC = p_C - parts(x)[1]
+        return np.concatenate([momentum.rotational(), momentum.translational(), r_BC])
+
 
 @compiled
 def commanded_motion(

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from aerodrake.model.rotors import Rotors
 from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
-from aerodrake.model.vehicle import Rotors
 
 MIN, MAX = 0.5, 20.0
 ARM = 0.329
