@@ -20,8 +20,14 @@ MOST_DELTA_M_S = 1.0
 OUTLIER_M_S = 0.5
 """Samples whose label is off the measured motion by more count no more than this."""
 
+RAMP = 2.0
+"""Over how many `judge_s` Delta comes back: at once, it may shake what it predicts."""
+
 HELPFUL = 0.25
 """Mean gain from which Delta is used; 1 for one that is always right, 0 without effect."""
+
+
+HEALTH_SIZE = 8
 
 
 class Cause(IntEnum):
@@ -57,6 +63,7 @@ class Health:
     Attributes:
         cause: Why Delta is zero, or `OK`.
         held_s: s, for how long.
+        share: [0, 1], of Delta that is used.
         offset: (3,) m/s, running mean of the labels' offset.
         benefit: m^2/s^2, running mean of the square error without Delta minus that with it.
         gain: [-1, 1], running mean of the same, relative to their sum.
@@ -64,6 +71,7 @@ class Health:
 
     cause: Cause
     held_s: float
+    share: float
     offset: np.ndarray
     benefit: float
     gain: float
@@ -71,11 +79,13 @@ class Health:
     @classmethod
     def from_vector(cls, x: np.ndarray) -> Health:
         """The reverse of `to_vector`."""
-        return cls(Cause(int(x[0])), float(x[1]), x[2:5].copy(), float(x[5]), float(x[6]))
+        return cls(Cause(int(x[0])), float(x[1]), float(x[2]), x[3:6].copy(), float(x[6]), float(x[7]))
 
     def to_vector(self) -> np.ndarray:
-        """(7,) [cause, held_s, offset, benefit, gain]."""
-        return np.array([self.cause, self.held_s, *self.offset, self.benefit, self.gain])
+        """(`HEALTH_SIZE`,) [cause, held_s, share, offset, benefit, gain]."""
+        return np.array(
+            [self.cause, self.held_s, self.share, *self.offset, self.benefit, self.gain]
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,19 +124,20 @@ class LearnerJudge:
 
     def start(self) -> Health:
         """Before the first sample: Delta has yet to show that it helps, if anybody asks."""
-        cause = Cause.UNPROVEN if self.config.judge_s > 0 else Cause.OK
-        return Health(cause, 0.0, np.zeros(3), 0.0, -1.0)
+        if self.config.judge_s == 0:
+            return Health(Cause.OK, 0.0, 1.0, np.zeros(3), 0.0, 0.0)
+        return Health(Cause.UNPROVEN, 0.0, 0.0, np.zeros(3), 0.0, -1.0)
 
     def weigh(self, health: Health, evidence: Evidence) -> Health:
         """The means after one more sample."""
         if self.config.judge_s == 0:
             return health
-        share = -math.expm1(-self.dt / self.config.judge_s)
+        new = -math.expm1(-self.dt / self.config.judge_s)
         off = math.hypot(*evidence.offset)
         if off > OUTLIER_M_S:
             bounded = evidence.offset * (OUTLIER_M_S / off)
-            return replace(health, offset=health.offset + share * (bounded - health.offset))
-        offset = health.offset + share * (evidence.offset - health.offset)
+            return replace(health, offset=health.offset + new * (bounded - health.offset))
+        offset = health.offset + new * (evidence.offset - health.offset)
         target = evidence.target - offset
         error = evidence.correction - target
         without, having = float(target @ target), float(error @ error)
@@ -134,8 +145,8 @@ class LearnerJudge:
         return replace(
             health,
             offset=offset,
-            benefit=health.benefit + share * (without - having - health.benefit),
-            gain=health.gain + share * (relative - health.gain),
+            benefit=health.benefit + new * (without - having - health.benefit),
+            gain=health.gain + new * (relative - health.gain),
         )
 
     def verdict(self, health: Health) -> Cause:
@@ -160,15 +171,17 @@ class LearnerJudge:
         return Cause.DIVERGED if is_astray or math.hypot(*delta) > MOST_DELTA_M_S else Cause.OK
 
     def rule(self, health: Health, found: Cause) -> Health:
-        """Whether Delta is used now, after what was found at this tick."""
+        """How much of Delta is used now, after what was found at this tick."""
         held_s = 0.0 if health.cause == Cause.OK else health.held_s + self.dt
         if found != Cause.OK:
-            return replace(health, cause=found, held_s=held_s, gain=-1.0)
-        if self._is_proven(health):
-            # What harm was done until now has had its answer.
-            benefit = max(health.benefit, 0.0)
-            return replace(health, cause=Cause.OK, held_s=0.0, benefit=benefit)
-        return replace(health, held_s=held_s)
+            return replace(health, cause=found, held_s=held_s, share=0.0, gain=-1.0)
+        if not self._is_proven(health):
+            return replace(health, held_s=held_s)
+        ramp_s = RAMP * self.config.judge_s
+        share = min(1.0, health.share + self.dt / ramp_s) if ramp_s > 0 else 1.0
+        # What harm was done before has had its answer.
+        benefit = health.benefit if health.cause == Cause.OK else max(health.benefit, 0.0)
+        return replace(health, cause=Cause.OK, held_s=0.0, share=share, benefit=benefit)
 
     def _is_proven(self, health: Health) -> bool:
         if health.cause == Cause.OK or self.config.judge_s == 0:

@@ -18,7 +18,7 @@ from pydrake.systems.framework import (
 )
 
 from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.learner_health import Cause, Evidence, Health, LearnerJudge
+from aerodrake.model.learner_health import HEALTH_SIZE, Cause, Evidence, Health, LearnerJudge
 from aerodrake.model.online_learner import LearnerState, OnlineLearner
 from aerodrake.model.residual_features import PHI_SIZE, features
 from aerodrake.model.vehicle_state import VehicleState, parts
@@ -135,7 +135,7 @@ class ResidualEstimator(LeafSystem):
         self._error = self.DeclareDiscreteState(3)
         self._nominal_error = self.DeclareDiscreteState(3)
         self._motion = self.DeclareDiscreteState(6)
-        health = self._judge.start().to_vector() if network is not None else np.zeros(7)
+        health = self._judge.start().to_vector() if network is not None else np.zeros(HEALTH_SIZE)
         self._health = self.DeclareDiscreteState(health[:2])
         self._evidence = self.DeclareDiscreteState(health[2:])
 
@@ -185,7 +185,7 @@ class ResidualEstimator(LeafSystem):
         if found > Cause.POISONED:
             learned = self._learner.start()
         health = self._judge.rule(health, found)
-        used = delta if health.cause == Cause.OK else np.zeros(3)
+        used = health.share * (learned.theta @ phi)
         tick.set_value(_Tick(sample, learned, health, x, phi, motion, used))
 
     def _complete(self, context: Context, v_B: np.ndarray, u: np.ndarray) -> _Sample | None:
@@ -195,9 +195,8 @@ class ResidualEstimator(LeafSystem):
         phi = self._numbers(context, self._phi).copy()
         nominal = self._model.next_velocity(self._numbers(context, self._x), u)
         correction = self._gain * (self._layer(context) @ phi)
-        was_used = self._numbers(context, self._health)[0] == Cause.OK
-        error = nominal + correction - v_B if was_used else nominal - v_B
-        return _Sample(phi, v_B - nominal, correction, error)
+        share = self._numbers(context, self._evidence)[0]
+        return _Sample(phi, v_B - nominal, correction, nominal + share * correction - v_B)
 
     def _evidence_of(self, context: Context, sample: _Sample, motion: np.ndarray) -> Evidence:
         """What a sample says, now that the base's motion is this."""
