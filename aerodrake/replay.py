@@ -96,6 +96,7 @@ def _draw_reference(meshcat: Meshcat, points: np.ndarray) -> None:
     """Dots along the path, which a trace on top of them leaves visible."""
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     dots = np.searchsorted(along, np.arange(0.0, along[-1] + 1e-9, DOT_SPACING_M))
+    dots = np.minimum(dots, len(points) - 1)  # The last may be beyond by rounding.
     cloud = PointCloud(len(dots))
     cloud.mutable_xyzs()[:] = points[dots].T
     meshcat.SetObject("/paths/reference", cloud, point_size=DOT_SIZE_M, rgba=REFERENCE_COLOR)

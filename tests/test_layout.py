@@ -32,7 +32,16 @@ STOREYS = {
     ),
     1: ("model",),
     2: ("systems",),
-    3: ("station", "coordinator", "physics", "bare_plant", "open_loop", "sensors", "wind", "guidance"),
+    3: (
+        "station",
+        "coordinator",
+        "physics",
+        "bare_plant",
+        "open_loop",
+        "sensors",
+        "wind",
+        "guidance",
+    ),
     4: (
         "simulate",
         "flight_log",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from aerodrake.flight_log import FlightLog
-from aerodrake.replay import write_replay
+from aerodrake.replay import DOT_SPACING_M, write_replay
 from aerodrake.world import Payload
 
 
@@ -52,6 +52,15 @@ def test_it_has_the_payload_if_there_is_one(page, short_flight, tmp_path):
     assert b"visualizer/payload" not in messages(page)
     write_replay(log, replace(scenario, payload=Payload(mass_kg=0.2)), tmp_path / "loaded.html")
     assert b"visualizer/payload" in messages((tmp_path / "loaded.html").read_text(encoding="utf-8"))
+
+
+def test_a_path_may_end_a_rounding_error_before_a_dot(short_flight, tmp_path):
+    scenario, log = short_flight
+    path = np.zeros_like(log["p_Ed_m"])
+    path[-1, 0] = 10 * DOT_SPACING_M - 1e-12
+    ending = replace(log, signals={**log.signals, "p_Ed_m": path})
+    write_replay(ending, scenario, tmp_path / "ending.html")
+    assert (tmp_path / "ending.html").stat().st_size > 0
 
 
 def test_it_has_the_motion(page):
