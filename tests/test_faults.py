@@ -1,0 +1,130 @@
+"""What is said of faults in `diagrams/faults.md`, row by row: flown, and looked at from outside."""
+
+import re
+import typing
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from aerodrake.events import events
+from aerodrake.fault_kinds import AnyFault
+from aerodrake.flight_log import FlightLog
+from aerodrake.model.setpoint import SetpointLimits
+from aerodrake.model.supervision import NEVER, Condition, conditions
+from aerodrake.model.vehicle import Vehicle
+from aerodrake.scenario import Scenario
+from aerodrake.scenario_file import load_scenario
+from aerodrake.schema import as_mapping
+from aerodrake.simulate import Flight
+
+PAGE = (Path(__file__).parents[1] / "diagrams" / "faults.md").read_text()
+SETTLE_S = 0.5
+RECOVERY_S, LANDING_S = 4.0, 14.0
+"""Flown after a fault is over; and where there is a landing."""
+
+HELD_WITHIN_M = 0.005
+"""End-effector's error at the end of a flight that is completed."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One fault, and what is said of it."""
+
+    fault: str
+    ends: str
+    conditions: tuple[str, ...]
+
+
+def rows() -> list[Row]:
+    """Of all tables that have a fault in their first column."""
+    found = []
+    for line in PAGE.splitlines():
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        if cells[0].startswith("`{kind:"):
+            fault, _, _, ends, active = cells
+            found.append(Row(fault.strip("`"), ends, tuple(active.split())))
+    return found
+
+
+ROWS = rows()
+
+
+def scenario_of(row: Row) -> Scenario:
+    """A flight of that fault, long enough to see what comes of it."""
+    fault = yaml.safe_load(row.fault)
+    end = fault["start_s"] + min(fault["duration_s"], 3.0)
+    duration = LANDING_S if row.ends == "landed" else end + RECOVERY_S
+    name = "clover_position" if fault["kind"].startswith("learner") else "clover"
+    options = [f"faults=[{row.fault}]", f"settle_s={SETTLE_S}", f"duration={duration}"]
+    return load_scenario(name, [("--set", option) for option in options])
+
+
+@pytest.fixture(scope="module", params=ROWS, ids=lambda row: row.fault)
+def flown(request) -> tuple[Row, Scenario, FlightLog]:
+    scenario = scenario_of(request.param)
+    return request.param, scenario, Flight(scenario).fly()
+
+
+def test_each_row_of_the_table(flown):
+    row, scenario, log = flown
+    found = {event["cause"] for event in events(scenario, log)}
+    assert (log.exit_reason, found) == (row.ends, set(row.conditions) | found & KNOWN)
+    for key in log.signals:
+        assert np.isfinite(log[key]).all(), key
+    limits = SetpointLimits.make(scenario.mpc, Vehicle.load(scenario))
+    check_envelope(log, limits)
+    if row.ends == "completed":
+        assert log.error_m[-1] < HELD_WITHIN_M + log_floor(scenario)
+
+
+KNOWN = {"saturated"}
+"""Conditions that ask for nothing, and may come along."""
+
+
+def log_floor(scenario: Scenario) -> float:
+    """m, what a flight of that scenario misses anyway: the paper's interface, a few millimetres."""
+    return 0.005 if scenario.flight.interface == "position" else 0.0
+
+
+def check_envelope(log: FlightLog, limits: SetpointLimits) -> None:
+    """Setpoints never jump, nor leave their limits; joints stay within half a degree of theirs."""
+    p = np.hstack([log["p_Bd_m"], log["q_d_rad"]])
+    v = np.hstack([log["v_Bd_m_s"], log["qdot_d_rad_s"]])
+    dt = np.diff(log.time_s)[:, None]
+    assert np.all(np.abs(v) <= limits.velocity + 1e-6)
+    assert np.all(np.abs(np.diff(v, axis=0)) <= limits.acceleration * dt + 1e-6)
+    assert np.all(np.abs(np.diff(p, axis=0)) <= limits.velocity * dt + 1e-6)
+    half_a_degree = np.radians(0.5)
+    assert np.all(log["q_rad"] <= limits.upper[3:] + half_a_degree)
+    assert np.all(log["q_rad"] >= limits.lower[3:] - half_a_degree)
+
+
+def test_every_kind_of_fault_stands_in_the_table():
+    kinds = {kind.kind for kind in typing.get_args(AnyFault)}
+    assert {yaml.safe_load(row.fault)["kind"] for row in ROWS} == kinds
+
+
+def condition_row(condition: Condition) -> str:
+    """As it stands on the page."""
+    clears = "never" if condition.clear_s == NEVER else f"<= {condition.clear:g}"
+    if condition.clear_s not in (0, NEVER):
+        clears += f" for {condition.clear_s:g} s"
+    lasts = f" for {condition.trigger_s:g} s" if condition.trigger_s else ""
+    return (
+        f"| {condition.name} | {condition.signal.name} | {condition.mode.name} "
+        f"| >= {condition.trigger:.4g}{lasts} | {clears} |"
+    )
+
+
+@pytest.mark.parametrize("condition", conditions(Scenario().supervisor), ids=lambda c: c.name)
+def test_every_condition_stands_on_the_page_as_it_is(condition):
+    assert condition_row(condition) in PAGE
+
+
+def test_tests_that_the_page_names_are_there():
+    for path, name in re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", PAGE):
+        source = (Path(__file__).parents[1] / path).read_text()
+        assert re.search(rf"^def {name}\(", source, re.MULTILINE), f"{path}::{name}"
