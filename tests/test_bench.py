@@ -12,6 +12,7 @@ from aerodrake.bench import QUICK, STEPS, bench
 from aerodrake.bench_processes import process_figures as measured_processes
 from aerodrake.bench_report import FILES, bench_table, missing_peers, plot_bench
 from aerodrake.cli import main
+from aerodrake.model.qp import QpStatus
 from aerodrake.summary import to_json
 
 TINY = replace(QUICK, duration_s=0.1, settle_s=0.0, passes=1, scaling_s=0.04, loop_s=0.1, repeats=1)
@@ -88,9 +89,7 @@ def test_ratios_are_ours_by_theirs(measured):
 
 def test_shares_are_whole(measured):
     tick = measured[0]["tick"]
-    assert set(tick["status_shares"]) == {
-        "unconstrained", "exchanged", "solved", "inaccurate", "failed"
-    }  # fmt: skip
+    assert set(tick["status_shares"]) == {status.name.lower() for status in QpStatus}
     for shares in (tick, *tick["scenarios"].values()):
         assert sum(shares["status_shares"].values()) == pytest.approx(1.0)
 

@@ -17,7 +17,6 @@ from aerodrake.model.supervision import NEVER, Condition, conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Scenario
 from aerodrake.scenario_file import load_scenario
-from aerodrake.schema import as_mapping
 from aerodrake.simulate import Flight
 
 PAGE = (Path(__file__).parents[1] / "diagrams" / "faults.md").read_text()

@@ -9,7 +9,8 @@ from pydrake.math import RotationMatrix
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.flight_log import DERIVED, PORTS, ROWS_A_WRITE, FlightLog, key_columns
-from aerodrake.scenario import Mpc, Scenario
+from aerodrake.model.supervision import conditions
+from aerodrake.scenario import Mpc, Scenario, Supervisor
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.threads import single_thread
 
@@ -18,6 +19,8 @@ KEYS = [key for parts in PORTS.values() for key, _ in parts]
 DIMENSIONLESS = {"estimated_quaternion", 
     "quaternion", "measured_quaternion", "gamma", "mode", "w_q", "w_m", "w_d",
     "qp_status", "qp_iterations", "saturated", "tool_axis", "tool_axis_d",
+    "supervisor_mode", "supervisor_cause", "conditions", "sample_verdict",
+    "rotor_effectiveness", "reference_verdict", "learner_cause",
 }  # fmt: skip
 
 
@@ -26,7 +29,7 @@ def test_parts_cover_their_ports_exactly(vehicle, horizon):
     closed_loop = make_closed_loop(Scenario(mpc=Mpc(horizon=horizon)))
     beside = {"segment": 1}  # Its time, which is not logged.
     sizes = {"1": 1, "3": 3, "4": 4, "n": vehicle.joints, "k": len(vehicle.rotors.names),
-             "3(N+1)": 3 * (horizon + 1)}  # fmt: skip
+             "3(N+1)": 3 * (horizon + 1), "c": len(conditions(Supervisor()))}  # fmt: skip
     ports = {port: closed_loop.GetOutputPort(port).size() for port in PORTS}
     for port, parts in PORTS.items():
         assert sum(sizes[width] for _, width in parts) + beside.get(port, 0) == ports[port], port
@@ -56,7 +59,7 @@ def test_names_are_unique():
 
 @pytest.mark.parametrize("key", [*KEYS, *DERIVED])
 def test_names_carry_units(key):
-    assert key in DIMENSIONLESS or re.search(r"_(s|ms|m|n|rad|m_s2?|rad_s2?|n_m)$", key)
+    assert key in DIMENSIONLESS or re.search(r"_(s|ms|ticks|m|n|rad|m_s2?|rad_s2?|n_m)$", key)
 
 
 def test_a_flight_has_all_of_them_and_no_other(short_flight):

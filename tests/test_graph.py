@@ -12,7 +12,7 @@ from aerodrake import graph
 from aerodrake.errors import BadInput
 from aerodrake.graph import export, export_all, systems_by_name, to_dot, to_mermaid
 from aerodrake.scenario import Scenario
-from aerodrake.station import make_closed_loop
+from aerodrake.station import SEAM, make_closed_loop
 
 GRAPHS = Path(__file__).parents[1] / "diagrams" / "graphs"
 REDRAW = "aerodrake graph --out diagrams/graphs"
@@ -63,7 +63,10 @@ def test_names_are_those_of_the_wiring_page(closed_loop, systems):
     inner = [system.get_name() for side in sides for system in side.GetSystems()]
     in_wind = ["gust_noise", "air", "wind_force"]
     in_sensors = ["sensor_noise", "sampler", "state_filter"]
-    opened = {"closed_loop", "station", "coordinator", *inner, *in_wind, *in_sensors}
+    in_guidance = ["reference", "reference_guard"]
+    opened = {
+        "closed_loop", "station", "coordinator", *inner, *in_wind, *in_sensors, *in_guidance
+    }  # fmt: skip
     assert set(systems) == opened
     assert {"plant", "mpc", "sensors", "wind"} <= set(inner)
     assert systems["closed_loop"] is closed_loop
@@ -152,8 +155,7 @@ def test_mermaid_depth(closed_loop):
     shallow = to_mermaid(closed_loop, 1)
     assert nodes(shallow) == {"station", "coordinator"}
     assert arrows(shallow) == {
-        ("station", "coordinator"): "disturbance<br/>external_acceleration<br/>saturated<br/>"
-        "specific_thrust<br/>state",
+        ("station", "coordinator"): "<br/>".join(sorted(SEAM)),
         ("coordinator", "station"): "base_setpoint<br/>joint_setpoint",
     }
     assert to_mermaid(closed_loop, 9) == to_mermaid(closed_loop, DEPTH + 1)

@@ -125,7 +125,7 @@ everywhere = pytest.mark.parametrize("path", MODULES, ids=relative)
 
 def test_there_is_a_house():
     assert len(MODULES) > 30
-    assert "aerodrake.model.mpc" in imports(PACKAGE / "station.py")
+    assert "aerodrake.model.mpc" in imports(PACKAGE / "coordinator.py")
     assert storey("aerodrake.model.mpc") == 1 and storey("aerodrake") == 0
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+import numpy as np
+from pydrake.systems.framework import Context, DiscreteValues, InputPort, LeafSystem
 
 from aerodrake.model.supervision import Condition, Rules, signals, supervise
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import VehicleState
+
+WELL, GIVING = np.zeros(6), np.ones(1)
+"""What a port without a connection says."""
 
 
 class Supervisor(LeafSystem):
@@ -22,6 +26,8 @@ class Supervisor(LeafSystem):
         in `reference_verdict` (1): a `ReferenceVerdict`.
         in `learner_health` (2): what is the matter with the last layer; s for which Delta
             has been held at zero.
+        `sample_health`, `rotor_effectiveness` and `learner_health` may be left unconnected by
+        who has nothing to tell: then all is well.
         out `mode` (1): a `SafeMode`.
         out `cause` (1): the index of the condition that asks for it, -1 for none.
         out `conditions` (K): 1 where a condition is active.
@@ -74,11 +80,11 @@ class Supervisor(LeafSystem):
             last.value(self._mode)[0],
             self._status.Eval(context)[2],
             self._mpc_period,
-            self._sample_health.Eval(context)[:3],
-            self._effectiveness.Eval(context),
+            self._told(context, self._sample_health, WELL)[:3],
+            self._told(context, self._effectiveness, GIVING),
             self._saturated.Eval(context)[0],
             self._verdict.Eval(context)[0],
-            self._learner_health.Eval(context)[1],
+            self._told(context, self._learner_health, WELL)[1],
         )
         mode, cause, active, since = supervise(
             self._rules, last.value(self._active), last.value(self._since), watched, self._period
@@ -87,3 +93,7 @@ class Supervisor(LeafSystem):
         discrete.set_value(self._cause, [cause])
         discrete.set_value(self._active, active)
         discrete.set_value(self._since, since)
+
+    @staticmethod
+    def _told(context: Context, port: InputPort, otherwise: np.ndarray) -> np.ndarray:
+        return port.Eval(context) if port.HasValue(context) else otherwise

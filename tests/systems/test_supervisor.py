@@ -110,6 +110,21 @@ def test_a_landing_is_over_half_a_second_after_touchdown(watch, vehicle):
     assert watch.after(0.2) == (SafeMode.STOP, "landed")
 
 
+def test_who_has_nothing_to_tell_may_be_absent(vehicle):
+    system = Supervisor(conditions(CONFIG), vehicle, PERIOD, TICK)
+    simulator = Simulator(system)
+    context = simulator.get_mutable_context()
+    for port, value in (
+        ("state", vehicle.trim_state),
+        ("status", [0, 0, 0]),
+        ("saturated", [0]),
+        ("reference_verdict", [0]),
+    ):
+        system.GetInputPort(port).FixValue(context, value)
+    simulator.AdvanceTo(1.0)
+    assert not system.GetOutputPort("conditions").Eval(context).any()
+
+
 def test_ports_and_rate(watch, vehicle):
     assert not watch.system.HasAnyDirectFeedthrough()
     assert watch.system.GetOutputPort("conditions").size() == len(NAMES)
