@@ -55,8 +55,9 @@ def control(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Torques, and the integral one period later.
 
-    The integral holds still where torque or rate are at their limits and the error would
-    drive them further out, and never exceeds the torque limit by itself.
+    The integral is that of the error; of what the rate is short of its limit, over
+    k_p / k_d, where it is limited. It holds still where the torque is at its limit and would
+    be driven further out, and never exceeds the limit by itself.
 
     Args:
         pid: Gains and limits.
@@ -72,23 +73,18 @@ def control(
     torque, moved = np.empty(n), np.empty(n)
     for i in range(n):
         error, rate_error = setpoint[i] - q[i], setpoint[n + i] - qdot[i]
-        excess = _excess_rate(pid, i, q[i], error, setpoint[n + i])
+        stiffness = pid.k_p[i] / pid.k_d[i]
+        rate = setpoint[n + i] + stiffness * error
+        most = min(pid.velocity[i], stiffness * (pid.upper[i] - q[i]))
+        least = max(-pid.velocity[i], stiffness * (pid.lower[i] - q[i]))
+        excess = rate - min(max(rate, least), most)
         wanted = pid.k_p[i] * error + pid.k_d[i] * (rate_error - excess) + integral[i]
         torque[i] = _clipped(wanted, pid.effort[i])
-        winding = abs(wanted) > pid.effort[i] and wanted * error > 0 or excess * error > 0
-        step = 0.0 if winding else pid.k_i[i] * error * pid.dt
+        drive = error if excess == 0 else error + (rate_error - excess) / stiffness
+        winding = abs(wanted) > pid.effort[i] and wanted * drive > 0
+        step = 0.0 if winding else pid.k_i[i] * drive * pid.dt
         moved[i] = _clipped(integral[i] + step, pid.effort[i])
     return torque, moved
-
-
-@compiled
-def _excess_rate(pid: JointPid, i: int, q: float, error: float, rate: float) -> float:
-    """rad/s, by how much joint i is to be faster than it may; 0 within its limits."""
-    stiffness = pid.k_p[i] / pid.k_d[i]
-    wanted = rate + stiffness * error
-    most = min(pid.velocity[i], stiffness * (pid.upper[i] - q))
-    least = max(-pid.velocity[i], stiffness * (pid.lower[i] - q))
-    return wanted - min(max(wanted, least), most)
 
 
 @compiled
