@@ -204,7 +204,7 @@ class Vehicle:
             trim_torque=-gravity[a],
             feet_m=geometry.feet,
         )
-        vehicle._check_start(min(geometry.feet, *geometry.heights(vehicle.working)))
+        vehicle._check_start(geometry.heights(vehicle.working).min(initial=geometry.feet))
         return vehicle
 
     def _check_start(self, lowest: float) -> None:
