@@ -28,7 +28,7 @@ def fly(scenario: Scenario, ports: tuple[str, ...], until: float) -> dict[str, n
     for k in range(round((scenario.settle_s + until) / 0.01) + 1):
         simulator.AdvanceTo(k * 0.01 + 0.002)
         shown.append([diagram.GetOutputPort(port).Eval(context).copy() for port in ports])
-    return {port: np.array(rows) for port, rows in zip(ports, zip(*shown, strict=True))}
+    return {port: np.array([row[i] for row in shown]) for i, port in enumerate(ports)}
 
 
 def broken(*faults, **changes) -> Scenario:

@@ -45,7 +45,7 @@ def fall(system, vehicle, trim, samples: int, health=None, spoilt=None) -> np.nd
         at = 7 + vehicle.joints
         x[at : at + 2] = k * PERIOD * lost[1:] / np.diag(vehicle.inertia)[:2]
         x[at + 5] = k * PERIOD * lost[0] / vehicle.mass
-        system.GetInputPort("sample").FixValue(context, x if spoilt is None else spoilt * x)
+        system.GetInputPort("sample").FixValue(context, x if spoilt is None else 0 * x + spoilt)
         context.SetDiscreteState(system.EvalUniquePeriodicDiscreteUpdate(context))
     return system.GetOutputPort("rotor_effectiveness").Eval(context)
 
