@@ -7,8 +7,20 @@ from pathlib import Path
 import pytest
 
 from aerodrake.cli import main
+from aerodrake.files import locate
+from aerodrake.scenario import Vehicle
 
 HEADER = "t,x,y,z\n"
+
+WEAK = (
+    Path(locate(Vehicle().robot))
+    .read_text()
+    .replace(
+        'lower="-1.57079632" upper="2.61799387" effort="4"',
+        'lower="-1.57079632" upper="2.61799387" effort="0.1"',
+    )
+)
+"""A robot whose shoulder cannot hold its arm."""
 
 CONTENT = {
     "good.yaml": "duration: 0.1\n",
@@ -42,6 +54,7 @@ CONTENT = {
     "other.urdf": "<sdf/>\n",
     "no_tool.urdf": '<robot name="x"><link name="base"/></robot>\n',
     "robot.txt": "hello\n",
+    "weak.urdf": WEAK,
     "pickle.pt": pickle.dumps({"run": print}),
     "empty.pt": "",
     "file": "",
@@ -117,6 +130,32 @@ RUNS = {
         "model.kind: velocity_aware",
     ),
     "rotor_limits": (set_("vehicle.rotor.min_thrust_n=30"), "vehicle.rotor.min_thrust_n: ", " N"),
+    "rotors_too_weak": (
+        set_("vehicle.rotor.max_thrust_n=9"),
+        "vehicle.rotor.max_thrust_n: expected more than 9.7", " N, ", "got 9 N",
+    ),
+    "rotors_too_strong": (
+        set_("vehicle.rotor.min_thrust_n=9.5"),
+        "vehicle.rotor.min_thrust_n: expected less than 8.9", "got 9.5 N",
+    ),
+    "feet_in_the_ground": (
+        set_("vehicle.base_position_m=[0, 0, 0.3]"),
+        "vehicle.base_position_m[2]: expected 0.38 m or more", "got 0.3 m",
+    ),
+    "arm_in_the_ground": (
+        set_("vehicle.base_position_m=[0, 0, 0.4]", "vehicle.working_rad=[0, 0, 0, 0, 0, 0]"),
+        "vehicle.base_position_m[2]: expected 0.", "m or more",
+    ),
+    "arm_too_heavy": (["hover", "--set", "vehicle.robot=weak.urdf"],
+                      "vehicle.working_rad: expected angles at which shoulder_pitch", "0.1 N m"),
+    "no_such_rotor": (
+        set_("faults=[{kind: rotor_degraded, rotor: 4}]"),
+        "faults[0].rotor: expected a rotor of the robot in [0, 3], got 4",
+    ),
+    "no_such_joint": (
+        set_("faults=[{kind: push}, {kind: joint_degraded, joint: 6}]"),
+        "faults[1].joint: expected a joint of the robot in [0, 5], got 6",
+    ),
     "allocation_order": (set_("allocation.d_h_m=0.5"), "allocation.d_edge_m: ", "d_h_m (0.5 m)"),
     "name_that_leaves": (set_("name=../../elsewhere"), " name: expected ", "elsewhere"),
     "name_with_nul": (set_('name="a\\0b"'), " name: expected "),

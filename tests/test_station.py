@@ -33,6 +33,7 @@ STATION_OUTPUTS = {
     "specific_thrust": 1,
     "disturbance": 6,
     "saturated": 1,
+    "rotor_effectiveness": ROTORS,
     "wind_force": 3,
     "query_object": 0,
 }

@@ -15,11 +15,18 @@ from aerodrake.scenario import Arm
 class JointPid(NamedTuple):
     """torque = k_p e + k_d e' + integral, within limits, without windup.
 
+    That is k_d times what the joint's rate is short of the rate q_d' + e k_p / k_d. As in a
+    cascade, that rate is kept within the joint's velocity limit, and within k_p / k_d
+    times the way that is left to its stop, so that no error, however it came, sends a joint
+    faster than it may move or into a stop.
+
     Attributes:
         k_p: (n,) N m/rad.
         k_d: (n,) N m s/rad.
         k_i: (n,) N m/(rad s).
         effort: (n,) N m, torque limits.
+        velocity: (n,) rad/s, velocity limits.
+        lower, upper: (n,) rad, stops.
         dt: s, period.
     """
 
@@ -27,6 +34,9 @@ class JointPid(NamedTuple):
     k_d: np.ndarray
     k_i: np.ndarray
     effort: np.ndarray
+    velocity: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
     dt: float
 
     @classmethod
@@ -34,7 +44,9 @@ class JointPid(NamedTuple):
         """Gains that give each joint's inertia the bandwidth and damping of `arm`."""
         k_p = vehicle.joint_inertia * arm.bandwidth_rad_s**2
         k_d = vehicle.joint_inertia * 2 * arm.damping * arm.bandwidth_rad_s
-        return cls(k_p, k_d, k_p * arm.integral_rad_s, vehicle.effort, dt)
+        k_i = k_p * arm.integral_rad_s
+        limits = vehicle.effort, vehicle.velocity, vehicle.lower, vehicle.upper
+        return cls(k_p, k_d, k_i, *limits, dt)
 
 
 @compiled
@@ -43,8 +55,9 @@ def control(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Torques, and the integral one period later.
 
-    The integral holds still where the torque is at its limit and the error would
-    drive it further out, and never exceeds the limit by itself.
+    The integral is that of the error; of what the rate is short of its limit, over
+    k_p / k_d, where it is limited. It holds still where the torque is at its limit and would
+    be driven further out, and never exceeds the limit by itself.
 
     Args:
         pid: Gains and limits.
@@ -60,10 +73,16 @@ def control(
     torque, moved = np.empty(n), np.empty(n)
     for i in range(n):
         error, rate_error = setpoint[i] - q[i], setpoint[n + i] - qdot[i]
-        wanted = pid.k_p[i] * error + pid.k_d[i] * rate_error + integral[i]
+        stiffness = pid.k_p[i] / pid.k_d[i]
+        rate = setpoint[n + i] + stiffness * error
+        most = min(pid.velocity[i], stiffness * (pid.upper[i] - q[i]))
+        least = max(-pid.velocity[i], stiffness * (pid.lower[i] - q[i]))
+        excess = rate - min(max(rate, least), most)
+        wanted = pid.k_p[i] * error + pid.k_d[i] * (rate_error - excess) + integral[i]
         torque[i] = _clipped(wanted, pid.effort[i])
-        winding = abs(wanted) > pid.effort[i] and wanted * error > 0
-        step = 0.0 if winding else pid.k_i[i] * error * pid.dt
+        drive = error if excess == 0 else error + (rate_error - excess) / stiffness
+        winding = abs(wanted) > pid.effort[i] and wanted * drive > 0
+        step = 0.0 if winding else pid.k_i[i] * drive * pid.dt
         moved[i] = _clipped(integral[i] + step, pid.effort[i])
     return torque, moved
 

@@ -14,7 +14,7 @@ from aerodrake.scenario import Rotor
 
 FAST_S, SLOW_S, BASELINE_S = 0.035, 0.33, 3.0
 """Time constants: of what tells large losses, of what tells small ones, of what is neither."""
-FIRST_S = 0.2
+FIRST_S = 1.0
 """The baseline's at the start of a flight, when nothing is known of it."""
 
 FORCE_WEIGHT = 0.1
@@ -145,9 +145,13 @@ def watch(
         slow += monitor.slow * (wrench - slow)
         fast_thrust += monitor.fast * (mean - fast_thrust)
         slow_thrust += monitor.slow * (mean - slow_thrust)
-        is_suspect = _suspects(
+        is_suspect, is_sure = _suspects(
             monitor, rows * fast_thrust.reshape(k, 1), fast, missing, counts
-        ) or _misses_little(monitor, rows * slow_thrust.reshape(k, 1), slow, missing)
+        )
+        if is_sure:  # What the slow means still know of is over.
+            slow[:], slow_thrust[:] = fast, fast_thrust
+        if not is_suspect:
+            is_suspect = _misses_little(monitor, rows * slow_thrust.reshape(k, 1), slow, missing)
         if not is_suspect:
             baseline += monitor.lag.dt / counts[1] * (wrench - (mean * missing) @ rows)
             counts[1] = min(counts[1] + monitor.lag.dt, BASELINE_S)
@@ -191,8 +195,8 @@ def _suspects(
     wrench: np.ndarray,
     missing: np.ndarray,
     counts: np.ndarray,
-) -> bool:
-    """Whether a rotor is suspected of a large loss, which is told in `missing` if it lasts."""
+) -> tuple[bool, bool]:
+    """Whether a rotor is suspected of a large loss, and if that lasts and is told in `missing`."""
     i, share, fit = _explanation(monitor, signatures, wrench, missing)
     change = abs(share - missing[i]) if fit > FAST_FIT else 0.0
     is_suspect = change > FAST_LOSS
@@ -201,7 +205,7 @@ def _suspects(
     is_sure = counts[3] >= FAST_SAMPLES or (missing[i] > FAST_LOSS and change > FAST_CHANGE)
     if is_sure:
         missing[i] = share
-    return is_suspect or is_sure
+    return is_suspect or is_sure, is_sure
 
 
 @compiled

@@ -29,6 +29,8 @@ TOOL_AXIS = np.array([0.0, 0.0, -1.0])
 """Where the tool points, in its frame: the direction in which it approaches things."""
 GRAVITY = 9.81
 """m/s^2, Drake's default."""
+ROUNDING_M = 1e-6
+"""What feet on the ground may be below it."""
 
 
 def add_robot(plant: MultibodyPlant, robot: str, mismatch: Mismatch = EXACT) -> None:
@@ -202,12 +204,12 @@ class Vehicle:
             trim_torque=-gravity[a],
             feet_m=geometry.feet,
         )
-        vehicle._check_start(min(geometry.feet, *geometry.heights(vehicle.working)))
+        vehicle._check_start(geometry.heights(vehicle.working).min(initial=geometry.feet))
         return vehicle
 
     def _check_start(self, lowest: float) -> None:
         """Refuses to start in the ground, lowest m below the base's origin, or with a limp arm."""
-        if self.p_B[2] + lowest < 0:
+        if self.p_B[2] + lowest < -ROUNDING_M:
             raise BadInput(
                 self.source,
                 "vehicle.base_position_m[2]",

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from aerodrake.model.joint_pid import JointPid, control
 from aerodrake.model.vehicle_state import VehicleState
@@ -12,10 +14,15 @@ DT = 0.005
 
 @pytest.fixture
 def pid() -> JointPid:
-    """One joint of 0.03 kg m^2."""
+    """One joint of 0.03 kg m^2, with its stops far away."""
     I, w = 0.03, 40.0
     k_p = np.array([I * w**2])
-    return JointPid(k_p, np.array([I * 2 * w]), 5 * k_p, np.array([4.0]), DT)
+    return make_pid(k_p, np.array([I * 2 * w]), 5 * k_p, np.array([4.0]))
+
+
+def make_pid(k_p, k_d, k_i, effort, velocity=3.0, stop=9.0) -> JointPid:
+    same = np.ones(len(k_p))
+    return JointPid(k_p, k_d, k_i, effort, velocity * same, -stop * same, stop * same, DT)
 
 
 def tick(pid: JointPid, error, rate_error, integral) -> tuple[np.ndarray, np.ndarray]:
@@ -31,7 +38,9 @@ def simulate(pid: JointPid, steps: int, *, disturbance=0.0, blocked=0, goal=0.5)
     """(steps,) rad: a joint of 0.03 kg m^2 sent from 0 to `goal`, blocked for some steps."""
     q, qdot, integral, path = 0.0, 0.0, np.zeros(1), []
     for k in range(steps):
-        (torque,), integral = tick(pid, goal - q, -qdot, integral)
+        state = np.zeros(VehicleState.size(1))
+        state[7], state[-1] = q, qdot
+        (torque,), integral = control(pid, state, np.array([goal, 0.0, 0.0]), integral)
         assert abs(torque) <= pid.effort[0] and abs(integral[0]) <= pid.effort[0]
         if k >= blocked:
             acceleration = (torque + disturbance) / 0.03
@@ -48,13 +57,14 @@ def test_gains_place_each_joints_poles(vehicle):
         np.testing.assert_allclose(np.abs(poles), 30.0)
         np.testing.assert_allclose(-poles.real / 30.0, 0.7)
     np.testing.assert_allclose(pid.k_i / pid.k_p, 4.0)
-    np.testing.assert_array_equal(pid.effort, vehicle.effort)
+    for limit in ("effort", "velocity", "lower", "upper"):
+        np.testing.assert_array_equal(getattr(pid, limit), getattr(vehicle, limit))
     assert pid.dt == DT
 
 
 def test_torque_is_linear_within_limits_and_clipped_beyond():
     one = np.ones(4)
-    pid = JointPid(10 * one, 2 * one, 30 * one, 4 * one, DT)
+    pid = make_pid(10 * one, 2 * one, 30 * one, 4 * one, velocity=9.0)
     error, rate_error = np.array([0.1, -0.1, 1.0, -1.0]), np.array([0.2, 0.3, 0.0, 0.0])
     torque, _ = tick(pid, error, rate_error, np.array([0.5, 0.0, 0.0, 0.0]))
     np.testing.assert_allclose(torque, [1.9, -0.4, 4.0, -4.0])
@@ -99,3 +109,38 @@ def test_the_integral_never_exceeds_the_effort(pid):
         torque, integral = tick(pid, 0.02 * sign, -1.0 * sign, full * sign)
         assert abs(torque[0]) < pid.effort[0]
         np.testing.assert_array_equal(integral, full * sign)
+
+
+@pytest.mark.parametrize("load", [0.0, 2.0, -2.0])
+@pytest.mark.parametrize("goal", [3.0, -3.0])
+def test_far_setpoints_are_approached_at_the_velocity_limit(pid, goal, load):
+    """However long the joint was held; a load that nobody knows of takes off what it must."""
+    path = simulate(pid, 1500, goal=goal, disturbance=load, blocked=500)
+    rate, limit = np.abs(np.diff(path)) / DT, pid.velocity[0]
+    assert rate.max() < 1.02 * limit + abs(load) / pid.k_d[0]
+    assert np.median(rate[600:650]) == pytest.approx(limit, rel=0.03)
+    assert path[-1] == pytest.approx(goal, abs=1e-3)
+
+
+@pytest.mark.parametrize("goal", [1.1, 1.5, 40.0])
+def test_no_setpoint_leads_beyond_the_stop(goal):
+    I, w = 0.03, 40.0
+    k_p = np.array([I * w**2])
+    pid = make_pid(k_p, np.array([I * 2 * w]), 5 * k_p, np.array([4.0]), stop=1.0)
+    for load in (0.0, 1.0):
+        path = simulate(pid, 1500, goal=goal, disturbance=load)
+        assert path.max() < 1.0 + np.radians(0.5)
+        assert path[-1] == pytest.approx(1.0, abs=1e-3)
+
+
+@given(st.floats(-2, 2), st.floats(-5, 5), st.floats(-1.5, 1.5), st.floats(-3, 3))
+def test_torque_is_that_of_the_limited_rate(error, rate_error, angle, integral):
+    """Written as a cascade."""
+    pid = make_pid(*np.array([[48.0], [2.4], [240.0], [4.0]]), stop=1.0)
+    state, setpoint = np.zeros(VehicleState.size(1)), np.array([angle + error, rate_error, 0.0])
+    state[7] = angle
+    torque, moved = control(pid, state, setpoint, np.array([integral]))
+    wanted = np.clip(rate_error + 20 * error, -3, 3)
+    wanted = np.clip(wanted, 20 * (-1 - angle), 20 * (1 - angle))
+    assert torque[0] == pytest.approx(np.clip(2.4 * wanted + integral, -4, 4), abs=1e-9)
+    assert abs(moved[0]) <= 4

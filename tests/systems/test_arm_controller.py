@@ -115,11 +115,15 @@ def test_joints_that_are_held_fast_do_not_wind_up(bench, vehicle):
     for _ in range(400):
         bench.move(bench.tick(vehicle.working))
         farthest = np.maximum(farthest, np.abs(bench.q - vehicle.working))
-    assert np.all(farthest < 0.01)
+    assert np.all(farthest < 0.02)
     np.testing.assert_allclose(bench.q, vehicle.working, atol=1e-5)
 
 
 def test_torques_keep_their_limits(bench, vehicle):
+    """Rates as well: those are what a rest of torque would be for."""
+    most = vehicle.joint_inertia * 2 * 0.9 * 40 * vehicle.velocity
     for side in (1, -1):
         wild = bench.tick(vehicle.working + side * 100, np.full(6, side * 100.0))
-        np.testing.assert_array_equal(wild, side * vehicle.effort)
+        assert np.all(np.abs(wild) <= vehicle.effort)
+        expected = np.clip(side * most + vehicle.trim_torque, -vehicle.effort, vehicle.effort)
+        np.testing.assert_allclose(wild, expected, atol=0.05)
