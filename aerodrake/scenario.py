@@ -89,16 +89,16 @@ class Supervisor:
     # Outages of samples, from the last one that was taken in: how long the task goes on by
     # prediction alone, and how long the flight does.
     position_outage_s: float = quantity(0.3, "s", 0.02, 60.0)
-    position_lost_s: float = quantity(2.0, "s", 0.02, 60.0)
-    attitude_outage_s: float = quantity(0.1, "s", 0.02, 60.0)
-    attitude_lost_s: float = quantity(0.5, "s", 0.02, 60.0)
-    joints_outage_s: float = quantity(0.1, "s", 0.02, 60.0)
-    joints_lost_s: float = quantity(0.5, "s", 0.02, 60.0)
+    position_lost_s: float = quantity(1.5, "s", 0.02, 60.0)
+    attitude_outage_s: float = quantity(0.2, "s", 0.02, 60.0)
+    attitude_lost_s: float = quantity(0.4, "s", 0.02, 60.0)
+    joints_outage_s: float = quantity(0.15, "s", 0.02, 60.0)
+    joints_lost_s: float = quantity(1.0, "s", 0.02, 60.0)
     # What has asked for a mode must be over for so long.
     clear_s: float = quantity(0.5, "s", 0.0, 60.0)
     max_tilt_rad: float = quantity(1.0472, "rad", 0.1, 1.57)
     # A rotor that gives less than this share of its thrust is lost.
-    rotor_lost: float = quantity(0.4, "1", 0.0, 1.0)
+    rotor_lost: float = quantity(0.45, "1", 0.0, 1.0)
     # A reference is refused that is lower, further from the start, or faster along an axis.
     lowest_m: float = quantity(0.1, "m", -1000.0, 1000.0)
     farthest_m: float = quantity(50.0, "m", 0.1, 10_000.0)

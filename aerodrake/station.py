@@ -130,11 +130,12 @@ def make_station(scenario: Scenario) -> Diagram:
     for port in ("acceleration", "reaction"):
         connect(flight_controller.GetOutputPort(port), sensors.GetInputPort(port))
     connect(sensors.GetOutputPort("state"), flight_controller.GetInputPort("state"))
-    connect(sensors.GetOutputPort("sample"), rotor_monitor.GetInputPort("sample"))
-    connect(
-        flight_controller.GetOutputPort("thrust_command"),
-        rotor_monitor.GetInputPort("thrust_command"),
-    )
+    for system, port in (
+        (sensors, "sample"),
+        (sensors, "sample_health"),
+        (flight_controller, "thrust_command"),
+    ):
+        connect(system.GetOutputPort(port), rotor_monitor.GetInputPort(port))
     connect(sensors.GetOutputPort("state"), arm_controller.GetInputPort("state"))
 
     builder.ExportInput(flight_controller.GetInputPort("base_setpoint"), "base_setpoint")

@@ -130,14 +130,6 @@ RUNS = {
         "model.kind: velocity_aware",
     ),
     "rotor_limits": (set_("vehicle.rotor.min_thrust_n=30"), "vehicle.rotor.min_thrust_n: ", " N"),
-    "rotors_too_weak": (
-        set_("vehicle.rotor.max_thrust_n=9"),
-        "vehicle.rotor.max_thrust_n: expected more than 9.7", " N, ", "got 9 N",
-    ),
-    "rotors_too_strong": (
-        set_("vehicle.rotor.min_thrust_n=9.5"),
-        "vehicle.rotor.min_thrust_n: expected less than 8.9", "got 9.5 N",
-    ),
     "feet_in_the_ground": (
         set_("vehicle.base_position_m=[0, 0, 0.3]"),
         "vehicle.base_position_m[2]: expected 0.38 m or more", "got 0.3 m",

@@ -47,6 +47,7 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.margins_report import FILES as MARGINS_FILES
     from aerodrake.margins_report import margins_table, write_margins
     from aerodrake.model.scenario_network import provenance_notes
+    from aerodrake.model.thrust_allocation import thrust_notes
     from aerodrake.run_folder import run_folder
     from aerodrake.scenario_rules import warnings
     from aerodrake.summary import to_json
@@ -54,7 +55,12 @@ def main(arguments: argparse.Namespace) -> int:
     say = (lambda line: None) if arguments.quiet else print
     variants = make_variants(scenario, arguments.variant)
     joints = len(scenario.vehicle.working_rad)
-    for note in (*warnings(scenario), *provenance_notes(scenario, joints), *notes(scenario)):
+    for note in (
+        *warnings(scenario),
+        *provenance_notes(scenario, joints),
+        *thrust_notes(scenario),
+        *notes(scenario),
+    ):
         say(f"note: {note}")
     if is_cold():
         say("note: equations are compiled first; this takes a minute, once on a machine")

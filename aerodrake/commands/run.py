@@ -36,6 +36,7 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.compiled import is_cold
     from aerodrake.flight_folder import fly_into
     from aerodrake.model.scenario_network import provenance_notes
+    from aerodrake.model.thrust_allocation import thrust_notes
     from aerodrake.replay import write_replay
     from aerodrake.report import table
     from aerodrake.run_folder import run_folder
@@ -43,7 +44,11 @@ def main(arguments: argparse.Namespace) -> int:
 
     say = (lambda line: None) if arguments.quiet else print
     joints = len(scenario.vehicle.working_rad)
-    for warning in (*warnings(scenario), *provenance_notes(scenario, joints)):
+    for warning in (
+        *warnings(scenario),
+        *provenance_notes(scenario, joints),
+        *thrust_notes(scenario),
+    ):
         say(f"note: {warning}")
     if is_cold():
         say("note: equations are compiled first; this takes a minute, once on a machine")

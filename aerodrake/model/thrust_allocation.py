@@ -9,7 +9,7 @@ import numpy as np
 from aerodrake.compiled import compiled
 from aerodrake.errors import BadInput
 from aerodrake.model.vehicle import Vehicle
-from aerodrake.scenario import Rotor
+from aerodrake.scenario import Rotor, Scenario
 
 
 class ThrustAllocation(NamedTuple):
@@ -38,21 +38,31 @@ class ThrustAllocation(NamedTuple):
         """For the rotors of `vehicle`.
 
         Raises:
-            BadInput: if they cannot lift it without tilting it, or not within their limits.
+            BadInput: if they cannot lift it without tilting it.
         """
         mixer = vehicle.rotors.mixer(rotor.torque_ratio_m)
         allocation = cls.of(mixer, rotor.min_thrust_n, rotor.max_thrust_n)
         if not (allocation.inverse[0] > 1e-6).all():
             raise BadInput(vehicle.robot, "", "expected rotors all around the base's origin")
-        trim = vehicle.trim_wrench @ allocation.inverse
-        key, limit = "vehicle.rotor", "expected {} than {:.4g} N, which a rotor gives in hover"
-        if trim.max() >= rotor.max_thrust_n:
-            told = limit.format("more", trim.max()) + f", got {rotor.max_thrust_n:g} N"
-            raise BadInput(vehicle.source, f"{key}.max_thrust_n", told)
-        if trim.min() <= rotor.min_thrust_n:
-            told = limit.format("less", trim.min()) + f", got {rotor.min_thrust_n:g} N"
-            raise BadInput(vehicle.source, f"{key}.min_thrust_n", told)
         return allocation
+
+
+def thrust_notes(scenario: Scenario) -> list[str]:
+    """What should be known of rotors that do not hold the vehicle up within their limits."""
+    rotor, vehicle = scenario.vehicle.rotor, Vehicle.load(scenario)
+    trim = vehicle.trim_wrench @ ThrustAllocation.make(vehicle, rotor).inverse
+    found = []
+    if trim.max() >= rotor.max_thrust_n:
+        found.append(
+            f"vehicle.rotor.max_thrust_n ({rotor.max_thrust_n:g} N) is no more than a rotor is to "
+            f"give in hover ({trim.max():.4g} N): it falls"
+        )
+    if trim.min() <= rotor.min_thrust_n:
+        found.append(
+            f"vehicle.rotor.min_thrust_n ({rotor.min_thrust_n:g} N) is no less than a rotor is to "
+            f"give in hover ({trim.min():.4g} N): it cannot stay"
+        )
+    return found
 
 
 @compiled

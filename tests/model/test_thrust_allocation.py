@@ -1,12 +1,16 @@
 """Thrust allocation: always within limits, exact where it can be, yaw first to give way."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from aerodrake.model.rotors import Rotors
-from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
+from aerodrake.model.thrust_allocation import ThrustAllocation, allocate, thrust_notes
+from aerodrake.scenario import Rotor, Scenario
+from aerodrake.scenario import Vehicle as VehicleKeys
 
 MIN, MAX = 0.5, 20.0
 ARM = 0.329
@@ -98,3 +102,17 @@ def test_more_rotors_than_wrench_components():
     allocation = ThrustAllocation.of(hexa.mixer(0.02), MIN, MAX)
     wrench = np.array([40.0, 2.0, -1.0, 0.3])
     np.testing.assert_allclose(allocation.mixer @ allocate(allocation, wrench), wrench, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("rotor", "told"),
+    [
+        (Rotor(), None),
+        (Rotor(max_thrust_n=9.0), r"vehicle.rotor.max_thrust_n \(9 N\) .* in hover \(9.7\d+ N\)"),
+        (Rotor(min_thrust_n=9.5), r"vehicle.rotor.min_thrust_n \(9.5 N\) .* in hover \(8.8\d+ N\)"),
+    ],
+)
+def test_rotors_that_cannot_hold_it_are_told(rotor, told):
+    notes = thrust_notes(Scenario(vehicle=VehicleKeys(rotor=rotor)))
+    assert len(notes) == (told is not None)
+    assert all(re.match(told, note) for note in notes)
