@@ -126,7 +126,7 @@ def update(
     then = follow(gains, memory[known : known + 6 + m], since[:6])
     predicted = arm_follows(gains, then, joint_setpoint)
     ages = memory[judged : judged + 3]
-    health, checked = check(bounds, memory[:judged], ages, predicted[6:], sample, stamps)
+    health, checked = check(bounds, memory[:judged], ages, predicted, sample, stamps)
     if health[3] == Verdict.OK.value:
         correct_motion(gains, then, sample)
     if health[4] == Verdict.OK.value:
