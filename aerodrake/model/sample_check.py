@@ -18,7 +18,7 @@ from aerodrake.model.rotation import (
     product,
     rotation_vector,
 )
-from aerodrake.model.vehicle_state import parts
+from aerodrake.model.sample import ATTITUDE, group_of
 from aerodrake.scenario import Filter
 from aerodrake.world import Sensors
 
@@ -141,10 +141,10 @@ def check(
     disturbances = np.concatenate((predicted[:6], np.zeros(3)))  # None is known of joints.
     for g in range(3):
         since = ages[g] + bounds.dt
-        x, rate = _group(g, sample)
-        x_last, rate_last = _group(g, last)
-        x_believed, rate_believed = _group(g, believed)
-        x_predicted, rate_predicted = _group(g, predicted[6:])
+        x, rate = group_of(g, sample)
+        x_last, rate_last = group_of(g, last)
+        x_believed, rate_believed = group_of(g, believed)
+        x_predicted, rate_predicted = group_of(g, predicted[6:])
         if np.all(x == x_last) and np.all(rate == rate_last):
             travel[g] += bounds.dt * max(length(rate), length(rate_predicted))
         else:
@@ -157,7 +157,7 @@ def check(
         elif travel[g] > RESOLUTION[g]:
             verdict = Verdict.FROZEN
         else:
-            if since < (FOLLOWS + 0.5) * bounds.dt:
+            if not is_outage(bounds, ages[g]):
                 step = _difference(g, x_believed, x) - since / 2 * (rate_believed + rate)
                 is_ok = _follows(bounds, g, since, length(step), length(rate - rate_believed))
             else:
@@ -176,6 +176,17 @@ def check(
         if np.isfinite(stamps[g]):
             now[2 * m + g] = stamps[g]
     return health, now
+
+
+@compiled
+def is_outage(bounds: SampleCheck, age: float) -> bool:
+    """Whether a group has been missing for so long that none can follow from its last.
+
+    Args:
+        bounds: Of which dt.
+        age: s, from the last that was believed to the sample before this one.
+    """
+    return age > (FOLLOWS - 0.5) * bounds.dt
 
 
 @compiled
@@ -214,23 +225,14 @@ def _is_near(
 
 
 @compiled
-def _group(g: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and velocities of a group of a sample; views."""
-    quaternion, p_B, q, omega_W, v_B, qdot = parts(x)
-    if g == 0:
-        return p_B, v_B
-    if g == 1:
-        return quaternion, omega_W
-    return q, qdot
-
-
-@compiled
 def _is_sound(g: int, x: np.ndarray, rate: np.ndarray) -> bool:
     size = length(x)
-    return (size < ABSURD if g != 1 else abs(size - 1) < UNIT_LENGTH) and length(rate) < ABSURD
+    return (size < ABSURD if g != ATTITUDE else abs(size - 1) < UNIT_LENGTH) and length(
+        rate
+    ) < ABSURD
 
 
 @compiled
 def _difference(g: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """How a becomes b; of quaternions, as a rotation vector in the world."""
-    return rotation_vector(product(b, conjugate(a))) if g == 1 else b - a
+    return rotation_vector(product(b, conjugate(a))) if g == ATTITUDE else b - a
