@@ -10,6 +10,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, DiscreteTimeIntegrator, RandomSource
 
+from aerodrake.fault_kinds import Push, SampleJump, SampleNan
 from aerodrake.scenario import Filter, Rates, Scenario
 from aerodrake.sensors import make_sensors
 from aerodrake.simulate import Flight
@@ -30,7 +31,7 @@ def make_moving(config: Sensors, trim: np.ndarray, rates: Rates) -> Diagram:
     sensors = builder.AddSystem(make_sensors(config, Filter(), rates, trim, np.zeros(6)))
     builder.Connect(slope.get_output_port(), mover.get_input_port())
     builder.Connect(mover.get_output_port(), sensors.GetInputPort("true_state"))
-    for port, size in (("acceleration", 6), ("reaction", 3)):  # For the filter.
+    for port, size in (("acceleration", 6), ("reaction", 3), ("joint_setpoint", 3 * JOINTS)):
         none = builder.AddNamedSystem(port, ConstantVectorSource(np.zeros(size)))
         builder.Connect(none.get_output_port(), sensors.GetInputPort(port))
     builder.ExportOutput(sensors.GetOutputPort("sample"), "sample")
@@ -89,6 +90,17 @@ def test_without_delay_there_is_nothing_to_delay(vehicle):
         "state_filter",
     }
     assert not sensors.HasAnyDirectFeedthrough()
+
+
+def test_faults_of_samples_strike_in_their_order_and_others_not_at_all(vehicle):
+    faults = [SampleNan(group="joints"), Push(), SampleJump(group="position")]
+    sensors = make_sensors(
+        Sensors(), Filter(), Rates(), vehicle.trim_state, np.zeros(6), faults, 3.0
+    )
+    assert [s.get_name() for s in sensors.GetSystems() if "fault" in type(s).__name__.lower()] == [
+        "sample_nan_0",
+        "sample_jump_2",
+    ]
 
 
 def test_noise_is_the_same_at_any_delay(vehicle):

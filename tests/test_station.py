@@ -30,6 +30,7 @@ STATION_OUTPUTS = {
     "joint_torque": JOINTS,
     "sample": STATE,
     "external_acceleration": 3,
+    "sample_health": 6,
     "specific_thrust": 1,
     "disturbance": 6,
     "saturated": 1,

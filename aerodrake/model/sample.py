@@ -14,6 +14,9 @@ from aerodrake.world import Sensors
 GROUPS = ("position", "attitude", "joints")
 """Of a sample, since three sensors make it: p_B and v_B, quaternion and omega_W, q and q'."""
 
+POSITION, ATTITUDE, JOINTS = range(3)
+"""Where each is among them."""
+
 
 class Deviations(NamedTuple):
     """Standard deviations of the noise: m, m/s, rad, rad/s, and rad of each joint."""
@@ -89,3 +92,14 @@ def disturbed(sigma: Deviations, x: np.ndarray, noise: np.ndarray) -> np.ndarray
     turned = product(quaternion, quaternion_of(sigma.attitude * noise[6:9]))
     quaternion[:] = turned / np.copysign(length(turned), turned[0])
     return found
+
+
+@compiled
+def group_of(g: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values and velocities of a group, by its number, of a sample (13 + 2 n,); views."""
+    quaternion, p_B, q, omega_W, v_B, qdot = parts(x)
+    if g == POSITION:
+        return p_B, v_B
+    if g == ATTITUDE:
+        return quaternion, omega_W
+    return q, qdot

@@ -18,7 +18,7 @@ from aerodrake.model.rotation import (
     product,
     rotation_vector,
 )
-from aerodrake.model.vehicle_state import parts
+from aerodrake.model.sample import ATTITUDE, group_of
 from aerodrake.scenario import Filter
 from aerodrake.world import Sensors
 
@@ -43,39 +43,41 @@ ABSURD = 1e4
 UNIT_LENGTH = 0.1
 """How far the length of a quaternion may be off 1; that of the plant drifts a little."""
 
-RESOLUTION = np.array([2e-3, 3e-3, 1e-3])
+RESOLUTION = np.array([3e-4, 3e-4, 1e-3])
 """m, rad, rad: what moves by as much cannot give the same numbers again."""
 
 DEVIATIONS = 8.0
 """Of the noise, as its standard deviations add up, that are believed."""
 
 FOLLOWS = 3
-"""Samples: one that comes no later than so many after the last can follow from it."""
+"""Samples: one that comes no later than so many after the last is to follow from it."""
 
 ACCELERATION = np.array([60.0, 300.0, 600.0])
 """m/s^2, rad/s^2, rad/s^2: what the vehicle can do at the most, from one sample to the next."""
 
-SLACK = np.array([0.15, 0.15, 0.15])
-"""m, rad, rad: how far a prediction may be off a sample without any outage."""
+SLACK = np.array([0.05, 0.02, 0.05])
+"""m, rad, rad: how far a prediction may be off from the first."""
 
 RATE_SLACK = np.array([1.0, 1.0, 3.0])
 """m/s, rad/s, rad/s: likewise of velocities."""
 
-DRIFT = np.array([2.0, 10.0, 20.0])
-"""m/s^2, rad/s^2, rad/s^2: how far off modelled accelerations may be in an outage."""
+DRIFT = np.array([0.4, 1.5, 8.0])
+"""m/s^2, rad/s^2, rad/s^2: how far off modelled accelerations may be, at first. Each second
+of an outage adds as much again, so that no drift stays ahead of its bound."""
 
-DRIFT_RATE = np.array([4.0, 20.0, 40.0])
-"""The same per second of the outage, in which what disturbs the vehicle changes."""
+DRIFT_SHARE = 0.25
+"""Of the disturbance that was known, by which it may change: what is strong also varies."""
 
 
 class SampleCheck(NamedTuple):
     """What bounds the steps and innovations of samples, by group.
 
-    A sample is believed that *follows* from the last one that was, by the mean of
-    both velocities and what an acceleration can add, however wrong the model is: this
-    holds for the next few samples. Or that is where the *prediction* may be, by a bound
-    that grows with the time of the outage. So no step is ever believed at once, and
-    a lasting one when the prediction may be as wrong by then.
+    A sample is believed if it *follows* from the last one that was, by the mean of both
+    velocities and what an acceleration can add: this holds however wrong a model is. After
+    a few that did not, one is believed that is where the *prediction* may be, by a
+    bound that grows with the time of the outage. So no step is believed at once, and
+    a lasting one when the prediction can be as wrong: 0.5 m after 1.3 s, 0.5 rad after
+    0.7 s, in still air.
 
     Attributes:
         noise: (3,) m, rad, rad: what noise may do to a value.
@@ -125,7 +127,7 @@ def check(
         bounds: Of what is believed.
         memory: (2 m + 6,) as `initial_memory` has it.
         ages: (3,) s, of the groups: from the last believed sample to the one before this.
-        predicted: (m,) what the sample should be.
+        predicted: (6 + m,) the estimate, as `StateFilter` has it, of what it should be.
         sample: (m,) as it came.
         stamps: (3,) s, when each group of it was taken.
 
@@ -136,12 +138,13 @@ def check(
     last, last_stamps = memory[:m], memory[2 * m : 2 * m + 3]
     now, health = memory.copy(), np.empty(6)
     believed, travel = now[m : 2 * m], now[2 * m + 3 :]
+    disturbances = np.concatenate((predicted[:6], np.zeros(3)))  # None is known of joints.
     for g in range(3):
         since = ages[g] + bounds.dt
-        x, rate = _group(g, sample)
-        x_last, rate_last = _group(g, last)
-        x_believed, rate_believed = _group(g, believed)
-        x_predicted, rate_predicted = _group(g, predicted)
+        x, rate = group_of(g, sample)
+        x_last, rate_last = group_of(g, last)
+        x_believed, rate_believed = group_of(g, believed)
+        x_predicted, rate_predicted = group_of(g, predicted[6:])
         if np.all(x == x_last) and np.all(rate == rate_last):
             travel[g] += bounds.dt * max(length(rate), length(rate_predicted))
         else:
@@ -154,11 +157,14 @@ def check(
         elif travel[g] > RESOLUTION[g]:
             verdict = Verdict.FROZEN
         else:
-            step = _difference(g, x_believed, x) - since / 2 * (rate_believed + rate)
-            follows = _follows(bounds, g, since, length(step), length(rate - rate_believed))
-            innovation = _difference(g, x_predicted, x)
-            is_near = _is_near(bounds, g, since, length(innovation), length(rate - rate_predicted))
-            verdict = Verdict.OK if follows or is_near else Verdict.JUMP
+            if not is_outage(bounds, ages[g]):
+                step = _difference(g, x_believed, x) - since / 2 * (rate_believed + rate)
+                is_ok = _follows(bounds, g, since, length(step), length(rate - rate_believed))
+            else:
+                known = length(disturbances[3 * g : 3 * g + 3])
+                off = length(_difference(g, x_predicted, x))
+                is_ok = _is_near(bounds, g, since, known, off, length(rate - rate_predicted))
+            verdict = Verdict.OK if is_ok else Verdict.JUMP
         if verdict == Verdict.OK:
             since = 0.0
             x_believed[:] = x
@@ -173,6 +179,17 @@ def check(
 
 
 @compiled
+def is_outage(bounds: SampleCheck, age: float) -> bool:
+    """Whether a group has been missing for so long that none can follow from its last.
+
+    Args:
+        bounds: Of which dt.
+        age: s, from the last that was believed to the sample before this one.
+    """
+    return age > (FOLLOWS - 0.5) * bounds.dt
+
+
+@compiled
 def _follows(bounds: SampleCheck, g: int, since: float, step: float, speeding: float) -> bool:
     """Whether a sample can come after the last that was believed.
 
@@ -184,48 +201,38 @@ def _follows(bounds: SampleCheck, g: int, since: float, step: float, speeding: f
         speeding: Between their velocities.
     """
     noise, rate_noise, a = bounds.noise[g], bounds.rate_noise[g], ACCELERATION[g]
-    return (
-        since < (FOLLOWS + 0.5) * bounds.dt
-        and step <= 2 * noise + since * rate_noise + a * since**2 / 4
-        and speeding <= 2 * rate_noise + a * since
-    )
+    is_there = step <= 2 * noise + since * rate_noise + a * since**2 / 4
+    return is_there and speeding <= 2 * rate_noise + a * since
 
 
 @compiled
-def _is_near(bounds: SampleCheck, g: int, since: float, off: float, rate_off: float) -> bool:
+def _is_near(
+    bounds: SampleCheck, g: int, since: float, known: float, off: float, rate_off: float
+) -> bool:
     """Whether a sample is so far off its prediction, in value and velocity, as this may be.
 
     Args:
         bounds: Of noise.
         g: Group.
         since: s, how long it has been predicted.
+        known: m/s^2 or rad/s^2, the disturbance that the prediction goes on with.
         off, rate_off: The distances.
     """
-    a, j = DRIFT[g], DRIFT_RATE[g]
-    return (
-        off <= SLACK[g] + bounds.noise[g] + a * since**2 / 2 + j * since**3 / 6
-        and rate_off <= RATE_SLACK[g] + bounds.rate_noise[g] + a * since + j * since**2 / 2
-    )
-
-
-@compiled
-def _group(g: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and velocities of a group of a sample; views."""
-    quaternion, p_B, q, omega_W, v_B, qdot = parts(x)
-    if g == 0:
-        return p_B, v_B
-    if g == 1:
-        return quaternion, omega_W
-    return q, qdot
+    a = DRIFT[g] + DRIFT_SHARE * known
+    drift, rate_drift = a * since**2 / 2 + a * since**3 / 6, a * since + a * since**2 / 2
+    is_there = off <= SLACK[g] + bounds.noise[g] + drift
+    return is_there and rate_off <= RATE_SLACK[g] + bounds.rate_noise[g] + rate_drift
 
 
 @compiled
 def _is_sound(g: int, x: np.ndarray, rate: np.ndarray) -> bool:
     size = length(x)
-    return (size < ABSURD if g != 1 else abs(size - 1) < UNIT_LENGTH) and length(rate) < ABSURD
+    return (size < ABSURD if g != ATTITUDE else abs(size - 1) < UNIT_LENGTH) and length(
+        rate
+    ) < ABSURD
 
 
 @compiled
 def _difference(g: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """How a becomes b; of quaternions, as a rotation vector in the world."""
-    return rotation_vector(product(b, conjugate(a))) if g == 1 else b - a
+    return rotation_vector(product(b, conjugate(a))) if g == ATTITUDE else b - a

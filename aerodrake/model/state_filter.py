@@ -16,7 +16,8 @@ from aerodrake.model.rotation import (
     rotation_vector,
     turned,
 )
-from aerodrake.model.sample_check import SampleCheck, Verdict, check
+from aerodrake.model.sample import ATTITUDE, JOINTS, POSITION, group_of
+from aerodrake.model.sample_check import SampleCheck, Verdict, check, is_outage
 from aerodrake.model.sample_check import initial_memory as initial_check_memory
 from aerodrake.model.vehicle_state import parts
 from aerodrake.scenario import Filter
@@ -106,7 +107,9 @@ def update(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Takes in what is believed of a sample, and goes on with predictions of the rest.
 
-    The base goes on as modelled, and the arm to its setpoints.
+    The base goes on as modelled, and the arm to its setpoints. After an outage the estimate
+    is the sample, and goes on with the disturbances that were known: what happened
+    meanwhile would be taken for one.
 
     Args:
         gains: And lateness.
@@ -126,16 +129,19 @@ def update(
     then = follow(gains, memory[known : known + 6 + m], since[:6])
     predicted = arm_follows(gains, then, joint_setpoint)
     ages = memory[judged : judged + 3]
-    health, checked = check(bounds, memory[:judged], ages, predicted[6:], sample, stamps)
-    if health[3] == Verdict.OK.value:
-        correct_motion(gains, then, sample)
-    if health[4] == Verdict.OK.value:
-        correct_rotation(gains, then, sample)
-    if health[5] == Verdict.OK.value:
-        correct_joints(gains, then, sample)
-    else:
-        _, _, q, _, _, qdot = parts(then[6:])
-        _, _, q[:], _, _, qdot[:] = parts(predicted[6:])
+    health, checked = check(bounds, memory[:judged], ages, predicted, sample, stamps)
+    for g in range(3):
+        if health[3 + g] != Verdict.OK.value:
+            if g == JOINTS:
+                replace_group(g, then[6:], predicted[6:])
+        elif is_outage(bounds, ages[g]):
+            replace_group(g, then[6:], sample)
+        elif g == POSITION:
+            correct_motion(gains, then, sample)
+        elif g == ATTITUDE:
+            correct_rotation(gains, then, sample)
+        else:
+            correct_joints(gains, then, sample)
     now = then
     for k in range(6, len(since), 6):
         now = follow(gains, now, since[k : k + 6])
@@ -237,14 +243,17 @@ def correct_joints(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray)
 def passed(sample: np.ndarray, predicted: np.ndarray, health: np.ndarray) -> np.ndarray:
     """(13 + 2 n,) a sample as it is, but for the groups that are not believed."""
     found = sample.copy()
-    quaternion, p_B, q, omega_W, v_B, qdot = parts(found)
-    if health[3] != Verdict.OK.value:
-        _, p_B[:], _, _, v_B[:], _ = parts(predicted)
-    if health[4] != Verdict.OK.value:
-        quaternion[:], _, _, omega_W[:], _, _ = parts(predicted)
-    if health[5] != Verdict.OK.value:
-        _, _, q[:], _, _, qdot[:] = parts(predicted)
+    for g in range(3):
+        if health[3 + g] != Verdict.OK.value:
+            replace_group(g, found, predicted)
     return found
+
+
+@compiled
+def replace_group(g: int, x: np.ndarray, by: np.ndarray) -> None:
+    """Puts a group of a state (13 + 2 n,) in the place of another's."""
+    value, rate = group_of(g, x)
+    value[:], rate[:] = group_of(g, by)
 
 
 def _chain_gain(value: float, rate: float, walk: float, dt: float) -> np.ndarray:

@@ -44,9 +44,9 @@ class SampleFaultSystem(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._hold)
 
     def _is_active(self, context: Context) -> bool:
-        # Rounded, lest a fault begin a sample late.
+        # Rounded, lest a fault begin or end a sample late.
         time = round(context.get_time() - self._settle_s, 9)
-        return self._fault.start_s <= time < self._fault.end_s
+        return self._fault.start_s <= time < round(self._fault.end_s, 9)
 
     def _arriving(self, context: Context) -> tuple[np.ndarray, np.ndarray]:
         sample, stamps = self._sample.Eval(context), self._stamps.Eval(context)

@@ -65,12 +65,12 @@ class StateFilterSystem(LeafSystem):
         self._x_memory = self.DeclareDiscreteState(
             initial_memory(state_filter, initial, trim_acceleration)
         )
-        self._x_health = self.DeclareDiscreteState(np.zeros(6))
-        self.DeclareStateOutputPort("sample_health", self._x_health)
         self._x_state = self.DeclareDiscreteState(initial)
         self.DeclareStateOutputPort("state", self._x_state)
         self._x_external = self.DeclareDiscreteState(np.zeros(3))
         self.DeclareStateOutputPort("external_acceleration", self._x_external)
+        self._x_health = self.DeclareDiscreteState(np.zeros(6))
+        self.DeclareStateOutputPort("sample_health", self._x_health)
         self.DeclarePeriodicUnrestrictedUpdateEvent(state_filter.dt, 0.0, self._update)
 
     def _update(self, context: Context, state: State) -> None:

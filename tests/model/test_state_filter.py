@@ -12,9 +12,24 @@ from scipy.interpolate import PPoly
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from aerodrake.model.state_filter import JOINT_WALK_RAD, StateFilter, correct, follow, update
+from aerodrake.model.sample import GROUPS, group_columns
+from aerodrake.model.sample_check import SampleCheck, Verdict
+from aerodrake.model.state_filter import (
+    ARM_DECAY_S,
+    JOINT_WALK_RAD,
+    StateFilter,
+    arm_follows,
+    correct_joints,
+    correct_motion,
+    correct_rotation,
+    follow,
+    initial_memory,
+    passed,
+    update,
+)
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Filter
+from aerodrake.world import Sensors
 
 DT = 0.01
 JOINTS = 6
@@ -42,6 +57,14 @@ def rest(**parts: np.ndarray) -> VehicleState:
 def estimate(d=(0, 0, 0), delta=(0, 0, 0), **parts: np.ndarray) -> np.ndarray:
     """(19 + 2 n,)"""
     return np.concatenate([d, delta, rest(**parts).to_vector()])
+
+
+def correct(gains: StateFilter, predicted: np.ndarray, sample: np.ndarray) -> np.ndarray:
+    """(19 + 2 n,) the estimate at a sample's own time, with all groups taken in."""
+    found = predicted.copy()
+    for group in (correct_motion, correct_rotation, correct_joints):
+        group(gains, found, sample)
+    return found
 
 
 def state_of(estimate: np.ndarray) -> VehicleState:
@@ -274,14 +297,26 @@ def test_a_late_sample_corrects_the_estimate_of_its_own_time(steps):
     """All samples and accelerations at hand, the filter is run from the start each time."""
     random = np.random.default_rng(2)
     gains = StateFilter.make(replace(CONFIG, delay_s=steps * DT), DT)
+    bounds = SampleCheck.make(CONFIG, Sensors(), DT)
     rows = 12
     accelerations = random.normal(size=(rows + steps, 6))
-    samples = random.normal(size=(rows, VehicleState.size(JOINTS)))
-    start = estimate(q=np.ones(JOINTS))
-    memory = np.concatenate([start, *accelerations[:steps]])
+    accelerations[:steps] = accelerations[0]
+    start = rest(q=np.ones(JOINTS)).to_vector()
+    samples = start + 0.003 * random.normal(size=(rows, len(start)))
+    memory = initial_memory(gains, start, accelerations[0])
+    first = np.concatenate([-accelerations[0], start])
     for k in range(rows):
-        memory, now = update(gains, memory, accelerations[steps + k], samples[k])
-        expected = start
+        memory, now, health = update(
+            gains,
+            bounds,
+            memory,
+            accelerations[steps + k],
+            samples[k],
+            np.full(3, k * DT),
+            np.zeros(3 * JOINTS),
+        )
+        np.testing.assert_array_equal(health, 0)
+        expected = first
         for a, sample in zip(accelerations[: k + 1], samples[: k + 1], strict=False):
             expected = correct(gains, follow(gains, expected, a), sample)
         for a in accelerations[k + 1 : k + 1 + steps]:
@@ -290,14 +325,41 @@ def test_a_late_sample_corrects_the_estimate_of_its_own_time(steps):
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])
-@pytest.mark.parametrize("place", [0, 5, 12, -1])
-def test_a_sample_that_is_not_finite_corrects_nothing(wrong, place):
+@pytest.mark.parametrize("group", GROUPS)
+def test_what_is_not_believed_is_predicted_and_the_rest_corrected(group, wrong):
     gains = StateFilter.make(CONFIG, DT)
-    a = np.arange(6.0)
-    before = estimate(d=np.ones(3), v_B=np.ones(3), q=np.ones(JOINTS), qdot=np.ones(JOINTS))
-    sample = rest(p_B=np.ones(3)).to_vector()
-    sample[place] = wrong
-    _, found = update(gains, before, a, sample)
-    expected = follow(gains, before, a)
-    expected[-JOINTS:] = 0.0
-    np.testing.assert_array_equal(found, expected)
+    bounds = SampleCheck.make(CONFIG, Sensors(), DT)
+    a, start = np.arange(6.0), rest(q=np.ones(JOINTS)).to_vector()
+    memory = initial_memory(gains, start, np.zeros(6))
+    setpoint = np.linspace(0.9, 1.1, 3 * JOINTS)
+    sample, stamps = start + 1e-3, np.zeros(3)
+    _, well, health = update(gains, bounds, memory, a, sample, stamps, setpoint)
+    np.testing.assert_array_equal(health, 0)
+    columns = group_columns(group, JOINTS)
+    broken = sample.copy()
+    broken[columns[-1]] = wrong
+    _, found, health = update(gains, bounds, memory, a, broken, stamps, setpoint)
+    expected = arm_follows(gains, follow(gains, np.append(np.zeros(6), start), a), setpoint)
+    struck = np.isin(np.arange(len(start)), columns)
+    np.testing.assert_array_equal(found[6:][struck], expected[6:][struck])
+    np.testing.assert_array_equal(found[6:][~struck], well[6:][~struck])
+    assert list(health) == [
+        *[DT * (g == group) for g in GROUPS],
+        *[float(Verdict.NOT_FINITE) * (g == group) for g in GROUPS],
+    ]
+    shown = passed(broken, found[6:], health)
+    np.testing.assert_array_equal(shown[struck], expected[6:][struck])
+    np.testing.assert_array_equal(shown[~struck], broken[~struck])
+
+
+@given(q=arrays(float, JOINTS, elements=st.floats(-3, 3)), times=st.integers(1, 100))
+def test_an_arm_without_samples_comes_to_its_setpoints(q, times):
+    """Which speed up steadily: as exp(-t / ARM_DECAY_S), in rates too."""
+    gains, a = StateFilter.make(CONFIG, DT), np.linspace(-2, 2, JOINTS)
+    now = estimate(q=q, qdot=np.ones(JOINTS))
+    for k in range(1, times + 1):
+        t = k * DT
+        now = arm_follows(gains, now, np.concatenate([a * t**2 / 2, a * t, a]))
+    left = np.exp(-t / ARM_DECAY_S)
+    np.testing.assert_allclose(state_of(now).q, a * t**2 / 2 + left * q, atol=1e-12)
+    np.testing.assert_allclose(state_of(now).qdot, a * t + left, atol=1e-12)

@@ -95,6 +95,19 @@ def test_exact_by_default_without_a_look_at_the_noise():
     np.testing.assert_array_equal(sensors.GetOutputPort("state").Eval(context), x)
 
 
+def test_stamps_tell_when_a_sample_was_taken():
+    """That of time 0 as if there had been one a period before."""
+    sensors = SensorSystem(Sensors(), JOINTS, PERIOD, OFFSET, np.zeros(SIZE))
+    simulator = Simulator(sensors)
+    context = simulator.get_mutable_context()
+    for port in ("true_state", "late_state"):
+        sensors.GetInputPort(port).FixValue(context, np.zeros(SIZE))
+    for k in range(4):
+        simulator.AdvanceTo(k * PERIOD)
+        stamps = sensors.GetOutputPort("stamps").Eval(context)
+        np.testing.assert_allclose(stamps, (k - 1) * PERIOD + OFFSET, atol=1e-12)
+
+
 def test_the_arm_is_sampled_from_the_true_state_and_the_base_from_the_late_one():
     sensors = SensorSystem(Sensors(), JOINTS, PERIOD, OFFSET, np.zeros(SIZE))
     simulator = Simulator(sensors)
@@ -125,7 +138,7 @@ def test_a_consumer_of_the_same_instant_sees_the_new_sample():
     for time, sampled in ((0.0950, 0.089), (0.0989, 0.089), (0.1001, 0.099), (0.1089, 0.099)):
         simulator.AdvanceTo(time)
         for system, expected in ((sensors, sampled), (first, sampled), (second, sampled - PERIOD)):
-            seen = system.get_output_port().Eval(system.GetMyContextFromRoot(context))
+            seen = system.get_output_port(0).Eval(system.GetMyContextFromRoot(context))
             np.testing.assert_allclose(seen, expected, atol=1e-12, err_msg=f"{system} {time}")
 
 

@@ -15,7 +15,10 @@ from scipy.interpolate import PPoly
 from scipy.spatial.transform import Rotation
 
 from aerodrake.excitation import excite
+from aerodrake.fault_kinds import SampleNan
 from aerodrake.flight_log import FlightLog
+from aerodrake.model.sample import GROUPS, group_columns
+from aerodrake.model.sample_check import SampleCheck, Verdict
 from aerodrake.model.state_filter import StateFilter
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import VehicleState
@@ -39,7 +42,8 @@ TRIM = np.concatenate([[1, 0, 0, 0, 0.3, -0.2, 1.5], np.linspace(-1, 1, JOINTS),
 def make_filter(config: Filter, trim_acceleration: np.ndarray) -> StateFilterSystem:
     """One that filters."""
     equations = StateFilter.make(config, PERIOD)
-    return StateFilterSystem(equations, False, JOINTS, PERIOD, TRIM, trim_acceleration)
+    bounds = SampleCheck.make(config, Sensors(), PERIOD)
+    return StateFilterSystem(equations, bounds, False, JOINTS, TRIM, trim_acceleration)
 
 
 def held(vehicle: Vehicle, duration: float) -> tuple[Trajectory, Trajectory]:
@@ -51,10 +55,7 @@ def held(vehicle: Vehicle, duration: float) -> tuple[Trajectory, Trajectory]:
 
 
 @settings(max_examples=10)
-@given(
-    states=arrays(float, (3, SIZE), elements=st.floats(0.1, 2.0)),
-    signs=arrays(float, (3, SIZE), elements=st.sampled_from([-1.0, 1.0])),
-)
+@given(steps=arrays(float, (3, SIZE), elements=st.floats(1e-4, 4e-4)))
 @pytest.mark.parametrize(
     ("sensors", "config", "passes"),
     [
@@ -66,14 +67,15 @@ def held(vehicle: Vehicle, duration: float) -> tuple[Trajectory, Trajectory]:
         (Sensors(base_delay_s=0.01), Filter(delay_s=0.01), False),
     ],
 )
-def test_what_needs_no_filter_passes_bit_for_bit(sensors, config, passes, states, signs):
+def test_what_needs_no_filter_passes_bit_for_bit(sensors, config, passes, steps):
     diagram = make_sensors(sensors, config, Rates(), TRIM, np.zeros(6))
     context = make_context(diagram, 0)
-    diagram.GetInputPort("acceleration").FixValue(context, np.ones(6))
+    diagram.GetInputPort("acceleration").FixValue(context, np.full(6, 1e-3))
     diagram.GetInputPort("reaction").FixValue(context, np.ones(3))
+    diagram.GetInputPort("joint_setpoint").FixValue(context, np.ones(3 * JOINTS))
     simulator = Simulator(diagram, context)
     seen = []
-    for k, x in enumerate(states * signs):
+    for k, x in enumerate(TRIM + np.cumsum(steps, axis=0)):
         diagram.GetInputPort("true_state").FixValue(context, x)
         simulator.AdvanceTo((k + 1.5) * PERIOD)
         seen.append([diagram.GetOutputPort(p).Eval(context).copy() for p in ("state", "sample")])
@@ -110,6 +112,8 @@ def test_known_motion_is_told_as_of_now_however_late_its_samples(steps):
     for k in range(rows):
         modelled = np.concatenate([a[k - 1][:3], a[k - 1][3] * e]) if k > 0 else np.zeros(6)
         system.GetInputPort("sample").FixValue(context, truth(k - steps))
+        system.GetInputPort("stamps").FixValue(context, np.full(3, k * PERIOD))
+        system.GetInputPort("joint_setpoint").FixValue(context, np.zeros(3 * JOINTS))
         system.GetInputPort("acceleration").FixValue(context, modelled + trim_acceleration)
         system.GetInputPort("reaction").FixValue(context, [0.0, 0.0, float(k)])
         simulator.AdvanceTo((k + 0.5) * PERIOD)
@@ -122,12 +126,16 @@ def test_known_motion_is_told_as_of_now_however_late_its_samples(steps):
 def test_a_consumer_of_the_same_instant_sees_the_new_state():
     """Drake's own sample-and-hold after the filter adds nothing, after itself a period."""
     builder = DiagramBuilder()
-    ramp = PiecewisePolynomial.FirstOrderHold([0, 1], np.column_stack([TRIM, TRIM + 1]))
+    ramp = PiecewisePolynomial.FirstOrderHold([0, 1], np.column_stack([TRIM, TRIM + 0.1]))
     sample = builder.AddSystem(TrajectorySource(ramp))
     system = builder.AddSystem(make_filter(Filter(), np.zeros(6)))
     first, second = (builder.AddSystem(ZeroOrderHold(PERIOD, SIZE)) for _ in range(2))
     builder.Connect(sample.get_output_port(), system.GetInputPort("sample"))
-    for port, size in (("acceleration", 6), ("reaction", 3)):
+    clock = builder.AddSystem(
+        TrajectorySource(PiecewisePolynomial.FirstOrderHold([0, 1], [[0, 1]] * 3))
+    )
+    builder.Connect(clock.get_output_port(), system.GetInputPort("stamps"))
+    for port, size in (("acceleration", 6), ("reaction", 3), ("joint_setpoint", 3 * JOINTS)):
         source = builder.AddSystem(ConstantVectorSource(np.zeros(size)))
         builder.Connect(source.get_output_port(), system.GetInputPort(port))
     builder.Connect(system.GetOutputPort("state"), first.get_input_port())
@@ -146,6 +154,36 @@ def test_a_consumer_of_the_same_instant_sees_the_new_state():
     assert len(np.unique(states, axis=0)) == len(states)
     np.testing.assert_array_equal(seen, states)
     np.testing.assert_array_equal(seen_after[1:], states[:-1])
+
+
+@pytest.mark.parametrize("config", [Filter(), Filter(kind="none"), Filter(delay_s=0.01)])
+@pytest.mark.parametrize("group", GROUPS)
+def test_health_tells_how_long_which_group_has_been_missing(config, group):
+    fault = SampleNan(group=group, start_s=0.05, duration_s=0.1)
+    diagram = make_sensors(NOISY, config, Rates(), TRIM, np.zeros(6), [fault])
+    context = make_context(diagram, 0)
+    for port, size in (("acceleration", 6), ("reaction", 3)):
+        diagram.GetInputPort(port).FixValue(context, np.zeros(size))
+    setpoint = np.append(VehicleState.from_vector(TRIM).q, np.zeros(2 * JOINTS))
+    diagram.GetInputPort("joint_setpoint").FixValue(context, setpoint)
+    diagram.GetInputPort("true_state").FixValue(context, TRIM)
+    simulator = Simulator(diagram, context)
+    struck = np.array([g == group for g in GROUPS])
+    broken = np.isin(np.arange(SIZE), group_columns(group, JOINTS))
+    for k in range(25):
+        simulator.AdvanceTo((k + 0.5) * PERIOD)
+        health, state, sample = (
+            diagram.GetOutputPort(port).Eval(context)
+            for port in ("sample_health", "state", "sample")
+        )
+        missing = max(0, k - 4) * (k < 15)
+        np.testing.assert_allclose(health[:3], missing * PERIOD * struck, atol=1e-12)
+        np.testing.assert_array_equal(health[3:], Verdict.NOT_FINITE * struck * (missing > 0))
+        assert np.isfinite(state).all()
+        np.testing.assert_array_equal(np.isnan(sample), broken & (missing > 0))
+        if config.kind == "none":
+            believed = ~np.isnan(sample)
+            np.testing.assert_array_equal(state[believed], sample[believed])
 
 
 def test_no_feedthrough():
