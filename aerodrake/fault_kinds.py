@@ -59,7 +59,7 @@ class SampleFrozen(SampleFault):
 
 @dataclass(frozen=True)
 class SampleJump(SampleFault):
-    """Samples are off by a step, about each axis alike: p_B, attitude, or each joint's angle."""
+    """Samples are off by a step: p_B along (1, 1, 1), attitude about it, each joint's angle."""
 
     kind: ClassVar[str] = "sample_jump"
     position_m: float = quantity(0.5, "m", -100.0, 100.0)

@@ -49,7 +49,7 @@ def test_every_vector_of_the_closed_loop_is_logged(vehicle):
         if port.size()
     }
     # The setpoints, u among them, are in the segments; the reference is known after the flight.
-    assert ports == {*PORTS, "u", "reference", "base_setpoint", "joint_setpoint", "sample_health"}
+    assert ports == {*PORTS, "u", "reference", "base_setpoint", "joint_setpoint"}
 
 
 def test_names_are_unique():

@@ -46,7 +46,7 @@ class SampleFaultSystem(LeafSystem):
     def _is_active(self, context: Context) -> bool:
         # Rounded, lest a fault begin or end a sample late.
         time = round(context.get_time() - self._settle_s, 9)
-        return self._fault.start_s <= time < round(self._fault.end_s, 9)
+        return bool(self._fault.is_active(time))
 
     def _arriving(self, context: Context) -> tuple[np.ndarray, np.ndarray]:
         sample, stamps = self._sample.Eval(context), self._stamps.Eval(context)

@@ -109,7 +109,7 @@ def test_more_rotors_than_wrench_components():
     [
         (Rotor(), None),
         (Rotor(max_thrust_n=9.0), r"vehicle.rotor.max_thrust_n \(9 N\) .* in hover \(9.7\d+ N\)"),
-        (Rotor(min_thrust_n=9.5), r"vehicle.rotor.min_thrust_n \(9.5 N\) .* in hover \(8.8\d+ N\)"),
+        (Rotor(min_thrust_n=9.5), r"vehicle.rotor.min_thrust_n \(9.5 N\) .* in hover \(8.9\d+ N\)"),
     ],
 )
 def test_rotors_that_cannot_hold_it_are_told(rotor, told):
