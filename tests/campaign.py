@@ -131,7 +131,7 @@ def is_ridden_out(scenario: dict[str, Any]) -> bool:
     # What is held at the end of the flight is held, not lost.
     is_over = fault["start_s"] + lasts < DURATION_S - 1.0
     if kind.startswith("sample"):
-        most = {"position": 1.5, "attitude": 0.2, "joints": 0.2, "all": 0.2}[fault["group"]]
+        most = {"position": 1.0, "attitude": 0.3, "joints": 0.5, "all": 0.3}[fault["group"]]
         return lasts <= most and is_over
     if kind == "rotor_degraded":
         return fault["remaining"] >= 0.8
