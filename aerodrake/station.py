@@ -39,6 +39,7 @@ from pydrake.common import RandomGenerator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
+from aerodrake.errors import file_at
 from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.direction import make_direction
 from aerodrake.model.equivalent_model import EquivalentModel
@@ -153,7 +154,8 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     builder = DiagramBuilder()
 
     stages_s = stage_times(scenario.mpc, period)
-    curve = make_reference(scenario.reference, vehicle.p_E)
+    with file_at(scenario.source, "reference.file"):
+        curve = make_reference(scenario.reference, vehicle.p_E)
     reference = builder.AddNamedSystem(
         "reference", ReferenceSystem(curve, vehicle.p_E, scenario.settle_s, stages_s)
     )
@@ -202,7 +204,9 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     builder.ExportInput(kinematics.GetInputPort("state"), "state")
     for consumer in (controller, residual_estimator, equivalent_state):
         builder.ConnectInput("state", consumer.GetInputPort("state"))
-    if (direction := make_direction(scenario.orientation)) is not None:
+    with file_at(scenario.source, "orientation.file"):
+        direction = make_direction(scenario.orientation)
+    if direction is not None:
         pointing = builder.AddNamedSystem(
             "pointing", PointingSystem(vehicle, direction, scenario.settle_s, stages_s)
         )

@@ -77,13 +77,6 @@ def test_every_kind_of_orientation(orientation):
         build(Scenario, data, "f.yaml")
 
 
-def test_a_bare_off_is_off():
-    """YAML reads it as false."""
-    assert build(Scenario, {"orientation": {"kind": False}}, "f.yaml") == Scenario()
-    with pytest.raises(BadInput, match="orientation.kind: unknown kind 'on'"):
-        build(Scenario, {"orientation": {"kind": True}}, "f.yaml")
-
-
 @pytest.mark.parametrize(
     ("axis", "expected"),
     [

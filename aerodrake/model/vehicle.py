@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import re
 from dataclasses import dataclass
 from importlib import resources
 
@@ -13,11 +13,12 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import RevoluteJoint
 
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ScenarioError, file_at
 from aerodrake.files import locate
-from aerodrake.model.mismatch import EXACT, is_exact, mismatched_urdf
+from aerodrake.model.mismatch import EXACT, mismatched_urdf
 from aerodrake.model.vehicle_state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
 from aerodrake.scenario import Mismatch, Scenario
+from aerodrake.urdf import SUFFIX
 
 BASE_FRAME = "base"
 TOOL_FRAME = "tool"
@@ -37,21 +38,18 @@ def add_robot(plant: MultibodyPlant, robot: str, mismatch: Mismatch = EXACT) -> 
         mismatch: How its links are off what is written there.
 
     Raises:
-        BadInput: if the file is missing, is no robot description, or lacks
-            the frames `base` and `tool`.
+        BadInput: if the file is missing, is no URDF, or lacks the frames
+            `base` and `tool`.
     """
     parser = Parser(plant)
     parser.package_map().AddPackageXml(str(resources.files("aerodrake") / "package.xml"))
-    path = locate(robot)
-    if not os.path.isfile(path):
-        raise BadInput(robot, "", "expected the path of a URDF; there is no such file")
     try:
-        if is_exact(mismatch):
-            parser.AddModels(str(path))
-        else:
-            parser.AddModelsFromString(mismatched_urdf(path, mismatch), "urdf")
+        parser.AddModelsFromString(mismatched_urdf(locate(robot), mismatch), SUFFIX)
+    except BadInput as error:
+        raise BadInput(robot, *error.args[1:]) from None
     except RuntimeError as error:
-        raise BadInput(robot, "", f"cannot be parsed: {error}") from None
+        problem = re.sub(r"<literal-string>\S*: error: ", "", str(error))
+        raise BadInput(robot, "", f"cannot be parsed: {problem}") from None
     for frame in (BASE_FRAME, TOOL_FRAME):
         if not plant.HasFrameNamed(frame):
             raise BadInput(robot, "", f"expected a frame named '{frame}'")
@@ -156,10 +154,10 @@ class Vehicle:
         """(n,), from a scenario's list of one value, or of one per joint.
 
         Raises:
-            BadInput: if the list has another length.
+            ScenarioError: if the list has another length.
         """
         if len(values) not in (1, self.joints):
-            raise BadInput(
+            raise ScenarioError(
                 self.source,
                 key,
                 f"expected 1 value, or {self.joints}, one for each joint, got {len(values)}",
@@ -171,13 +169,14 @@ class Vehicle:
         """Reads the scenario's robot and computes its trim.
 
         Raises:
-            BadInput: if it cannot be flown, or the working configuration does not fit it.
+            ScenarioError: if it cannot be flown, or the working configuration does not fit it.
         """
         robot, working = scenario.vehicle.robot, scenario.vehicle.working_rad
         plant = MultibodyPlant(0.0)
-        add_robot(plant, robot)
-        plant.Finalize()
-        joints = _arm_joints(plant, robot)
+        with file_at(scenario.source, "vehicle.robot"):
+            add_robot(plant, robot)
+            plant.Finalize()
+            joints, rotors = _arm_joints(plant, robot), _rotors(plant, robot)
         n = len(joints)
         lower, upper = plant.GetPositionLowerLimits()[-n:], plant.GetPositionUpperLimits()[-n:]
         _check_working(np.array(working), lower, upper, [j.name() for j in joints], scenario.source)
@@ -204,7 +203,7 @@ class Vehicle:
             velocity=plant.GetVelocityUpperLimits()[-n:],
             acceleration=plant.GetAccelerationUpperLimits()[-n:],
             effort=plant.GetEffortUpperLimits(),
-            rotors=_rotors(plant, robot),
+            rotors=rotors,
             p_B=np.array(scenario.vehicle.base_position_m),
             working=np.array(working, dtype=float),
             p_O=X_BE.translation(),
@@ -269,7 +268,7 @@ def _check_working(
 ) -> None:
     key = "vehicle.working_rad"
     if len(working) != len(names):
-        raise BadInput(
+        raise ScenarioError(
             source,
             key,
             f"expected {len(names)} angles in rad, one for each joint "
@@ -277,7 +276,7 @@ def _check_working(
         )
     for i, name in enumerate(names):
         if not lower[i] <= working[i] <= upper[i]:
-            raise BadInput(
+            raise ScenarioError(
                 source,
                 f"{key}[{i}]",
                 f"expected {name} in [{lower[i]:.4g}, {upper[i]:.4g}] rad, got {working[i]:.4g}",
