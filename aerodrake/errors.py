@@ -41,6 +41,10 @@ class ScenarioError(BadInput):
     """A scenario that cannot be used, or a file that it names."""
 
 
+class ProcessDied(Exception):
+    """A process of a command that was killed: no bad input, and no bug of ours."""
+
+
 @contextmanager
 def file_at(source: object, key: str) -> Iterator[None]:
     """What is wrong with the file that a scenario names at `key` is wrong with the scenario."""

@@ -33,6 +33,7 @@ def scratch_folder(parent: Path) -> Iterator[Path]:
     try:
         yield folder
     finally:
+        _end_replacement(folder)  # If an interrupt came in between.
         shutil.rmtree(folder, ignore_errors=True)
         os.close(lock)
 

@@ -142,7 +142,9 @@ RUNS = {
     ),
     "waypoints_no_file": (["waypoints_without_file.yaml"],
                           "waypoints_without_file.yaml: reference.file: "),
-    "waypoints_missing": (waypoints("missing.csv"), "reference.file: ", "missing.csv: ", "No such file"),
+    "waypoints_missing": (
+        waypoints("missing.csv"), "reference.file: ", "missing.csv: ", "No such file"
+    ),
     "waypoints_folder": (waypoints("folder"), "folder: ", "Is a directory"),
     "waypoints_nul": (waypoints('"a\\0b"'), "expected "),
     "waypoints_empty": (waypoints("empty.csv"), "empty.csv: row 1: expected the header t,x,y,z"),
@@ -173,7 +175,9 @@ RUNS = {
                           "turns.csv: after t = 0 s: expected turns of 90 deg or less"),
     "orientation_clik": (["clover_pointing", "--set", "controller=clik"],
                          "orientation.kind: controller clik expects off, got 'fixed'"),
-    "checkpoint_missing": (checkpoint("missing.pt"), "residual.checkpoint: ", "missing.pt: ", "No such file"),
+    "checkpoint_missing": (
+        checkpoint("missing.pt"), "residual.checkpoint: ", "missing.pt: ", "No such file"
+    ),
     "checkpoint_folder": (checkpoint("folder"), "folder: ", "Is a directory"),
     "checkpoint_empty": (checkpoint("empty.pt"), "empty.pt: expected a checkpoint"),
     "checkpoint_pickle": (checkpoint("pickle.pt"), "pickle.pt: expected a checkpoint"),

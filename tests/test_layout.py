@@ -44,6 +44,7 @@ STOREYS = {
         "replay",
         "run_folder",
         "graph",
+        "interrupts",
         "processes",
         "excitation",
         "flight_folder",

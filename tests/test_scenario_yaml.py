@@ -50,7 +50,7 @@ def test_quotes_make_text():
         ("a:\n  ? [b]\n  : 1\n", "a", "line 2: expected a name as key"),
         ("a:\n- 1\n- [2\n", "a[1]", "expected YAML; line "),
         ("a: b: c", "", "expected YAML; line 1: mapping values are not allowed here"),
-        ('a: "\\U99999999"', "", "expected YAML; line 1: chr() arg"),
+        ('a: "\\U99999999"', "", "expected YAML; line 1: "),
         ("a: 1\nb: \x07", "", "expected YAML; line 2: special characters are not allowed"),
         ("a: 1\n---\nb: 1\n", "", "expected YAML; line 2"),
         ("a: " + "[" * (MAX_DEPTH + 1), "a" + "[0]" * (MAX_DEPTH - 1), "more than 10 levels"),
