@@ -25,6 +25,8 @@ TOOL_FRAME = "tool"
 TOOL_AXIS = np.array([0.0, 0.0, -1.0])
 """Where the tool points, in its frame: the direction in which it approaches things."""
 ROTOR_PREFIX = "rotor_"
+LIGHTEST, HEAVIEST = 1e-9, 1e9
+"""Between these is all that is positive: masses, moments of inertia, and limits of joints."""
 GRAVITY = 9.81
 """m/s^2, Drake's default."""
 
@@ -47,7 +49,7 @@ def add_robot(plant: MultibodyPlant, robot: str, mismatch: Mismatch = EXACT) -> 
         parser.AddModelsFromString(mismatched_urdf(locate(robot), mismatch), SUFFIX)
     except BadInput as error:
         raise BadInput(robot, *error.args[1:]) from None
-    except RuntimeError as error:
+    except (RuntimeError, ValueError, SystemExit) as error:  # Drake's own, and its conditions.
         problem = re.sub(r"<literal-string>\S*: error: ", "", str(error))
         raise BadInput(robot, "", f"cannot be parsed: {problem}") from None
     for frame in (BASE_FRAME, TOOL_FRAME):
@@ -193,7 +195,12 @@ class Vehicle:
         gravity = plant.CalcGravityGeneralizedForces(context)
         M = plant.CalcMassMatrix(context)
         b, a = slice(BASE_VELOCITIES), slice(BASE_VELOCITIES, None)
-        felt = M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])
+        felt = np.zeros((n, n))
+        if np.all((np.diag(M) > LIGHTEST) & (np.diag(M) < HEAVIEST)):
+            felt = M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])
+        if not np.all(np.diag(felt) > LIGHTEST):
+            problem = f"{robot}: expected links of masses and inertias that can be moved"
+            raise ScenarioError(scenario.source, "vehicle.robot", problem)
         return cls(
             source=scenario.source,
             robot=robot,
@@ -224,21 +231,20 @@ def _arm_joints(plant: MultibodyPlant, robot: str) -> list[RevoluteJoint]:
     driven = [plant.get_joint_actuator(i).joint().name() for i in plant.GetJointActuatorIndices()]
     if driven != [j.name() for j in arm]:
         raise BadInput(robot, "", "expected one transmission per joint, in the joints' order")
-    limits = np.concatenate(
-        [
-            plant.GetPositionLowerLimits()[BASE_POSITIONS:],
-            plant.GetPositionUpperLimits()[BASE_POSITIONS:],
-            plant.GetEffortUpperLimits(),
-            plant.GetVelocityUpperLimits()[BASE_VELOCITIES:],
-            plant.GetAccelerationUpperLimits()[BASE_VELOCITIES:],
-        ]
-    )
-    if not np.all(np.isfinite(limits)):
+    lower = plant.GetPositionLowerLimits()[BASE_POSITIONS:]
+    upper = plant.GetPositionUpperLimits()[BASE_POSITIONS:]
+    positive = [
+        upper - lower,
+        plant.GetEffortUpperLimits(),
+        plant.GetVelocityUpperLimits()[BASE_VELOCITIES:],
+        plant.GetAccelerationUpperLimits()[BASE_VELOCITIES:],
+    ]
+    if not np.all((np.array(positive) > LIGHTEST) & (np.array(positive) < HEAVIEST)):
         raise BadInput(
             robot,
             "",
             "expected every joint to have limits of position, effort, "
-            "velocity and drake:acceleration",
+            "velocity and drake:acceleration, all with room to move",
         )
     return arm
 
