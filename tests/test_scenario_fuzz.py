@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from aerodrake.errors import ScenarioError
 from aerodrake.files import locate
 from aerodrake.reference_kinds import AxisAlong, Waypoints
-from aerodrake.scenario import Residual, Scenario, Vehicle
+from aerodrake.scenario import Flight, Residual, Scenario, Vehicle
 from aerodrake.scenario_file import load_scenario, packaged_scenarios
 from aerodrake.scenario_yaml import dump, parse
 from aerodrake.schema import as_mapping, build
@@ -184,7 +184,10 @@ def named(key: str, path: Path) -> Scenario:
         "reference.file": Scenario(reference=Waypoints(file=str(path))),
         "orientation.file": Scenario(orientation=AxisAlong(file=str(path))),
         "vehicle.robot": Scenario(vehicle=Vehicle(robot=str(path))),
-        "residual.checkpoint": Scenario(residual=Residual(mode="offline", checkpoint=str(path))),
+        "residual.checkpoint": Scenario(
+            flight=Flight(interface="position"),
+            residual=Residual(mode="offline", checkpoint=str(path)),
+        ),
     }
     return replace(scenarios[key], source="flight.yaml")
 
