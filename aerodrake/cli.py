@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from importlib.metadata import version
 
 from aerodrake.commands import bench, compare, graph, identify, run, train
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ProcessDied
+from aerodrake.interrupts import termination_as_interrupt
 
 COMMANDS = {
     "run": run,
@@ -25,15 +26,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command.
 
     Returns:
-        0 on success, 1 on a flight that did not complete or a variant that failed,
-        2 on bad input, 130 if interrupted outside of the flight.
+        0 on success, 1 on a flight that did not complete, a variant that failed or a
+        process that died, 2 on bad input, 130 if interrupted outside of the flight.
     """
     arguments = make_parser().parse_args(argv)
     try:
-        return arguments.command(arguments)
-    except BadInput as error:
+        with termination_as_interrupt():
+            return arguments.command(arguments)
+    except (BadInput, ProcessDied) as error:
         print(f"aerodrake: {error}", file=sys.stderr)
-        return 2
+        return 2 if isinstance(error, BadInput) else 1
     except KeyboardInterrupt:
         print("aerodrake: interrupted", file=sys.stderr)
         return 130

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from aerodrake.dataset import load_samples, save_samples
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ProcessDied
 from aerodrake.fingerprint import digest, plant_hash
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.residual_features import feature_names
@@ -49,6 +49,7 @@ def collect(
     Raises:
         BadInput: if a file holds something else, which is left as it is; or if a
             stage cannot be flown.
+        ProcessDied: if the process of a stage did; stages flown before stay.
     """
     flights: dict[str, Flight] = {}
     files = {stage.name: describe(scenario, stage) for stage in stages}
@@ -67,6 +68,8 @@ def collect(
         stage = missing[i]
         if isinstance(result, BadInput):
             raise result
+        if isinstance(result, ProcessDied):
+            raise ProcessDied(f"stage {stage.name}: {result}")
         if isinstance(result, Exception):
             raise BadInput(
                 scenario.source, "", f"stage {stage.name} could not be flown: {result}"

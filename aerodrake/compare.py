@@ -177,12 +177,17 @@ def compare(
     Returns:
         The summary of each, in their order; of one whose process raised or died,
         `exit_reason` failed and `exit_cause` alone. It leaves no folder.
+
+    Raises:
+        OSError: if a folder cannot be written.
     """
     names = list(variants)
     outcomes: dict[str, dict[str, Any]] = {}
     flights = [(variants[name], folder / name) for name in names]
     for index, outcome in run_parallel(_fly, flights, jobs):
         name = names[index]
+        if isinstance(outcome, OSError | BadInput):
+            raise outcome  # No fault of the variant's: there is no room to write it, say.
         if isinstance(outcome, Exception):
             shutil.rmtree(folder / name, ignore_errors=True)
             outcome = failure(outcome)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from aerodrake.errors import file_at
 from aerodrake.fault_kinds import MPC_FAULTS
 from aerodrake.guidance import make_guidance
 from aerodrake.model.clik import InverseKinematics
@@ -126,7 +127,9 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     builder.ExportInput(kinematics.GetInputPort("state"), "state")
     for consumer in (controller, residual_estimator, equivalent_state, supervisor):
         builder.ConnectInput("state", consumer.GetInputPort("state"))
-    if (direction := make_direction(scenario.orientation)) is not None:
+    with file_at(scenario.source, "orientation.file"):
+        direction = make_direction(scenario.orientation)
+    if direction is not None:
         pointing = builder.AddNamedSystem(
             "pointing",
             PointingSystem(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 
 class BadInput(Exception):
@@ -24,6 +25,35 @@ class BadInput(Exception):
 
     def __str__(self) -> str:
         return ": ".join(_printable(part) for part in self.args if part)
+
+    @property
+    def source(self) -> str:
+        """The file or option the input came from."""
+        return self.args[0]
+
+    @property
+    def key(self) -> str:
+        """The dotted key inside the source; empty where there is none."""
+        return self.args[1]
+
+
+class ScenarioError(BadInput):
+    """A scenario that cannot be used, or a file that it names."""
+
+
+class ProcessDied(Exception):
+    """A process of a command that was killed: no bad input, and no bug of ours."""
+
+
+@contextmanager
+def file_at(source: object, key: str) -> Iterator[None]:
+    """What is wrong with the file that a scenario names at `key` is wrong with the scenario."""
+    try:
+        yield
+    except ScenarioError:
+        raise
+    except BadInput as error:
+        raise ScenarioError(source, key, ": ".join(filter(None, error.args))) from None
 
 
 def nearest(name: object, valid: Iterable[str]) -> str:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import os
-import tempfile
+import stat
 import zipfile
 from importlib import resources
 from pathlib import Path
 
 from aerodrake.errors import BadInput
+from aerodrake.scratch import scratch_folder
 
 PACKAGE = "package://aerodrake/"
 
@@ -22,7 +22,8 @@ def is_packaged(file: str) -> bool:
 
 def leaves_package(file: str) -> bool:
     """Whether a `package://` URI names another package, or a file outside of this one."""
-    return not file.startswith(PACKAGE) or ".." in file.split("/")
+    parts = file.removeprefix(PACKAGE).split("/")
+    return not file.startswith(PACKAGE) or ".." in parts or "" in parts
 
 
 def locate(file: str) -> Path:
@@ -35,26 +36,34 @@ def locate(file: str) -> Path:
 def read_bounded(path: Path, most: int) -> bytes:
     """The content of a file that came from anywhere.
 
+    Pipes and devices, which may never begin or never end, are not read.
+
     Raises:
         BadInput: if it cannot be read, or is longer than `most` bytes.
     """
     try:
-        with open(path, "rb") as file:
+        # A pipe without a writer is opened at once, to be refused.
+        with open(path, "rb", opener=lambda p, flags: os.open(p, flags | os.O_NONBLOCK)) as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise BadInput(path, "", "expected a file, got a pipe or a device")
             content = file.read(most + 1)
-    except OSError as error:
-        raise BadInput(path, "", f"expected a readable file: {error.strerror}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise BadInput(path, "", f"expected a readable file: {reason}") from None
     if len(content) > most:
         raise BadInput(path, "", f"expected at most {most} bytes")
     return content
 
 
 def is_stored_zip(content: bytes) -> bool:
-    """Whether it is a zip without compression, so that what is small stays small when read."""
+    """Whether it is a zip that is no smaller than all that is in it."""
     try:
         entries = zipfile.ZipFile(io.BytesIO(content)).infolist()
     except Exception:  # What a malformed file raises is not documented.
         return False
-    return all(entry.compress_type == zipfile.ZIP_STORED for entry in entries)
+    is_stored = all(entry.compress_type == zipfile.ZIP_STORED for entry in entries)
+    # Entries that share their bytes would add up to more.
+    return is_stored and sum(entry.file_size for entry in entries) <= len(content)
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -63,21 +72,16 @@ def write_whole(path: Path, content: bytes) -> None:
     Raises:
         BadInput: if it cannot be written.
     """
-    place = Path(path).resolve()
-    scratch = None
     try:
+        place = Path(os.path.realpath(path))
         mode = place.stat().st_mode & 0o777 if place.exists() else 0o666 & ~umask()
-        with tempfile.NamedTemporaryFile(dir=place.parent, prefix=".", delete=False) as file:
-            scratch = Path(file.name)
-            file.write(content)
-        scratch.chmod(mode)
-        os.replace(scratch, place)
-    except OSError as error:
-        raise BadInput(path, "", f"cannot be written: {error.strerror}") from None
-    finally:
-        if scratch is not None:
-            with contextlib.suppress(OSError):
-                scratch.unlink()
+        with scratch_folder(place.parent) as scratch:
+            (scratch / "new").write_bytes(content)
+            (scratch / "new").chmod(mode)
+            os.replace(scratch / "new", place)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise BadInput(path, "", f"cannot be written: {reason}") from None
 
 
 def umask() -> int:

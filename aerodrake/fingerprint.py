@@ -6,9 +6,11 @@ import hashlib
 import json
 from typing import Any
 
-from aerodrake.files import locate
+from aerodrake.errors import file_at
+from aerodrake.files import locate, read_bounded
 from aerodrake.scenario import Scenario
 from aerodrake.schema import as_mapping
+from aerodrake.urdf import MAX_BYTES
 
 PLANT_SECTIONS = ("vehicle", "flight", "arm", "rates", "model")
 """What decides the residual velocity, apart from noise, weather and what is off the model."""
@@ -20,12 +22,17 @@ def scenario_hash(scenario: Scenario) -> str:
 
 
 def plant_hash(scenario: Scenario) -> str:
-    """Of the vehicle, with the robot's file as it is now, its controllers and its model."""
+    """Of the vehicle, with the robot's file as it is now, its controllers and its model.
+
+    Raises:
+        ScenarioError: if that file cannot be read.
+    """
     sections = as_mapping(scenario)
-    robot = sections["vehicle"].pop("robot")
+    with file_at(scenario.source, "vehicle.robot"):
+        content = read_bounded(locate(sections["vehicle"].pop("robot")), MAX_BYTES)
     return digest(
         {
-            "robot": hashlib.sha256(locate(robot).read_bytes()).hexdigest(),
+            "robot": hashlib.sha256(content).hexdigest(),
             **{section: sections[section] for section in PLANT_SECTIONS},
         }
     )

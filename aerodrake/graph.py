@@ -16,6 +16,7 @@ from pathlib import Path
 from pydrake.systems.framework import Diagram, InputPort, OutputPort, PortDataType, System
 
 from aerodrake.errors import BadInput, nearest
+from aerodrake.files import write_whole
 
 Port = InputPort | OutputPort
 
@@ -128,7 +129,7 @@ def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
     for suffix, content in contents.items():
         if content:
             written.append(folder / f"{name}.{suffix}")
-            written[-1].write_bytes(content)
+            write_whole(written[-1], content)
     return written
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from aerodrake.errors import file_at
 from aerodrake.fault_kinds import REFERENCE_FAULTS
 from aerodrake.model.horizon import stage_times
 from aerodrake.model.reference import make_reference
@@ -23,7 +24,8 @@ def make_guidance(scenario: Scenario, vehicle: Vehicle) -> Diagram:
     """
     period = scenario.rates.mpc_period_s
     stages_s = stage_times(scenario.mpc, period)
-    curve = make_reference(scenario.reference, vehicle.p_E)
+    with file_at(scenario.source, "reference.file"):
+        curve = make_reference(scenario.reference, vehicle.p_E)
     builder = DiagramBuilder()
     reference = builder.AddNamedSystem(
         "reference", ReferenceSystem(curve, vehicle.p_E, scenario.settle_s, stages_s)

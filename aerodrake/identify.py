@@ -32,7 +32,7 @@ from pydrake.trajectories import PiecewisePolynomial
 from scipy.integrate import cumulative_trapezoid
 from scipy.signal import chirp
 
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ProcessDied, ScenarioError
 from aerodrake.excitation import excite
 from aerodrake.model.identification import GainFit, fit_gain
 from aerodrake.model.motion import held_acceleration_motion
@@ -129,18 +129,21 @@ def identify(
         progress: Called with the simulated time in s of each flight that is done.
 
     Raises:
-        BadInput: if the base does not answer its setpoint as the model has it.
+        ScenarioError: if the base does not answer its setpoint as the model has it.
+        ProcessDied: if the process of a flight did.
     """
     Vehicle.load(scenario)  # A bad robot is better refused here than six times there.
     manoeuvres = [Manoeuvre(scenario, axis, arm) for axis in range(3) for arm in ARMS]
     records: dict[tuple[int, str], Record] = {}
     for index, result in run_parallel(fly, manoeuvres, jobs):
         manoeuvre = manoeuvres[index]
+        name = f"{AXES[manoeuvre.axis]}, arm {manoeuvre.arm}"
         if isinstance(result, BadInput):
             raise result
+        if isinstance(result, ProcessDied):
+            raise ProcessDied(f"{name}: {result}")
         if isinstance(result, Exception):
-            name = AXES[manoeuvre.axis]
-            raise RuntimeError(f"{name}, arm {manoeuvre.arm}: its process failed") from result
+            raise RuntimeError(f"{name}: its process failed") from result
         records[manoeuvre.axis, manoeuvre.arm] = result
         progress(DURATION_S)
     axes = {
@@ -170,7 +173,7 @@ def fly(manoeuvre: Manoeuvre) -> Record:
     """Flies one manoeuvre. Noise is that of the scenario's seed, different in each.
 
     Raises:
-        BadInput: if the vehicle crashes.
+        ScenarioError: if the vehicle crashes.
     """
     scenario, axis, arm = manoeuvre.scenario, manoeuvre.axis, manoeuvre.arm
     seeds = np.random.SeedSequence([scenario.seed, axis, ARMS.index(arm)])
@@ -216,8 +219,8 @@ def arm_motion(scenario: Scenario, vehicle: Vehicle, arm: str) -> PiecewisePolyn
     return held_acceleration_motion(vehicle.working, velocity, period)
 
 
-def _not_first_order(scenario: Scenario, problem: str) -> BadInput:
-    return BadInput(
+def _not_first_order(scenario: Scenario, problem: str) -> ScenarioError:
+    return ScenarioError(
         scenario.source,
         "flight",
         f"expected a base that answers as p' = K_B (p_d - p), with R^2 of {LEAST_R2:g} "

@@ -10,6 +10,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import SymbolicVectorSystem
 
+from aerodrake.errors import file_at
 from aerodrake.model.payload import add_payload
 from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
@@ -42,7 +43,8 @@ def add_physics(builder: DiagramBuilder, scenario: Scenario, vehicle: Vehicle) -
     plant = builder.AddNamedSystem("plant", MultibodyPlant(step))
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, scenario.vehicle.robot, scenario.mismatch)
+    with file_at(scenario.source, "vehicle.robot"):
+        add_robot(plant, scenario.vehicle.robot, scenario.mismatch)
     add_payload(plant, scenario.payload.mass_kg)
     add_ground(plant)
     plant.SetUseSampledOutputPorts(False)  # With them a step would be an unrestricted update.

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
+import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from multiprocessing import connection
 from typing import TypeVar
 
-from pebble import ProcessPool
+from pebble import ProcessExpired, ProcessPool
+
+from aerodrake.errors import ProcessDied
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -19,8 +25,9 @@ def run_parallel(
     """Yields (index, what `function` returned or raised) as the items finish.
 
     Each item has a process of its own: Drake's diagrams are never collected
-    while theirs lives, and one that dies fails its own item only. Whoever stops
-    iterating, as by Ctrl-C, stops them all.
+    while theirs lives, and one that dies fails its own item only, with
+    `ProcessDied`. Whoever stops iterating, as by Ctrl-C, stops them all, and
+    they end with this process, however it ends.
 
     Args:
         function: Importable by name; it and the items are sent to the processes.
@@ -28,7 +35,7 @@ def run_parallel(
         jobs: How many processes at a time.
     """
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPool(max_workers=jobs, max_tasks=1, context=context)
+    pool = ProcessPool(max_workers=jobs, max_tasks=1, initializer=_end_with_parent, context=context)
     try:
         running: dict[Future, int] = {}
         sent = 0
@@ -38,7 +45,24 @@ def run_parallel(
             sent = len(items)
             future = next(iter(wait(running, return_when=FIRST_COMPLETED).done))
             error = future.exception()
+            if isinstance(error, ProcessExpired):
+                error = ProcessDied(f"its process died of {_cause(error.exitcode)}")
             yield running.pop(future), future.result() if error is None else error
     finally:
         pool.stop()
         pool.join()
+
+
+def _end_with_parent() -> None:
+    """Makes this process end when its parent does, even if that is killed."""
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def _cause(exit_code: int) -> str:
+    return signal.Signals(-exit_code).name if exit_code < 0 else f"exit code {exit_code}"

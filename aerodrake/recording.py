@@ -8,6 +8,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from aerodrake.errors import BadInput
+
 
 class Recording(Mapping[str, np.ndarray]):
     """Signals by key, of which the samples are in a file without a name.
@@ -29,12 +31,22 @@ class Recording(Mapping[str, np.ndarray]):
         weakref.finalize(self, self._file.close)
 
     def append(self, times: np.ndarray, samples: np.ndarray) -> None:
-        """Adds samples (size, T), one a column, that were taken at times (T,) in s."""
+        """Adds samples (size, T), one a column, that were taken at times (T,) in s.
+
+        Raises:
+            BadInput: if there is no room for them.
+        """
         # After the last whole block: what an interrupt left of another is written over.
         before = sum(length for _, length in self._blocks)
         offset = self._file.seek(before * len(samples) * samples.itemsize)
         # Row by row: those of one key are together, and the others need not be read.
-        self._file.write(np.ascontiguousarray(samples).data)
+        rest = memoryview(np.ascontiguousarray(samples)).cast("B")
+        try:
+            while rest:  # A disk takes less than it is given before it is full.
+                rest = rest[self._file.write(rest) :]
+        except OSError as error:
+            problem = f"cannot be written during the flight: {error.strerror}"
+            raise BadInput(tempfile.gettempdir(), "", problem) from None
         self._times.append(times.copy())
         self._blocks.append((offset, samples.shape[1]))
 

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import shutil
 from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Any
 
-import yaml
-from pydrake.common.yaml import yaml_dump, yaml_load_data
-
-from aerodrake.errors import BadInput, nearest
+from aerodrake.errors import BadInput, ScenarioError, nearest
+from aerodrake.files import read_bounded
+from aerodrake.inputs import copy_inputs
 from aerodrake.scenario import Scenario
-from aerodrake.scenario_rules import check
+from aerodrake.scenario_rules import MAX_NAME_BYTES, check
+from aerodrake.scenario_yaml import dump, parse
 from aerodrake.schema import as_mapping, build, map_files
 
 MAX_FILE_BYTES = 100_000
@@ -39,13 +37,13 @@ def load_scenario(name_or_path: str, overrides: Iterable[tuple[str, str]] = ()) 
             are relative to the file.
 
     Raises:
-        BadInput: if the scenario is missing, unreadable or invalid.
+        ScenarioError: if the scenario is missing, unreadable or invalid.
     """
     path = _find(name_or_path)
-    data = _parse(_read(path), path)
+    data = parse(_read(path), path)
     if not isinstance(data, Mapping) or not data:
         found = "" if data else ", got an empty file"
-        raise BadInput(path, "", f"expected a mapping of scenario keys to values{found}")
+        raise ScenarioError(path, "", f"expected a mapping of scenario keys to values{found}")
     scenario = map_files(build(Scenario, data, path), lambda file: path.parent.resolve() / file)
     source = str(path)
     for option, assignment in overrides:
@@ -53,34 +51,25 @@ def load_scenario(name_or_path: str, overrides: Iterable[tuple[str, str]] = ()) 
         source += f" {option} {assignment.removeprefix(option.removeprefix('--') + '=')}"
     scenario = map_files(scenario, Path.absolute)
     check(scenario, source)
-    return dataclasses.replace(scenario, name=scenario.name or path.stem, source=source)
+    return dataclasses.replace(scenario, name=scenario.name or _name(path), source=source)
 
 
 def save_scenario(scenario: Scenario, folder: Path) -> Path:
     """Writes `scenario.yaml`, and a copy of each file it refers to, into `folder`.
 
     What is written is complete and does not depend on the original's place:
-    running it again gives the same flight. Only a robot of your own stays
-    where it is, with its meshes.
+    running it again gives the same flight.
+
+    Raises:
+        OSError: if they cannot be written.
     """
 
-    def copy(file: Path) -> Path:
-        place = Path("inputs", file.name)
-        while (folder / place).exists():
-            place = place.with_name(f"other_{place.name}")
-        (folder / place).parent.mkdir(exist_ok=True)
-        shutil.copyfile(file, folder / place)
-        return place
+    def relative(file: Path) -> Path:
+        return file.relative_to(folder) if file.is_relative_to(folder) else file
 
-    vehicle = scenario.vehicle  # The robot stays where its meshes are.
-    portable = dataclasses.replace(
-        map_files(
-            dataclasses.replace(scenario, vehicle=dataclasses.replace(vehicle, robot="")), copy
-        ),
-        vehicle=vehicle,
-    )
+    portable = map_files(copy_inputs(scenario, folder / "inputs"), relative)
     path = folder / "scenario.yaml"
-    path.write_text(yaml_dump(as_mapping(portable)), encoding="utf-8")
+    path.write_text(dump(as_mapping(portable)), encoding="utf-8")
     return path
 
 
@@ -91,73 +80,40 @@ def _find(name_or_path: str) -> Path:
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml") or os.sep in name_or_path:
         return path
-    raise BadInput(
+    raise ScenarioError(
         name_or_path,
         "",
         f"no such scenario; {nearest(name_or_path, packaged)} or the path of a .yaml file",
     )
 
 
+def _name(path: Path) -> str:
+    """A scenario's name by that of its file, such as may be written down and be a folder's."""
+    stem = "".join(c if c.isprintable() and c not in "/\\" else "_" for c in path.stem)
+    return stem.lstrip(".").encode()[:MAX_NAME_BYTES].decode(errors="ignore") or "scenario"
+
+
 def _read(path: Path) -> str:
     try:
-        with path.open("rb") as file:
-            content = file.read(MAX_FILE_BYTES + 1)
-        if len(content) > MAX_FILE_BYTES:
-            raise BadInput(path, "", f"expected a scenario of at most {MAX_FILE_BYTES} bytes")
-        return content.decode("utf-8")
-    except OSError as error:
-        raise BadInput(path, "", f"cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise BadInput(path, "", "expected UTF-8 text") from None
-    except ValueError as error:  # A path with a NUL in it.
-        raise BadInput(path, "", f"cannot be read: {error}") from None
-
-
-def _parse(text: str, source: object) -> Any:
-    try:
-        _check_node(yaml.compose(text, Loader=yaml.SafeLoader), source, set())
-        return yaml_load_data(text, private=True)
-    except yaml.MarkedYAMLError as error:
-        line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
-        raise BadInput(source, "", f"expected YAML; {line}{error.problem}") from None
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise BadInput(source, "", f"expected YAML; {error}") from None
-
-
-def _check_node(node: yaml.Node | None, source: object, seen: set[int]) -> None:
-    """Refuses what YAML would take in silence: aliases, merges, keys twice or no names."""
-    if id(node) in seen:
-        line = node.start_mark.line + 1
-        raise BadInput(source, "", f"line {line}: expected no aliases; write the value out")
-    seen.add(id(node))
-    if isinstance(node, yaml.SequenceNode):
-        for item in node.value:
-            _check_node(item, source, seen)
-    elif isinstance(node, yaml.MappingNode):
-        names = set()
-        for key, value in node.value:
-            name = str(key.value)
-            line = f"line {key.start_mark.line + 1}"
-            if key.tag != "tag:yaml.org,2002:str":
-                raise BadInput(source, "", f"{line}: expected a name as key, got {name}")
-            if name in names:
-                raise BadInput(source, name, f"{line}: expected each key once")
-            names.add(name)
-            _check_node(value, source, seen)
+        return read_bounded(path, MAX_FILE_BYTES).decode("utf-8")
+    except BadInput as error:
+        raise ScenarioError(*error.args) from None
+    except UnicodeDecodeError as error:
+        raise ScenarioError(path, "", f"expected UTF-8 text; byte {error.start} is none") from None
 
 
 def _override(scenario: Scenario, option: str, assignment: str) -> Scenario:
     key, equals, text = assignment.partition("=")
     if not equals or not key:
-        raise BadInput(option, "", f"expected dotted.key=value, got '{assignment}'")
-    value = _parse(text, option)
+        raise ScenarioError(option, "", f"expected dotted.key=value, got '{assignment}'")
+    value = parse(text, option, key)
     data = as_mapping(scenario)
     node = data
     *parents, leaf = key.split(".")
     for depth, name in enumerate(parents):
         if not isinstance(node.get(name), dict):
             sections = [k for k, v in node.items() if isinstance(v, dict)]
-            raise BadInput(
+            raise ScenarioError(
                 option,
                 ".".join(parents[: depth + 1]),
                 f"unknown section; {nearest(name, sections)}",

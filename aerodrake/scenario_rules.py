@@ -5,10 +5,13 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from aerodrake.errors import BadInput
+from aerodrake.errors import ScenarioError
 from aerodrake.fault_kinds import MPC_FAULTS, SAMPLE_GROUPS
 from aerodrake.reference_kinds import AxisAlong, FixedAxis, OrientationOff, Waypoints
 from aerodrake.scenario import Scenario
+
+MAX_NAME_BYTES = 200
+"""A scenario's name, which is part of that of a folder, is no longer."""
 
 SHORTEST_AXIS = 1e-3
 """What is shorter has no direction."""
@@ -22,14 +25,14 @@ def check(scenario: Scenario, source: object) -> None:
         source: Named in errors: the file, and the options on top of it.
 
     Raises:
-        BadInput: where keys contradict each other.
+        ScenarioError: where keys contradict each other.
     """
     for field in dataclasses.fields(scenario.rates):
         _check_steps(scenario, source, f"rates.{field.name}", getattr(scenario.rates, field.name))
     _check_steps(scenario, source, "sensors.base_delay_s", scenario.sensors.base_delay_s)
     late = scenario.filter.delay_s / scenario.rates.sensor_period_s
     if abs(late - round(late)) > 1e-6:
-        raise BadInput(
+        raise ScenarioError(
             source,
             "filter.delay_s",
             f"expected a multiple of rates.sensor_period_s ({scenario.rates.sensor_period_s:g} s), "
@@ -38,35 +41,39 @@ def check(scenario: Scenario, source: object) -> None:
     for key in ("sensor_period_s", "flight_period_s"):
         ticks = scenario.rates.mpc_period_s / getattr(scenario.rates, key)
         if abs(ticks - round(ticks)) > 1e-6:
-            raise BadInput(
+            raise ScenarioError(
                 source,
                 "rates.mpc_period_s",
                 f"expected a multiple of rates.{key} ({getattr(scenario.rates, key):g} s), "
                 f"got {scenario.rates.mpc_period_s:g} s",
             )
     if scenario.rates.flight_period_s < scenario.rates.sensor_period_s - 1e-9:
-        raise BadInput(
+        raise ScenarioError(
             source,
             "rates.flight_period_s",
             f"expected rates.sensor_period_s ({scenario.rates.sensor_period_s:g} s) or more, since "
             f"each tick takes its sample as new; got {scenario.rates.flight_period_s:g} s",
         )
-    if any(sign in scenario.name for sign in "/\\") or scenario.name.startswith("."):
-        raise BadInput(
+    if set(scenario.name) & {*"/\\"} or scenario.name.startswith("."):
+        raise ScenarioError(
             source, "name", f"expected a name that can be a folder's, got '{scenario.name}'"
         )
+    if len(scenario.name.encode()) > MAX_NAME_BYTES:
+        raise ScenarioError(
+            source, "name", f"expected {MAX_NAME_BYTES} bytes or less, got '{scenario.name:.20}...'"
+        )
     if isinstance(scenario.reference, Waypoints) and not scenario.reference.file:
-        raise BadInput(source, "reference.file", "expected the path of a CSV file t,x,y,z")
+        raise ScenarioError(source, "reference.file", "expected the path of a CSV file t,x,y,z")
     _check_orientation(scenario, source)
     if scenario.vehicle.rotor.min_thrust_n >= scenario.vehicle.rotor.max_thrust_n:
-        raise BadInput(
+        raise ScenarioError(
             source,
             "vehicle.rotor.min_thrust_n",
             f"expected less than max_thrust_n ({scenario.vehicle.rotor.max_thrust_n:g} N), "
             f"got {scenario.vehicle.rotor.min_thrust_n:g} N",
         )
     if scenario.model.kind == "velocity_aware" and scenario.flight.interface != "trajectory":
-        raise BadInput(
+        raise ScenarioError(
             source,
             "model.kind",
             "velocity_aware expects flight.interface trajectory, since a base that is "
@@ -75,12 +82,12 @@ def check(scenario: Scenario, source: object) -> None:
     for i, fault in enumerate(scenario.faults):
         if scenario.controller == "clik" and isinstance(fault, MPC_FAULTS):
             message = f"controller clik expects no fault of the MPC, got '{fault.kind}'"
-            raise BadInput(source, f"faults[{i}].kind", message)
+            raise ScenarioError(source, f"faults[{i}].kind", message)
     _check_supervisor(scenario, source)
     allocation = scenario.allocation
     for key in ("k_q", "k_m"):
         if scenario.controller == "clik" and getattr(allocation, key) == 0:
-            raise BadInput(
+            raise ScenarioError(
                 source,
                 f"allocation.{key}",
                 "controller clik expects more than 0, as a weight; got 0",
@@ -91,7 +98,7 @@ def check(scenario: Scenario, source: object) -> None:
     ):
         if high <= low:
             message = f"expected more than d_h_m ({low:g} m), got {high:g} m"
-            raise BadInput(source, f"allocation.{key}", message)
+            raise ScenarioError(source, f"allocation.{key}", message)
 
 
 def _check_supervisor(scenario: Scenario, source: object) -> None:
@@ -101,14 +108,14 @@ def _check_supervisor(scenario: Scenario, source: object) -> None:
     plan_s = own.plan_ticks * scenario.rates.mpc_period_s
     for early, late in pairs:
         if getattr(own, late) <= getattr(own, early):
-            raise BadInput(
+            raise ScenarioError(
                 source,
                 f"supervisor.{late}",
                 f"expected more than {early} ({getattr(own, early):g} s), "
                 f"got {getattr(own, late):g} s",
             )
     if own.plan_lost_s <= plan_s:
-        raise BadInput(
+        raise ScenarioError(
             source,
             "supervisor.plan_lost_s",
             f"expected more than plan_ticks last ({plan_s:g} s), got {own.plan_lost_s:g} s",
@@ -118,7 +125,7 @@ def _check_supervisor(scenario: Scenario, source: object) -> None:
 def _check_steps(scenario: Scenario, source: object, key: str, time: float) -> None:
     step = scenario.rates.plant_step_s
     if abs(time / step - round(time / step)) > 1e-6:
-        raise BadInput(
+        raise ScenarioError(
             source,
             key,
             f"expected a multiple of rates.plant_step_s ({step:g} s), got {time:g} s",
@@ -128,16 +135,18 @@ def _check_steps(scenario: Scenario, source: object, key: str, time: float) -> N
 def _check_orientation(scenario: Scenario, source: object) -> None:
     orientation = scenario.orientation
     if isinstance(orientation, FixedAxis) and math.hypot(*orientation.axis) < SHORTEST_AXIS:
-        raise BadInput(
+        raise ScenarioError(
             source,
             "orientation.axis",
             f"expected a direction, of length {SHORTEST_AXIS:g} or more, "
             f"got {list(orientation.axis)}",
         )
     if isinstance(orientation, AxisAlong) and not orientation.file:
-        raise BadInput(source, "orientation.file", "expected the path of a CSV file t,ax,ay,az")
+        raise ScenarioError(
+            source, "orientation.file", "expected the path of a CSV file t,ax,ay,az"
+        )
     if scenario.controller == "clik" and not isinstance(orientation, OrientationOff):
-        raise BadInput(
+        raise ScenarioError(
             source, "orientation.kind", f"controller clik expects off, got '{orientation.kind}'"
         )
 

@@ -21,7 +21,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from aerodrake.errors import BadInput, nearest
+from aerodrake.errors import ScenarioError, nearest
 from aerodrake.files import PACKAGE, is_packaged, leaves_package
 
 _REPR = reprlib.Repr()  # Bounded in depth and length, whatever the file held.
@@ -88,17 +88,17 @@ def build(cls: type, data: object, source: object, key: str = "") -> Any:
         An instance of `cls`; keys that `data` lacks have their defaults.
 
     Raises:
-        BadInput: on unknown keys, wrong types, lengths, or ranges.
+        ScenarioError: on unknown keys, wrong types, lengths, or ranges.
     """
     if not isinstance(data, Mapping):
-        raise BadInput(source, key, f"expected a mapping of keys to values, got {_show(data)}")
+        raise ScenarioError(source, key, f"expected a mapping of keys to values, got {_show(data)}")
     hints = typing.get_type_hints(cls)
     fields = {f.name: f for f in _data_fields(cls)}
     values = {}
     for name, value in data.items():
         dotted = f"{key}.{name}" if key else str(name)
         if name not in fields:
-            raise BadInput(source, dotted, f"unknown key; {nearest(name, fields)}")
+            raise ScenarioError(source, dotted, f"unknown key; {nearest(name, fields)}")
         values[name] = _convert(hints[name], fields[name].metadata, value, source, dotted)
     return cls(**values)
 
@@ -142,7 +142,7 @@ def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, 
         return build(hint, value, source, key)
     if hint is bool:
         if not isinstance(value, bool):
-            raise BadInput(source, key, f"expected true or false, got {_show(value)}")
+            raise ScenarioError(source, key, f"expected true or false, got {_show(value)}")
         return value
     if hint is str:
         return _string(meta, value, source, key)
@@ -151,27 +151,29 @@ def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, 
     element = typing.get_args(hint)[0]
     what = f"a list of {meta.get('length') or ''} numbers in {meta['unit']}"
     if not isinstance(value, list | tuple):
-        raise BadInput(source, key, f"expected {what}, got {_show(value)}")
+        raise ScenarioError(source, key, f"expected {what}, got {_show(value)}")
     if len(value) > MAX_LIST or (meta["length"] and len(value) != meta["length"]):
-        raise BadInput(source, key, f"expected {what}, got {len(value)} of them")
+        raise ScenarioError(source, key, f"expected {what}, got {len(value)} of them")
     return tuple(_number(element, meta, v, source, f"{key}[{i}]") for i, v in enumerate(value))
 
 
 def _build_union(options: tuple[type, ...], value: object, source: object, key: str) -> Any:
     kinds = {option.kind: option for option in options}
-    kind = _off(value.get("kind")) if isinstance(value, Mapping) else None
+    kind = value.get("kind") if isinstance(value, Mapping) else None
     if kind is None:
-        raise BadInput(source, key, f"expected a mapping with a kind {nearest('', kinds)}")
+        raise ScenarioError(source, key, f"expected a mapping with a kind {nearest('', kinds)}")
     if not isinstance(kind, str) or kind not in kinds:
-        raise BadInput(source, f"{key}.kind", f"unknown kind {_show(kind)}; {nearest(kind, kinds)}")
+        raise ScenarioError(
+            source, f"{key}.kind", f"unknown kind {_show(kind)}; {nearest(kind, kinds)}"
+        )
     return build(kinds[kind], {k: v for k, v in value.items() if k != "kind"}, source, key)
 
 
 def _build_several(option: Any, value: object, source: object, key: str) -> tuple[Any, ...]:
     if not isinstance(value, list | tuple):
-        raise BadInput(source, key, f"expected a list of mappings, got {_show(value)}")
+        raise ScenarioError(source, key, f"expected a list of mappings, got {_show(value)}")
     if len(value) > MAX_LIST:
-        raise BadInput(source, key, f"expected at most {MAX_LIST} of them, got {len(value)}")
+        raise ScenarioError(source, key, f"expected at most {MAX_LIST} of them, got {len(value)}")
     return tuple(
         _build_union(typing.get_args(option), v, source, f"{key}[{i}]") for i, v in enumerate(value)
     )
@@ -179,22 +181,17 @@ def _build_several(option: Any, value: object, source: object, key: str) -> tupl
 
 def _string(meta: Mapping[str, Any], value: object, source: object, key: str) -> str:
     options = meta.get("options")
-    if options:
-        value = _off(value)
     if not isinstance(value, str):
-        raise BadInput(source, key, f"expected a string, got {_show(value)}")
+        raise ScenarioError(source, key, f"expected a string, got {_show(value)}")
     if options and value not in options:
-        raise BadInput(source, key, f"unknown value {_show(value)}; {nearest(value, options)}")
+        raise ScenarioError(source, key, f"unknown value {_show(value)}; {nearest(value, options)}")
     if not value.isprintable():
-        raise BadInput(source, key, f"expected printable text, got {_show(value)}")
+        raise ScenarioError(source, key, f"expected printable text, got {_show(value)}")
     if meta.get("file") and is_packaged(value) and leaves_package(value):
-        raise BadInput(source, key, f"expected {PACKAGE}... inside the package, got {_show(value)}")
+        raise ScenarioError(
+            source, key, f"expected {PACKAGE}... inside the package, got {_show(value)}"
+        )
     return value
-
-
-def _off(value: object) -> object:
-    """YAML reads a bare `off` as false."""
-    return ("on" if value else "off") if isinstance(value, bool) else value
 
 
 def _number(
@@ -204,12 +201,12 @@ def _number(
     kind = "a whole number" if hint is int else "a number"
     unit = "" if meta["unit"] == "1" else f" {meta['unit']}"
     expected = f"expected {kind} in [{low:.10g}, {high:.10g}]{unit}"
-    problem = BadInput(source, key, f"{expected}, got {_show(value)}")
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
+    problem = ScenarioError(source, key, f"{expected}, got {_show(value)}")
+    if isinstance(value, bool) or not isinstance(value, int | float):
         raise problem
     try:
-        number = float(value)  # YAML reads 1e-3, without its point, as a string.
-    except (ValueError, OverflowError):
+        number = float(value)
+    except OverflowError:
         raise problem from None
     if not math.isfinite(number) or not low <= number <= high:
         raise problem

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
@@ -10,16 +11,18 @@ import numpy as np
 from tqdm import tqdm
 
 from aerodrake.collection import collect
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ScenarioError
 from aerodrake.evaluation import Evaluation, evaluate
 from aerodrake.files import write_whole
 from aerodrake.fingerprint import plant_hash, scenario_hash
+from aerodrake.interrupts import held_interrupts
 from aerodrake.model.checkpoint import Provenance, load, save
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.linear_residual import LinearResidual
 from aerodrake.model.training import Training, train
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Scenario
+from aerodrake.scratch import scratch_folder
 from aerodrake.stages import Stage
 from aerodrake.summary import to_json
 from aerodrake.threads import single_thread
@@ -56,7 +59,7 @@ def train_scenario(
     """
     vehicle = Vehicle.load(scenario)
     if scenario.model.kind == "integral":
-        raise BadInput(
+        raise ScenarioError(
             scenario.source,
             "model.kind",
             "expected flight, velocity_aware, paper or exact; the integral model has no residual",
@@ -120,11 +123,13 @@ def train_scenario(
         "validation_loss": trained.validation_loss.tolist(),
         **evaluation.as_mapping(),
     }
-    save(folder / CHECKPOINT, trained.network, provenance)
-    write_whole(folder / LOG, to_json(log).encode())
+    title = f"{scenario.name}: held-out flight {held_out[-1].twin or held_out[-1].name}"
     try:
-        title = f"{scenario.name}: held-out flight {held_out[-1].twin or held_out[-1].name}"
-        plot_training(trained, delta, targets / gain, model.dt, title, folder / FIGURE)
+        with held_interrupts(), scratch_folder(folder) as scratch:
+            plot_training(trained, delta, targets / gain, model.dt, title, scratch / FIGURE)
+            save(folder / CHECKPOINT, trained.network, provenance)
+            write_whole(folder / LOG, to_json(log).encode())
+            os.replace(scratch / FIGURE, folder / FIGURE)
     except OSError as error:
         raise BadInput("--out", "", f"cannot write {folder}: {error.strerror}") from None
     return evaluation
@@ -136,7 +141,10 @@ def _prepare(folder: Path, joints: int) -> None:
     try:
         if folder.exists():
             names = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
-            if names - known or (FIGURE in names) != (CHECKPOINT in names):
+            # Killed, it may have left a network without a figure, but then beside its stages.
+            has_network = CHECKPOINT in names
+            is_whole = has_network == (FIGURE in names) or has_network and STAGES in names
+            if names - known or not is_whole:
                 raise BadInput(
                     "--out", "", f"{folder} holds files that are not of an earlier training"
                 )

@@ -1,4 +1,12 @@
-"""What all tests share: the default flight and its vehicle, and repeatable properties."""
+"""What all tests share: the default flight and its vehicle, repeatable properties, and `--long`.
+
+Campaigns fly, kill or feed a small sample by default, and all of it by
+
+    pytest --long
+
+or `pytest --long tests/test_scenario_fuzz.py` for one of them. Each asks the
+fixture `long` which of the two it is.
+"""
 
 import hypothesis
 import pytest
@@ -9,6 +17,16 @@ from aerodrake.scenario import Scenario
 
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("repeatable")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--long", action="store_true", help="all of each campaign, not a sample")
+
+
+@pytest.fixture(scope="session")
+def long(request: pytest.FixtureRequest) -> bool:
+    """Whether all of a campaign is asked for."""
+    return request.config.getoption("--long")
 
 
 @pytest.fixture(scope="session", autouse=True)

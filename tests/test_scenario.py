@@ -125,13 +125,6 @@ def test_a_fault_is_active_from_its_start_until_before_its_end():
     assert [bool(fault.is_active(t)) for t in (0.09, 0.1, 0.29, 0.3)] == [False, True, True, False]
 
 
-def test_a_bare_off_is_off():
-    """YAML reads it as false."""
-    assert build(Scenario, {"orientation": {"kind": False}}, "f.yaml") == Scenario()
-    with pytest.raises(BadInput, match="orientation.kind: unknown kind 'on'"):
-        build(Scenario, {"orientation": {"kind": True}}, "f.yaml")
-
-
 @pytest.mark.parametrize(
     ("axis", "expected"),
     [

@@ -2,13 +2,12 @@
 
 import dataclasses
 import os
-import threading
 import time
 from pathlib import Path
 
 import pytest
 
-from aerodrake.errors import BadInput
+from aerodrake.errors import ScenarioError
 from aerodrake.model.waypoints import read_waypoints
 from aerodrake.reference_kinds import Clover, FixedAxis, OrientationOff, Waypoints
 from aerodrake.scenario import Model, Scenario
@@ -36,7 +35,7 @@ def write(tmp_path):
 
 def refuses(path: str, *overrides: tuple[str, str]) -> str:
     """The message about a scenario that cannot be used."""
-    with pytest.raises(BadInput) as caught:
+    with pytest.raises(ScenarioError) as caught:
         load_scenario(path, overrides)
     message = str(caught.value)
     assert len(message) < 2000 and message.isprintable()
@@ -94,12 +93,15 @@ def test_a_bare_off_is_a_string(write):
         ("duration: 3\n  seed: 1\n", "expected YAML; line 2"),
         ("\tduration: 3\n", "expected YAML; line 1"),
         ("duration: [3\n", "expected YAML; line "),
-        ("duration: *nowhere\n", "expected YAML; line 1: found undefined alias"),
-        ("duration: !!python/object/apply:os.getcwd []\n", "expected YAML; line 1"),
-        ("duration: !unknown 3\n", "expected YAML; line 1"),
+        ("duration: *nowhere\n", "duration: line 1: expected no anchors and aliases"),
+        (
+            "duration: !!python/object/apply:os.getcwd []\n",
+            "duration: line 1: expected a value without",
+        ),
+        ("duration: !unknown 3\n", "duration: line 1: expected a value without a tag"),
         ("duration: \x07\n", "expected YAML; "),
         ("duration: 2020-01-01\n", "duration: expected a number"),
-        ("duration: !!binary aGVsbG8=\n", "duration: expected a number"),
+        ("duration: !!binary aGVsbG8=\n", "duration: line 1: expected a value without"),
         ("? [a, b]\n: 1\n", "line 1"),
         ("~: 1\n", "key"),
         ("3: 1\n", "key"),
@@ -123,24 +125,23 @@ def test_binary_is_no_scenario(write, content):
 
 def test_files_that_are_not_there(tmp_path):
     missing = str(tmp_path / "missing.yaml")
-    assert refuses(missing) == f"{missing}: cannot be read: No such file or directory"
+    assert refuses(missing) == f"{missing}: expected a readable file: No such file or directory"
     folder = tmp_path / "folder.yaml"
     folder.mkdir()
-    assert refuses(str(folder)) == f"{folder}: cannot be read: Is a directory"
-    assert "cannot be read" in refuses("x" * 300 + ".yaml")
+    assert refuses(str(folder)) == f"{folder}: expected a readable file: Is a directory"
+    assert "File name too long" in refuses("x" * 300 + ".yaml")
 
 
-def test_size_is_limited_whatever_the_file_claims(tmp_path):
-    """A pipe claims to be empty, and so do devices that never end."""
-    pipe = tmp_path / "pipe.yaml"
-    os.mkfifo(pipe)
-    content = b"#" * (MAX_FILE_BYTES + 1)
-    writer = threading.Thread(target=pipe.write_bytes, args=(content,))
-    writer.start()
-    try:
-        assert f"at most {MAX_FILE_BYTES} bytes" in refuses(str(pipe))
-    finally:
-        writer.join()
+def test_what_may_never_end_is_not_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe.yaml")
+    (tmp_path / "zero.yaml").symlink_to("/dev/zero")
+    (tmp_path / "loop.yaml").symlink_to("loop.yaml")
+    for name, problem in (
+        ("pipe.yaml", "expected a file, got a pipe or a device"),
+        ("zero.yaml", "expected a file, got a pipe or a device"),
+        ("loop.yaml", "Too many levels of symbolic links"),
+    ):
+        assert problem in refuses(str(tmp_path / name))
 
 
 def nested(text: str, template: str, levels: int) -> str:
@@ -174,7 +175,7 @@ def test_hostile_files_are_refused_at_once(write, text):
     path = write(text)
     start = time.process_time()
     assert refuses(path).startswith(f"{path}: ")
-    assert time.process_time() - start < 8
+    assert time.process_time() - start < 1
 
 
 # Overriding.
@@ -244,7 +245,7 @@ def test_naming_the_same_kind_again_keeps_its_keys(write):
         ("mpc.horizon=x", "mpc.horizon: expected a whole number in [2, 200] stages, got 'x'"),
         ("mpc.horizon=", "mpc.horizon: expected a whole number in [2, 200] stages, got None"),
         ("duration=10 s", "duration: expected a number in [0.02, 3600] s, got '10 s'"),
-        ("mpc.k_e=[1, 2", "expected YAML; line 1"),
+        ("mpc.k_e=[1, 2", "mpc.k_e: expected YAML; line 1"),
         ("source=x", "source: unknown key"),
         ("mpc..horizon=3", "mpc.: unknown section"),
         ("vehicle.rotor.min_thrust_n=30", "vehicle.rotor.min_thrust_n: expected less than"),

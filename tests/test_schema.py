@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import pytest
 
-from aerodrake.errors import BadInput
+from aerodrake.errors import ScenarioError
 from aerodrake.schema import (
     MAX_LIST,
     as_mapping,
@@ -54,7 +54,7 @@ class Root:
 
 
 def fails(data: object, expected: str) -> None:
-    with pytest.raises(BadInput) as caught:
+    with pytest.raises(ScenarioError) as caught:
         build(Root, data, "f.yaml")
     message = str(caught.value)
     assert message.startswith("f.yaml: ") and expected in message, message
@@ -125,6 +125,7 @@ def test_every_type_is_read():
         ({"speed": "10 m/s"}, "speed: expected a number in [-2, 2] m/s, got '10 m/s'"),
         ({"speed": ""}, "speed: expected a number in [-2, 2] m/s, got ''"),
         ({"speed": math.nan}, "speed: expected a number in [-2, 2] m/s, got nan"),
+        ({"speed": "1"}, "speed: expected a number in [-2, 2] m/s, got '1'"),
         ({"speed": "nan"}, "speed: expected a number in [-2, 2] m/s, got 'nan'"),
         ({"mass": math.inf}, "mass: expected a number in [-inf, inf] kg, got inf"),
         ({"speed": 10**400}, "speed: expected"),
@@ -151,6 +152,7 @@ def test_every_type_is_read():
         # Strings.
         ({"mode": "slw"}, "mode: unknown value 'slw'; did you mean 'slow'? (valid: off, on, slow)"),
         ({"mode": 3}, "mode: expected a string, got 3"),
+        ({"mode": False}, "mode: expected a string, got False"),
         ({"title": None}, "title: expected a string, got None"),
         ({"title": ["a"]}, "title: expected a string, got ['a']"),
         ({"quiet": 1}, "quiet: expected true or false, got 1"),
@@ -169,25 +171,22 @@ def test_messages_stay_short_whatever_was_in_the_file(key):
     for hostile in (nested, "k" * 100_000, {"kind": "k" * 100_000}, {"k" * 100_000: 1}):
         try:
             build(Root, {key: hostile}, "f.yaml")
-        except BadInput as error:
+        except ScenarioError as error:
             assert len(str(error)) < 2000
         else:
             assert key == "title" and isinstance(hostile, str)
 
 
-def test_yaml_ways_of_writing_numbers_and_switches():
-    assert build(Root, {"speed": "1e-3"}, "f.yaml").speed == 1e-3
+def test_a_whole_number_may_have_a_point():
     assert build(Root, {"count": 4.0}, "f.yaml").count == 4
-    assert build(Root, {"mode": False}, "f.yaml").mode == "off"
-    assert build(Root, {"mode": True}, "f.yaml").mode == "on"
 
 
-def test_a_yaml_boolean_is_no_free_text():
+def test_a_truth_value_is_no_text():
     fails({"title": False}, "title: expected a string, got False")
 
 
 def test_errors_name_the_key_they_are_told():
-    with pytest.raises(BadInput, match=r"^--set: outer\.speed: expected a number"):
+    with pytest.raises(ScenarioError, match=r"^--set: outer\.speed: expected a number"):
         build(Root, {"speed": 3}, "--set", "outer")
 
 

@@ -43,6 +43,8 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.comparison_report import FILES, comparison_table, headline, plot_comparison
     from aerodrake.compiled import is_cold
     from aerodrake.flight_log import FlightLog
+    from aerodrake.inputs import frozen
+    from aerodrake.interrupts import held_interrupts
     from aerodrake.margins import find_margins
     from aerodrake.margins_report import FILES as MARGINS_FILES
     from aerodrake.margins_report import margins_table, write_margins
@@ -53,39 +55,42 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.summary import to_json
 
     say = (lambda line: None) if arguments.quiet else print
-    variants = make_variants(scenario, arguments.variant)
-    joints = len(scenario.vehicle.working_rad)
-    for note in (
-        *warnings(scenario),
-        *provenance_notes(scenario, joints),
-        *thrust_notes(scenario),
-        *notes(scenario),
-    ):
-        say(f"note: {note}")
-    if is_cold():
-        say("note: equations are compiled first; this takes a minute, once on a machine")
     jobs, margins, written = arguments.jobs, None, FILES
-    with run_folder(target, FILES) as folder:
-        with tqdm(
-            total=len(variants), desc=scenario.name, unit="variant", disable=arguments.quiet
-        ) as bar:
-            summaries = compare(variants, folder, jobs, lambda name: bar.update())
-        comparison = {"scenario": scenario.name, "variants": summaries}
-        (folder / "comparison.json").write_text(to_json(comparison), encoding="utf-8")
-        logs = {
-            name: FlightLog.read(folder / name / "log.npz", summary)
-            for name, summary in summaries.items()
-            if summary["exit_reason"] != "failed"
-        }
-        own = OWN_VARIANT[scenario.residual.mode]
-        title = f"{scenario.name}, seed {scenario.seed}"
-        plot_comparison(logs, own, make_variant(scenario, own), title, folder / "comparison.png")
-        if arguments.margins:
-            title = f"{scenario.name} margins"
-            with tqdm(desc=title, unit="flight", disable=arguments.quiet) as bar:
-                margins = find_margins(variants, summaries, headline(summaries), jobs, bar.update)
-            write_margins(margins, scenario, folder)
-            written += MARGINS_FILES
+    with frozen(scenario) as scenario:
+        variants = make_variants(scenario, arguments.variant)
+        joints = len(scenario.vehicle.working_rad)
+        known = (*provenance_notes(scenario, joints), *thrust_notes(scenario), *notes(scenario))
+        for note in (*warnings(scenario), *known):
+            say(f"note: {note}")
+        if is_cold():
+            say("note: equations are compiled first; this takes a minute, once on a machine")
+        with run_folder(target, FILES) as folder:
+            with tqdm(
+                total=len(variants), desc=scenario.name, unit="variant", disable=arguments.quiet
+            ) as bar:
+                summaries = compare(variants, folder, jobs, lambda name: bar.update())
+            with held_interrupts():
+                comparison = {"scenario": scenario.name, "variants": summaries}
+                (folder / "comparison.json").write_text(to_json(comparison), encoding="utf-8")
+                logs = {
+                    name: FlightLog.read(folder / name / "log.npz", summary)
+                    for name, summary in summaries.items()
+                    if summary["exit_reason"] != "failed"
+                }
+                own = OWN_VARIANT[scenario.residual.mode]
+                title = f"{scenario.name}, seed {scenario.seed}"
+                plot_comparison(
+                    logs, own, make_variant(scenario, own), title, folder / "comparison.png"
+                )
+            if arguments.margins:
+                title = f"{scenario.name} margins"
+                with tqdm(desc=title, unit="flight", disable=arguments.quiet) as bar:
+                    margins = find_margins(
+                        variants, summaries, headline(summaries), jobs, bar.update
+                    )
+                with held_interrupts():
+                    write_margins(margins, scenario, folder)
+                written += MARGINS_FILES
     say(comparison_table(summaries, scenario.reference.kind))
     if margins:
         say(f"\n{margins_table(margins)}")

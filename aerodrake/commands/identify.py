@@ -45,12 +45,14 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake import identify_report
     from aerodrake.identify import DURATION_S, FLIGHTS, identify
+    from aerodrake.inputs import frozen
+    from aerodrake.interrupts import held_interrupts
     from aerodrake.run_folder import run_folder
 
     say = (lambda line: None) if arguments.quiet else print
     options = [f"--set={assignment}" for assignment in arguments.set]
     command = shlex.join(["aerodrake", "identify", arguments.scenario, *options])
-    with run_folder(target, identify_report.FILES) as folder:
+    with frozen(scenario) as copied, run_folder(target, identify_report.FILES) as folder:
         with tqdm(
             total=FLIGHTS * DURATION_S,
             desc=f"identify {scenario.name}",
@@ -58,8 +60,9 @@ def main(arguments: argparse.Namespace) -> int:
             disable=arguments.quiet,
             bar_format=FLIGHT_BAR,
         ) as bar:
-            found = identify(scenario, arguments.jobs, progress=bar.update)
-        identify_report.write(found, command, folder)
+            found = identify(copied, arguments.jobs, progress=bar.update)
+        with held_interrupts():
+            identify_report.write(found, command, folder)
     say(f"{target}: {', '.join(identify_report.FILES)}")
     if arguments.write:
         replace_numbers(Path(scenario.source), "model.k_b", found.k_b)

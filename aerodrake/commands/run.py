@@ -35,6 +35,8 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.compiled import is_cold
     from aerodrake.flight_folder import fly_into
+    from aerodrake.inputs import frozen
+    from aerodrake.interrupts import held_interrupts
     from aerodrake.model.scenario_network import provenance_notes
     from aerodrake.model.thrust_allocation import thrust_notes
     from aerodrake.replay import write_replay
@@ -44,26 +46,33 @@ def main(arguments: argparse.Namespace) -> int:
 
     say = (lambda line: None) if arguments.quiet else print
     joints = len(scenario.vehicle.working_rad)
-    for warning in (
-        *warnings(scenario),
-        *provenance_notes(scenario, joints),
-        *thrust_notes(scenario),
-    ):
-        say(f"note: {warning}")
-    if is_cold():
-        say("note: equations are compiled first; this takes a minute, once on a machine")
-    flight = Flight(scenario)
-    with run_folder(target) as folder:
-        with tqdm(
-            total=scenario.settle_s + scenario.duration,
-            desc=scenario.name,
-            unit="s",
-            disable=arguments.quiet,
-            bar_format=FLIGHT_BAR,
-        ) as bar:
+    with frozen(scenario) as scenario:
+        known = (*provenance_notes(scenario, joints), *thrust_notes(scenario))
+        for note in (*warnings(scenario), *known):
+            say(f"note: {note}")
+        if is_cold():
+            say("note: equations are compiled first; this takes a minute, once on a machine")
+        flight = Flight(scenario)
+        with (
+            held_interrupts() as check,
+            run_folder(target) as folder,
+            tqdm(
+                total=scenario.settle_s + scenario.duration,
+                desc=scenario.name,
+                unit="s",
+                disable=arguments.quiet,
+                bar_format=FLIGHT_BAR,
+            ) as bar,
+        ):
+
+            def progress(simulated_s: float) -> None:
+                bar.update(simulated_s - bar.n)
+                check()  # An interrupt ends the flight, not what is made of it.
+
             title = f"{scenario.name}, seed {scenario.seed}"
-            summary, log = fly_into(folder, flight, title, lambda t: bar.update(t - bar.n))
-        write_replay(log, scenario, folder / "replay.html")
+            summary, log = fly_into(folder, flight, title, progress)
+            bar.close()
+            write_replay(log, scenario, folder / "replay.html")
     say(table(summary, scenario.reference.kind))
     say(f"\n{target}: summary.json, log.npz, scenario.yaml, tracking.png, replay.html")
     return 0 if log.exit_reason == "completed" else 1

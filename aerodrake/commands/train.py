@@ -28,6 +28,7 @@ def main(arguments: argparse.Namespace) -> int:
 
     scenario = load_scenario(arguments.scenario, overrides(arguments))
 
+    from aerodrake.inputs import frozen
     from aerodrake.model.training import Training
     from aerodrake.stages import paper_stages, quick_stages
     from aerodrake.train import train_scenario
@@ -36,9 +37,10 @@ def main(arguments: argparse.Namespace) -> int:
     kind = "train-quick" if arguments.quick else "train"
     target = arguments.out or Path("runs", f"{kind}-{scenario.name}")
     stages = quick_stages() if arguments.quick else paper_stages()
-    evaluation = train_scenario(
-        scenario, stages, Training(), target, arguments.jobs, arguments.quiet
-    )
+    with frozen(scenario) as scenario:
+        evaluation = train_scenario(
+            scenario, stages, Training(), target, arguments.jobs, arguments.quiet
+        )
     if not arguments.quiet:
         print(training_table(evaluation))
         print(f"\n{target}: network.pt, training.json, training.png, stages")

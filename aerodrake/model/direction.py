@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ScenarioError
 from aerodrake.files import locate
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.waypoints import interpolate_waypoints, read_waypoints
@@ -112,12 +112,12 @@ def check_start(direction: Direction, vehicle: Vehicle) -> None:
     Straight away from where it points, nothing tells it which way to turn.
 
     Raises:
-        BadInput: if it is more than `FARTHEST_START_RAD` away at reference time 0.
+        ScenarioError: if it is more than `FARTHEST_START_RAD` away at reference time 0.
     """
     d = direction.evaluate(np.zeros(1))[0][0]
     angle = math.acos(np.clip(vehicle.tool_axis @ d, -1.0, 1.0))
     if angle > FARTHEST_START_RAD:
-        raise BadInput(
+        raise ScenarioError(
             vehicle.source,
             "orientation",
             f"expected a direction at first within {math.degrees(FARTHEST_START_RAD):.0f} deg of "

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from xml.dom import expatbuilder
 from xml.dom.minidom import Element
-from xml.parsers.expat import ExpatError
 
 from aerodrake.errors import BadInput
+from aerodrake.urdf import read_urdf
 from aerodrake.world import Mismatch
 
 EXACT = Mismatch()
@@ -30,24 +29,19 @@ def mismatched_urdf(path: Path, mismatch: Mismatch) -> str:
         mismatch: The factors.
 
     Raises:
-        BadInput: if it is no URDF.
+        BadInput: as `read_urdf`, or where a number is none.
     """
+    document = read_urdf(path)
+    if is_exact(mismatch):
+        return document.toxml()
     try:
-        # Prefixes such as `drake:` are part of a name for Drake, declared or not.
-        document = expatbuilder.parse(str(path), namespaces=False)
-    except ExpatError as error:
-        raise BadInput(path, "", f"mismatch of links expects a URDF: {error}") from None
-    if document.documentElement.tagName != "robot":
-        raise BadInput(path, "", "mismatch of links expects a URDF, whose root is <robot>")
-    for link in document.getElementsByTagName("inertial"):
-        for mass in link.getElementsByTagName("mass"):
-            _scale(mass, ("value",), mismatch.mass_scale)
-        for inertia in link.getElementsByTagName("inertia"):
-            _scale(inertia, MOMENTS, mismatch.inertia_scale)
-    for mesh in document.getElementsByTagName("mesh"):
-        file = mesh.getAttribute("filename")
-        if "://" not in file:
-            mesh.setAttribute("filename", f"file://{path.absolute().parent / file}")
+        for link in document.getElementsByTagName("inertial"):
+            for mass in link.getElementsByTagName("mass"):
+                _scale(mass, ("value",), mismatch.mass_scale)
+            for inertia in link.getElementsByTagName("inertia"):
+                _scale(inertia, MOMENTS, mismatch.inertia_scale)
+    except ValueError as error:
+        raise BadInput(path, "", f"mismatch of links: {error}") from None
     return document.toxml()
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aerodrake.errors import BadInput
+from aerodrake.errors import ScenarioError, file_at
 from aerodrake.files import locate
 from aerodrake.fingerprint import plant_hash
 from aerodrake.scenario import Scenario
@@ -22,7 +22,7 @@ def network_for(scenario: Scenario, joints: int) -> ResidualNetwork | None:
     None in the mode `off`, which needs none.
 
     Raises:
-        BadInput: if the checkpoint cannot be used, or serves another flight interface.
+        ScenarioError: if the checkpoint cannot be used, or serves another flight interface.
     """
     if scenario.residual.mode == "off":
         return None
@@ -32,9 +32,10 @@ def network_for(scenario: Scenario, joints: int) -> ResidualNetwork | None:
     file = scenario.residual.checkpoint
     if not file:
         return ResidualNetwork.untrained(joints, scenario.seed)
-    network, provenance = load(locate(file), joints)
+    with file_at(scenario.source, "residual.checkpoint"):
+        network, provenance = load(locate(file), joints)
     if provenance.flight_interface != scenario.flight.interface:
-        raise BadInput(
+        raise ScenarioError(
             scenario.source,
             "residual.checkpoint",
             f"expected a network for flight.interface {scenario.flight.interface}, got one for "
@@ -47,14 +48,15 @@ def provenance_notes(scenario: Scenario, joints: int) -> list[str]:
     """What should be known of the network that a scenario flies with.
 
     Raises:
-        BadInput: if the checkpoint cannot be used.
+        ScenarioError: if the checkpoint cannot be used.
     """
     file = scenario.residual.checkpoint
     if not file or scenario.residual.mode == "off":
         return []
     from aerodrake.model.checkpoint import load
 
-    _, provenance = load(locate(file), joints)
+    with file_at(scenario.source, "residual.checkpoint"):
+        _, provenance = load(locate(file), joints)
     if provenance.plant_hash == plant_hash(scenario):
         return []
     return [

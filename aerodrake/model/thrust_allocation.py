@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from aerodrake.compiled import compiled
-from aerodrake.errors import BadInput
+from aerodrake.errors import ScenarioError
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Rotor, Scenario
 
@@ -38,12 +38,16 @@ class ThrustAllocation(NamedTuple):
         """For the rotors of `vehicle`.
 
         Raises:
-            BadInput: if they cannot lift it without tilting it.
+            ScenarioError: if they cannot lift it without tilting it.
         """
         mixer = vehicle.rotors.mixer(rotor.torque_ratio_m)
         allocation = cls.of(mixer, rotor.min_thrust_n, rotor.max_thrust_n)
         if not (allocation.inverse[0] > 1e-6).all():
-            raise BadInput(vehicle.robot, "", "expected rotors all around the base's origin")
+            raise ScenarioError(
+                vehicle.source,
+                "vehicle.robot",
+                f"{vehicle.robot}: expected rotors all around the base's origin",
+            )
         return allocation
 
 

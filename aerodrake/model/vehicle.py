@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
@@ -14,19 +14,22 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import RevoluteJoint
 
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ScenarioError, file_at
 from aerodrake.files import locate
-from aerodrake.model.mismatch import EXACT, is_exact, mismatched_urdf
+from aerodrake.model.mismatch import EXACT, mismatched_urdf
 from aerodrake.model.rotors import Rotors
 from aerodrake.model.tucking import GroundGeometry, tuck
 from aerodrake.model.vehicle_state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
 from aerodrake.scenario import Scenario
+from aerodrake.urdf import SUFFIX
 from aerodrake.world import Mismatch
 
 BASE_FRAME = "base"
 TOOL_FRAME = "tool"
 TOOL_AXIS = np.array([0.0, 0.0, -1.0])
 """Where the tool points, in its frame: the direction in which it approaches things."""
+LIGHTEST, HEAVIEST = 1e-9, 1e9
+"""Between these is all that is positive: masses, moments of inertia, and limits of joints."""
 GRAVITY = 9.81
 """m/s^2, Drake's default."""
 ROUNDING_M = 1e-6
@@ -42,21 +45,18 @@ def add_robot(plant: MultibodyPlant, robot: str, mismatch: Mismatch = EXACT) -> 
         mismatch: How its links are off what is written there.
 
     Raises:
-        BadInput: if the file is missing, is no robot description, or lacks
-            the frames `base` and `tool`.
+        BadInput: if the file is missing, is no URDF, or lacks the frames
+            `base` and `tool`.
     """
     parser = Parser(plant)
     parser.package_map().AddPackageXml(str(resources.files("aerodrake") / "package.xml"))
-    path = locate(robot)
-    if not os.path.isfile(path):
-        raise BadInput(robot, "", "expected the path of a URDF; there is no such file")
     try:
-        if is_exact(mismatch):
-            parser.AddModels(str(path))
-        else:
-            parser.AddModelsFromString(mismatched_urdf(path, mismatch), "urdf")
-    except RuntimeError as error:
-        raise BadInput(robot, "", f"cannot be parsed: {error}") from None
+        parser.AddModelsFromString(mismatched_urdf(locate(robot), mismatch), SUFFIX)
+    except BadInput as error:
+        raise BadInput(robot, *error.args[1:]) from None
+    except (RuntimeError, ValueError, SystemExit) as error:  # Drake's own, and its conditions.
+        problem = re.sub(r"<literal-string>\S*: error: ", "", str(error))
+        raise BadInput(robot, "", f"cannot be parsed: {problem}") from None
     for frame in (BASE_FRAME, TOOL_FRAME):
         if not plant.HasFrameNamed(frame):
             raise BadInput(robot, "", f"expected a frame named '{frame}'")
@@ -145,10 +145,10 @@ class Vehicle:
         """(n,), from a scenario's list of one value, or of one per joint.
 
         Raises:
-            BadInput: if the list has another length.
+            ScenarioError: if the list has another length.
         """
         if len(values) not in (1, self.joints):
-            raise BadInput(
+            raise ScenarioError(
                 self.source,
                 key,
                 f"expected 1 value, or {self.joints}, one for each joint, got {len(values)}",
@@ -160,11 +160,13 @@ class Vehicle:
         """Reads the scenario's robot and computes its trim.
 
         Raises:
-            BadInput: if it cannot be flown, or the working configuration does not fit it.
+            ScenarioError: if it cannot be flown, or the working configuration does not fit it.
         """
         robot, working = scenario.vehicle.robot, scenario.vehicle.working_rad
-        plant, scene_graph = _parsed(robot)
-        joints = _arm_joints(plant, robot)
+        with file_at(scenario.source, "vehicle.robot"):
+            plant, scene_graph = _parsed(robot)
+            joints = _arm_joints(plant, robot)
+            rotors = Rotors.of(plant, plant.GetBodyByName(BASE_FRAME), robot)
         n = len(joints)
         lower, upper = plant.GetPositionLowerLimits()[-n:], plant.GetPositionUpperLimits()[-n:]
         _check_working(np.array(working), lower, upper, [j.name() for j in joints], scenario.source)
@@ -181,7 +183,12 @@ class Vehicle:
         gravity = plant.CalcGravityGeneralizedForces(context)
         M = plant.CalcMassMatrix(context)
         b, a = slice(BASE_VELOCITIES), slice(BASE_VELOCITIES, None)
-        felt = M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])
+        felt = np.zeros((n, n))
+        if np.all((np.diag(M) > LIGHTEST) & (np.diag(M) < HEAVIEST)):
+            felt = M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])
+        if not np.all(np.diag(felt) > LIGHTEST):
+            problem = f"{robot}: expected links of masses and inertias that can be moved"
+            raise ScenarioError(scenario.source, "vehicle.robot", problem)
         geometry = GroundGeometry(plant, scene_graph, BASE_FRAME)
         vehicle = cls(
             source=scenario.source,
@@ -192,7 +199,7 @@ class Vehicle:
             velocity=plant.GetVelocityUpperLimits()[-n:],
             acceleration=plant.GetAccelerationUpperLimits()[-n:],
             effort=plant.GetEffortUpperLimits(),
-            rotors=Rotors.of(plant, plant.GetBodyByName(BASE_FRAME), robot),
+            rotors=rotors,
             p_B=np.array(scenario.vehicle.base_position_m),
             working=np.array(working, dtype=float),
             p_O=X_BE.translation(),
@@ -210,7 +217,7 @@ class Vehicle:
     def _check_start(self, lowest: float) -> None:
         """Refuses to start in the ground, lowest m below the base's origin, or with a limp arm."""
         if self.p_B[2] + lowest < -ROUNDING_M:
-            raise BadInput(
+            raise ScenarioError(
                 self.source,
                 "vehicle.base_position_m[2]",
                 f"expected {-lowest:.4g} m or more, so that feet and arm are above the ground, "
@@ -218,7 +225,7 @@ class Vehicle:
             )
         for i, name in enumerate(self.joint_names):
             if abs(self.trim_torque[i]) > self.effort[i]:
-                raise BadInput(
+                raise ScenarioError(
                     self.source,
                     "vehicle.working_rad",
                     f"expected angles at which {name} holds the arm with {self.effort[i]:.4g} N m "
@@ -243,21 +250,20 @@ def _arm_joints(plant: MultibodyPlant, robot: str) -> list[RevoluteJoint]:
     driven = [plant.get_joint_actuator(i).joint().name() for i in plant.GetJointActuatorIndices()]
     if driven != [j.name() for j in arm]:
         raise BadInput(robot, "", "expected one transmission per joint, in the joints' order")
-    limits = np.concatenate(
-        [
-            plant.GetPositionLowerLimits()[BASE_POSITIONS:],
-            plant.GetPositionUpperLimits()[BASE_POSITIONS:],
-            plant.GetEffortUpperLimits(),
-            plant.GetVelocityUpperLimits()[BASE_VELOCITIES:],
-            plant.GetAccelerationUpperLimits()[BASE_VELOCITIES:],
-        ]
-    )
-    if not np.all(np.isfinite(limits)):
+    lower = plant.GetPositionLowerLimits()[BASE_POSITIONS:]
+    upper = plant.GetPositionUpperLimits()[BASE_POSITIONS:]
+    positive = [
+        upper - lower,
+        plant.GetEffortUpperLimits(),
+        plant.GetVelocityUpperLimits()[BASE_VELOCITIES:],
+        plant.GetAccelerationUpperLimits()[BASE_VELOCITIES:],
+    ]
+    if not np.all((np.array(positive) > LIGHTEST) & (np.array(positive) < HEAVIEST)):
         raise BadInput(
             robot,
             "",
             "expected every joint to have limits of position, effort, "
-            "velocity and drake:acceleration",
+            "velocity and drake:acceleration, all with room to move",
         )
     return arm
 
@@ -267,7 +273,7 @@ def _check_working(
 ) -> None:
     key = "vehicle.working_rad"
     if len(working) != len(names):
-        raise BadInput(
+        raise ScenarioError(
             source,
             key,
             f"expected {len(names)} angles in rad, one for each joint "
@@ -275,7 +281,7 @@ def _check_working(
         )
     for i, name in enumerate(names):
         if not lower[i] <= working[i] <= upper[i]:
-            raise BadInput(
+            raise ScenarioError(
                 source,
                 f"{key}[{i}]",
                 f"expected {name} in [{lower[i]:.4g}, {upper[i]:.4g}] rad, got {working[i]:.4g}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import reprlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 
 from aerodrake.errors import BadInput
+from aerodrake.files import read_bounded
 
 MAX_FILE_BYTES = 20_000_000
 """A waypoint file is never larger: a guard against hostile input."""
@@ -46,15 +48,10 @@ def read_waypoints(path: str | Path, columns: Columns = COLUMNS) -> tuple[np.nda
             least `MIN_STEP_S` apart in time.
     """
     path, header = Path(path), ",".join(columns)
+    content = read_bounded(path, MAX_FILE_BYTES)
     try:
-        if not path.is_file():
-            raise BadInput(path, "", f"expected a CSV file {header}; no such file")
-        if path.stat().st_size > MAX_FILE_BYTES:
-            raise BadInput(path, "", f"expected at most {MAX_FILE_BYTES} bytes")
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            table = np.array(list(_rows(file, path, columns)))
-    except OSError as error:
-        raise BadInput(path, "", f"cannot be read: {error.strerror}") from None
+        text = io.StringIO(content.decode("utf-8-sig"), newline="")
+        table = np.array(list(_rows(text, path, columns)))
     except (UnicodeDecodeError, csv.Error):
         raise BadInput(path, "", "expected UTF-8 text, as comma-separated values") from None
     if len(table) < 2:

@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.symbolic import Expression, Variable, if_then_else, logical_and
 from pydrake.systems.primitives import SymbolicVectorSystem
 
-from aerodrake.errors import BadInput
+from aerodrake.errors import ScenarioError
 from aerodrake.fault_kinds import Fault, JointDegraded, Push, RotorDegraded
 from aerodrake.scenario import Scenario
 
@@ -28,7 +28,7 @@ def make_rotor_faults(scenario: Scenario, rotors: int) -> SymbolicVectorSystem |
         rotors: k.
 
     Raises:
-        BadInput: if there is no such rotor.
+        ScenarioError: if there is no such rotor.
     """
     shares = {
         i: (fault.rotor, fault.remaining)
@@ -50,7 +50,7 @@ def make_joint_faults(scenario: Scenario, joints: int) -> SymbolicVectorSystem |
         joints: n.
 
     Raises:
-        BadInput: if there is no such joint.
+        ScenarioError: if there is no such joint.
     """
     shares = {
         i: (fault.joint, fault.remaining)
@@ -93,7 +93,7 @@ def _degraded(
     output = [Expression(u) for u in given]
     for i, (index, remaining) in shares.items():
         if index >= count:
-            raise BadInput(
+            raise ScenarioError(
                 scenario.source,
                 f"faults[{i}].{key}",
                 f"expected a {key} of the robot in [0, {count - 1}], got {index}",

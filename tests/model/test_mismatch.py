@@ -176,13 +176,11 @@ def test_a_prefix_that_is_not_declared_is_kept(vehicle, tmp_path):
     assert scaled.count("drake:acceleration") == text.count("drake:acceleration") > 0
 
 
-@pytest.mark.parametrize(
-    ("text", "problem"), [("<sdf/>", "whose root is <robot>"), ("{}", "not well-formed")]
-)
-def test_another_format_is_refused(tmp_path, text, problem):
-    path = Path(tmp_path / "robot.sdf")
-    path.write_text(text)
-    with pytest.raises(BadInput, match=f"robot.sdf: mismatch of links expects a URDF.*{problem}"):
+@pytest.mark.parametrize("mass", ["0x1p0", "", "one"])
+def test_numbers_that_are_none_cannot_be_scaled(tmp_path, mass):
+    path = Path(tmp_path / "robot.urdf")
+    path.write_text(f'<robot><inertial><mass value="{mass}"/></inertial></robot>')
+    with pytest.raises(BadInput, match="robot.urdf: mismatch of links: could not convert"):
         mismatched_urdf(path, OFF)
 
 

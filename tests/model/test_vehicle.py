@@ -227,7 +227,7 @@ def test_defects_of_the_robot_are_named_with_its_file(scenario, tmp_path, old, n
     robot.write_text(before + new + after)
     with pytest.raises(BadInput, match=expected) as caught:
         Vehicle.load(with_robot(scenario, robot))
-    assert str(caught.value).startswith(f"{robot}: ")
+    assert str(caught.value).startswith(f"flight.yaml: vehicle.robot: {robot}: ")
     assert "\n" not in str(caught.value)
 
 
