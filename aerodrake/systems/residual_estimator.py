@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,7 @@ from pydrake.systems.framework import (
 )
 
 from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.learner_health import HEALTH_SIZE, Cause, Evidence, Health, LearnerJudge
 from aerodrake.model.online_learner import LearnerState, OnlineLearner
 from aerodrake.model.residual_features import PHI_SIZE, features
 from aerodrake.model.vehicle_state import VehicleState, parts
@@ -33,6 +34,7 @@ class _Sample:
 
     phi: np.ndarray  # (33,) when it was made.
     target: np.ndarray  # (3,) m/s, measured velocity minus the model's without Delta.
+    correction: np.ndarray  # (3,) m/s, what the network would have added to that.
     error: np.ndarray  # (3,) m/s, predicted minus measured velocity.
 
 
@@ -41,9 +43,11 @@ class _Tick:
     """All that one tick computes."""
 
     sample: _Sample | None  # Completed at this tick.
-    learned: LearnerState | None  # From it as well; None where nothing is learned.
+    learned: LearnerState | None  # From it as well; None in the mode `off`.
+    health: Health | None
     x: np.ndarray  # (nx,)
     phi: np.ndarray  # (33,)
+    motion: np.ndarray  # (6,) p_B and v_B, as they are learned from.
     delta: np.ndarray  # (3,) m/s
 
 
@@ -61,6 +65,10 @@ class ResidualEstimator(LeafSystem):
     with the input applied up to then. While fewer than `batch` samples have been
     seen, a step takes the mean over those.
 
+    Delta is what the network says while `LearnerJudge` lets it, and zero otherwise. A
+    network that is given up begins again with its offline layer and an empty ring,
+    and goes on learning, or not where samples are poisoned, without being heard.
+
     A tick whose inputs are not finite neither completes nor begins a sample, and
     its Delta is zero, so that nothing of them stays.
 
@@ -72,6 +80,8 @@ class ResidualEstimator(LeafSystem):
             The accelerations are u_{k-1} at a tick: the input applied up to it.
         in `saturated` (1): above 0.5 the flight controller is, and the sample
             that is completed can be one not to learn from.
+        in `fault` (4): what is wrong, as `LearnerFaultSystem` has it; unconnected where
+            nothing is.
         out `delta` (3): m/s, world frame; zero in the mode `off`. It feeds
             through, so that whoever samples it at a tick has it without delay;
             between ticks it means nothing.
@@ -79,10 +89,13 @@ class ResidualEstimator(LeafSystem):
             base, for the last completed sample, learned or not; zero before the
             first.
         out `nominal_prediction_error` (3): the same of the model without Delta.
+        out `learner_health` (2): `Cause` for which Delta is held at zero, and s for which
+            it has been.
 
     State (discrete): last layer (3, 33); rings of phi and target over the last
         `batch` samples learned; number of samples learned; whether a prediction
-        is pending (0 or 1), and its x_k and phi_k; the two prediction errors.
+        is pending (0 or 1), and its x_k, phi_k and motion; the two prediction
+        errors; `Health`, in two groups.
 
     Rate: the period of the model, from time 0.
 
@@ -90,7 +103,7 @@ class ResidualEstimator(LeafSystem):
         network: Copied; later changes to it are not seen. None with the mode `off`.
         model: Whose residual is estimated. With the `integral` kind, where Delta
             has no effect, there is nothing to learn.
-        config: Mode, learning rate, batch and guards; the checkpoint is not read.
+        config: Mode, learning rate, batch, guards and judge; the checkpoint is not read.
     """
 
     def __init__(self, network: ResidualNetwork | None, model: EquivalentModel, config: Residual):
@@ -101,6 +114,7 @@ class ResidualEstimator(LeafSystem):
         self._mode = config.mode
         theta = np.zeros((3, PHI_SIZE)) if network is None else network.last_layer()
         self._learner = OnlineLearner(config, theta, self._gain)
+        self._judge = LearnerJudge(config, theta, model.dt)
 
         n = model.joints
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
@@ -108,6 +122,7 @@ class ResidualEstimator(LeafSystem):
         self._base_setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * n)
         self._saturated = self.DeclareVectorInputPort("saturated", 1)
+        self._fault = self.DeclareVectorInputPort("fault", 4)
 
         start = self._learner.start()
         self._theta = self.DeclareDiscreteState(start.theta.ravel())
@@ -119,6 +134,10 @@ class ResidualEstimator(LeafSystem):
         self._phi = self.DeclareDiscreteState(PHI_SIZE)
         self._error = self.DeclareDiscreteState(3)
         self._nominal_error = self.DeclareDiscreteState(3)
+        self._motion = self.DeclareDiscreteState(6)
+        health = self._judge.start().to_vector() if network is not None else np.zeros(HEALTH_SIZE)
+        self._health = self.DeclareDiscreteState(health[:2])
+        self._evidence = self.DeclareDiscreteState(health[2:])
 
         # The output and the update need the same results: computed once a tick.
         self._tick = self.DeclareCacheEntry(
@@ -129,6 +148,7 @@ class ResidualEstimator(LeafSystem):
         self.DeclareVectorOutputPort("delta", 3, self._calc_delta, {self._tick.ticket()})
         self.DeclareStateOutputPort("prediction_error", self._error)
         self.DeclareStateOutputPort("nominal_prediction_error", self._nominal_error)
+        self.DeclareStateOutputPort("learner_health", self._health)
         self.DeclarePeriodicDiscreteUpdateEvent(model.dt, 0.0, self._update)
 
     def _calc_tick(self, context: Context, tick: AbstractValue) -> None:
@@ -142,13 +162,30 @@ class ResidualEstimator(LeafSystem):
         if not np.isfinite(np.concatenate([x, inputs, phi, saturated])).all():
             tick.set_value(None)
             return
-        sample, learned = self._complete(context, parts(state)[4], u), None
-        if sample is not None and self._mode == "online":
-            learned = self._learner.step(
-                self._learned(context), sample.phi, sample.target, saturated[0] > 0.5
-            )
-        theta = self._layer(context) if learned is None else learned.theta
-        tick.set_value(_Tick(sample, learned, x, phi, theta @ phi))
+        if self._mode == "off":
+            sample = self._complete(context, parts(state)[4], u)
+            tick.set_value(_Tick(sample, None, None, x, phi, np.zeros(6), np.zeros(3)))
+            return
+        fault = self._fault.Eval(context) if self._fault.HasValue(context) else np.zeros(4)
+        motion = np.concatenate([parts(state)[1], parts(state)[4] + fault[1:]])
+        sample = self._complete(context, motion[3:], u)
+        health, found, learned = self._known(context), Cause.OK, self._learned(context)
+        if sample is not None:
+            health = self._judge.weigh(health, self._evidence_of(context, sample, motion))
+            found = self._judge.verdict(health)
+            if found != Cause.OK:
+                learned = self._learner.start()
+            elif self._mode == "online":
+                learned = self._learner.step(learned, sample.phi, sample.target, saturated[0] > 0.5)
+        learned = replace(learned, theta=learned.theta + fault[0])
+        with np.errstate(invalid="ignore"):  # What comes of a layer that is lost is looked at.
+            delta = learned.theta @ phi
+        found = max(found, self._judge.inspect(learned.theta, delta))
+        if found > Cause.POISONED:
+            learned = self._learner.start()
+        health = self._judge.rule(health, found)
+        used = health.share * (learned.theta @ phi)
+        tick.set_value(_Tick(sample, learned, health, x, phi, motion, used))
 
     def _complete(self, context: Context, v_B: np.ndarray, u: np.ndarray) -> _Sample | None:
         """The sample that began one tick ago, now that `u` was applied and `v_B` measured."""
@@ -156,8 +193,21 @@ class ResidualEstimator(LeafSystem):
             return None
         phi = self._numbers(context, self._phi).copy()
         nominal = self._model.next_velocity(self._numbers(context, self._x), u)
-        delta = self._layer(context) @ phi
-        return _Sample(phi, v_B - nominal, nominal + self._gain * delta - v_B)
+        correction = self._gain * (self._layer(context) @ phi)
+        if not np.isfinite(correction).all():
+            return None
+        share = self._numbers(context, self._evidence)[0]
+        return _Sample(phi, v_B - nominal, correction, nominal + share * correction - v_B)
+
+    def _evidence_of(self, context: Context, sample: _Sample, motion: np.ndarray) -> Evidence:
+        """What a sample says, now that the base's motion is this."""
+        p_B, v_B = np.split(self._numbers(context, self._motion), 2)
+        displacement = (motion[:3] - p_B) / self._model.dt
+        return Evidence(sample.target, sample.correction, (v_B + motion[3:]) / 2 - displacement)
+
+    def _known(self, context: Context) -> Health:
+        groups = (self._health, self._evidence)
+        return Health.from_vector(np.concatenate([self._numbers(context, g) for g in groups]))
 
     def _layer(self, context: Context) -> np.ndarray:
         """(3, 33), theta of the tick before."""
@@ -190,6 +240,10 @@ class ResidualEstimator(LeafSystem):
             state.set_value(self._phis, tick.learned.phis.ravel())
             state.set_value(self._targets, tick.learned.targets.ravel())
             state.set_value(self._seen, [tick.learned.seen])
+            health = tick.health.to_vector()
+            state.set_value(self._health, health[:2])
+            state.set_value(self._evidence, health[2:])
+            state.set_value(self._motion, tick.motion)
         state.set_value(self._x, tick.x)
         state.set_value(self._phi, tick.phi)
         if tick.sample is not None:
