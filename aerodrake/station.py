@@ -58,6 +58,7 @@ from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.equivalent_state import EquivalentState
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.kinematics import KinematicsSystem
+from aerodrake.systems.learner_fault import make_learner_fault
 from aerodrake.systems.mpc import MpcSystem
 from aerodrake.systems.pointing import PointingSystem
 from aerodrake.systems.reference import ReferenceSystem
@@ -143,7 +144,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment`, which tells both
     until the next tick (3 (3 + n) + 1); `reference` (6), `weights`
     (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (2), `delta` (3),
-    `prediction_error` (3), `nominal_prediction_error` (3).
+    `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2).
     """
     period = scenario.rates.mpc_period_s
     vehicle = Vehicle.load(scenario)
@@ -195,6 +196,9 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     connect(weight_allocator, "weights", controller)
     connect(residual_estimator, "delta", controller)
     connect(controller, "u", setpoint_integrator)
+    if (learner_fault := make_learner_fault(scenario)) is not None:
+        builder.AddNamedSystem("learner_fault", learner_fault)
+        connect(learner_fault, "fault", residual_estimator)
     for consumer in (controller, residual_estimator, equivalent_state):
         connect(setpoint_integrator, "base_setpoint", consumer)
         connect(setpoint_integrator, "joint_setpoint", consumer)
@@ -215,7 +219,7 @@ def make_coordinator(scenario: Scenario) -> Diagram:
         (setpoint_integrator, ("base_setpoint", "joint_setpoint", "segment")),
         (reference, ("reference",)),
         (controller, ("u", "prediction", "status", "weights", "delta")),
-        (residual_estimator, ("prediction_error", "nominal_prediction_error")),
+        (residual_estimator, ("prediction_error", "nominal_prediction_error", "learner_health")),
     ):
         for port in ports:
             builder.ExportOutput(system.GetOutputPort(port), port)
