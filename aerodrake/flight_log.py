@@ -57,6 +57,7 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "delta": (("delta_m_s", "3"),),
     "prediction_error": (("prediction_error_m_s", "3"),),
     "nominal_prediction_error": (("nominal_prediction_error_m_s", "3"),),
+    "learner_health": (("learner_cause", "1"), ("learner_held_s", "1")),
 }
 """Ports of the closed loop that are logged, and the keys and widths of their parts.
 

@@ -17,7 +17,7 @@ KEYS = [key for parts in PORTS.values() for key, _ in parts]
 
 DIMENSIONLESS = {"estimated_quaternion", 
     "quaternion", "measured_quaternion", "gamma", "mode", "w_q", "w_m", "w_d",
-    "qp_status", "qp_iterations", "saturated", "tool_axis", "tool_axis_d",
+    "qp_status", "qp_iterations", "learner_cause", "saturated", "tool_axis", "tool_axis_d",
 }  # fmt: skip
 
 
