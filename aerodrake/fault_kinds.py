@@ -124,22 +124,27 @@ class MpcMissed(Fault):
 
 
 @dataclass(frozen=True)
-class LearnerNan(Fault):
+class LearnerFault(Fault):
+    """Of the residual's online learning; nothing where there is no network."""
+
+
+@dataclass(frozen=True)
+class LearnerNan(LearnerFault):
     """The last layer loses its numbers."""
 
     kind: ClassVar[str] = "learner_nan"
 
 
 @dataclass(frozen=True)
-class LearnerDiverged(Fault):
-    """Each number of the last layer is off by as much."""
+class LearnerDiverged(LearnerFault):
+    """At each update all numbers of the last layer are off by as much."""
 
     kind: ClassVar[str] = "learner_diverged"
     theta_m_s: float = quantity(1.0, "m/s", -1e6, 1e6)
 
 
 @dataclass(frozen=True)
-class LearnerPoisoned(Fault):
+class LearnerPoisoned(LearnerFault):
     """Measured velocities are off where the learner learns from them, and nowhere else."""
 
     kind: ClassVar[str] = "learner_poisoned"

@@ -171,7 +171,7 @@ class Residual:
     # Delta is used while it has helped to predict, in means over so long; 0: always. Samples
     # whose velocity is off what position does, by so much in the mean, are poisoned; 0: none is.
     judge_s: float = quantity(1.0, "s", 0.0, 60.0)
-    max_offset_m_s: float = quantity(0.02, "m/s", 0.0, 100.0)
+    max_offset_m_s: float = quantity(0.005, "m/s", 0.0, 100.0)
 
 
 @dataclass(frozen=True)

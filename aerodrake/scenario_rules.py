@@ -6,7 +6,7 @@ import dataclasses
 import math
 
 from aerodrake.errors import ScenarioError
-from aerodrake.fault_kinds import MPC_FAULTS, SAMPLE_GROUPS
+from aerodrake.fault_kinds import MPC_FAULTS, SAMPLE_GROUPS, LearnerFault
 from aerodrake.reference_kinds import AxisAlong, FixedAxis, OrientationOff, Waypoints
 from aerodrake.scenario import Scenario
 
@@ -167,4 +167,10 @@ def warnings(scenario: Scenario) -> list[str]:
         )
     if scenario.mpc.tilt == "held":
         found.append("mpc.tilt held, the paper's form, destabilises the loop at high gains")
+    if scenario.residual.mode == "off":
+        found += [
+            f"faults[{i}] {fault.kind} does nothing: residual.mode off has no learner"
+            for i, fault in enumerate(scenario.faults)
+            if isinstance(fault, LearnerFault)
+        ]
     return found

@@ -21,7 +21,7 @@ def test_delta_is_bounded_with_an_absurd_learning_rate(vehicle, max_drift):
         settle_s=0.0,
         reference=Clover(start_s=0.5),
         sensors=Sensors(velocity_noise_m_s=0.01),
-        residual=Residual(mode="online", learning_rate=1.0, max_drift=max_drift),
+        residual=Residual(mode="online", learning_rate=1.0, max_drift=max_drift, judge_s=0.0),
     )
     log = Flight(scenario).fly()
     assert log.exit_reason == "completed"

@@ -109,6 +109,7 @@ def test_warns_where_hovering_reaches_out_of_the_learning_space(scenario):
         ({"model.kind": "paper"}, "model.kind paper is for a base that is told p_d alone"),
         ({"model.kind": "exact"}, "model.kind exact is for a base that is told p_d alone"),
         ({"mpc.tilt": "held"}, "mpc.tilt held"),
+        ({"faults": "[{kind: learner_nan}]"}, "faults[0] learner_nan does nothing: residual.mode"),
     ],
 )
 def test_warns_of_what_flies_badly(changes, expected):

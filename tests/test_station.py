@@ -49,6 +49,7 @@ COORDINATOR_OUTPUTS = SETPOINTS | {
     "delta": 3,
     "prediction_error": 3,
     "nominal_prediction_error": 3,
+    "learner_health": 2,
 }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -23,18 +24,22 @@ OUTLIER_M_S = 0.5
 RAMP = 2.0
 """Over how many `judge_s` Delta comes back: at once, it may shake what it predicts."""
 
+NOISE = 5.0
+"""By how many deviations of noise a mean offset is explained."""
+
 HELPFUL = 0.25
 """Mean gain from which Delta is used; 1 for one that is always right, 0 without effect."""
 
 
-HEALTH_SIZE = 8
+HEALTH_SIZE = 9
+"""Numbers of `Health` as a vector."""
 
 
 class Cause(IntEnum):
-    """Why Delta is held at zero, the worst last."""
+    """Why Delta is held at zero; of two at one tick it is the later."""
 
     OK = 0  # It is not.
-    UNPROVEN = 1  # It has yet to help, for the first time or since it was restored.
+    UNPROVEN = 1  # It has yet to help.
     UNHELPFUL = 2  # It has made predictions worse.
     POISONED = 3  # Labels contradict the measured motion.
     DIVERGED = 4  # The last layer left the ball of `max_drift`, or Delta is out of proportion.
@@ -65,6 +70,7 @@ class Health:
         held_s: s, for how long.
         share: [0, 1], of Delta that is used.
         offset: (3,) m/s, running mean of the labels' offset.
+        offset_square: m^2/s^2, and of its square.
         benefit: m^2/s^2, running mean of the square error without Delta minus that with it.
         gain: [-1, 1], running mean of the same, relative to their sum.
     """
@@ -73,20 +79,22 @@ class Health:
     held_s: float
     share: float
     offset: np.ndarray
+    offset_square: float
     benefit: float
     gain: float
 
     @classmethod
     def from_vector(cls, x: np.ndarray) -> Health:
         """The reverse of `to_vector`."""
-        return cls(
-            Cause(int(x[0])), float(x[1]), float(x[2]), x[3:6].copy(), float(x[6]), float(x[7])
-        )
+        return cls(Cause(int(x[0])), x[1], x[2], x[3:6].copy(), *x[6:])
 
     def to_vector(self) -> np.ndarray:
-        """(`HEALTH_SIZE`,) [cause, held_s, share, offset, benefit, gain]."""
+        """(`HEALTH_SIZE`,) [cause, held_s, share, offset, offset_square, benefit, gain]."""
         return np.array(
-            [self.cause, self.held_s, self.share, *self.offset, self.benefit, self.gain]
+            [
+                *(self.cause, self.held_s, self.share, *self.offset),
+                *(self.offset_square, self.benefit, self.gain),
+            ]
         )
 
 
@@ -99,8 +107,8 @@ class LearnerJudge:
     - where the last layer is not finite, left the ball of `max_drift`, or says more
       than `MOST_DELTA_M_S`;
     - where labels are off the measured motion by more than `max_offset_m_s` in the
-      mean: velocity has to be what position does (`Evidence.offset`). Noise of
-      position counts little, since its share in a mean is that of the ends;
+      mean, and by more than noise explains: velocity has to be what position does
+      (`Evidence.offset`);
     - where the mean square error of predictions is larger with Delta than without.
       One large error is enough.
 
@@ -127,34 +135,38 @@ class LearnerJudge:
     def start(self) -> Health:
         """Before the first sample: Delta has yet to show that it helps, if anybody asks."""
         if self.config.judge_s == 0:
-            return Health(Cause.OK, 0.0, 1.0, np.zeros(3), 0.0, 0.0)
-        return Health(Cause.UNPROVEN, 0.0, 0.0, np.zeros(3), 0.0, -1.0)
+            return Health(Cause.OK, 0.0, 1.0, np.zeros(3), 0.0, 0.0, 0.0)
+        return Health(Cause.UNPROVEN, 0.0, 0.0, np.zeros(3), 0.0, 0.0, -1.0)
 
     def weigh(self, health: Health, evidence: Evidence) -> Health:
-        """The means after one more sample."""
-        if self.config.judge_s == 0:
-            return health
-        new = -math.expm1(-self.dt / self.config.judge_s)
+        """The means after one more sample; one with what is not finite says nothing."""
         off = math.hypot(*evidence.offset)
-        if off > OUTLIER_M_S:
-            bounded = evidence.offset * (OUTLIER_M_S / off)
-            return replace(health, offset=health.offset + new * (bounded - health.offset))
-        offset = health.offset + new * (evidence.offset - health.offset)
+        if self.config.judge_s == 0 or not math.isfinite(off):
+            return health
+        new = self._newest
+        is_outlier = off > OUTLIER_M_S
+        bounded = evidence.offset * (OUTLIER_M_S / off) if is_outlier else evidence.offset
+        offset = health.offset + new * (bounded - health.offset)
+        square = health.offset_square + new * (float(bounded @ bounded) - health.offset_square)
+        health = replace(health, offset=offset, offset_square=square)
+        if is_outlier:
+            return health
         target = evidence.target - offset
-        error = evidence.correction - target
-        without, having = float(target @ target), float(error @ error)
+        with np.errstate(over="ignore", invalid="ignore"):
+            error = evidence.correction - target
+            without, having = float(target @ target), float(error @ error)
+        if not math.isfinite(without + having):
+            return health
         relative = (without - having) / (without + having + FLOOR_M_S**2)
         return replace(
             health,
-            offset=offset,
             benefit=health.benefit + new * (without - having - health.benefit),
             gain=health.gain + new * (relative - health.gain),
         )
 
     def verdict(self, health: Health) -> Cause:
         """What the means say against the learner; `OK` if nothing."""
-        most = self.config.max_offset_m_s
-        if 0 < most < math.hypot(*health.offset):
+        if self._too_far_off(health) > 1:
             return Cause.POISONED
         is_harmful = health.benefit < -(FLOOR_M_S**2) or health.gain < 0
         return Cause.UNHELPFUL if health.cause == Cause.OK and is_harmful else Cause.OK
@@ -188,6 +200,19 @@ class LearnerJudge:
     def _is_proven(self, health: Health) -> bool:
         if health.cause == Cause.OK or self.config.judge_s == 0:
             return True
-        is_poisoned = health.cause == Cause.POISONED
-        is_over = not is_poisoned or math.hypot(*health.offset) < self.config.max_offset_m_s / 2
+        is_over = health.cause != Cause.POISONED or self._too_far_off(health) < 0.5
         return is_over and health.gain > HELPFUL
+
+    def _too_far_off(self, health: Health) -> float:
+        """The labels' mean offset by the one that is too much; 0 where nothing is."""
+        most = self.config.max_offset_m_s
+        if most == 0 or self.config.judge_s == 0:
+            return 0.0
+        # The part of noise in the mean: that of position comes and goes between samples.
+        noise = self._newest * math.sqrt(health.offset_square)
+        return math.hypot(*health.offset) / (most + NOISE * noise)
+
+    @cached_property
+    def _newest(self) -> float:
+        """The share of the newest sample in a running mean."""
+        return -math.expm1(-self.dt / self.config.judge_s)

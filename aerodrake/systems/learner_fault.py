@@ -7,10 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from aerodrake.fault_kinds import LearnerDiverged, LearnerNan, LearnerPoisoned
+from aerodrake.fault_kinds import LearnerDiverged, LearnerFault, LearnerNan, LearnerPoisoned
 from aerodrake.scenario import Scenario
-
-AnyLearnerFault = LearnerNan | LearnerDiverged | LearnerPoisoned
 
 
 class LearnerFaultSystem(LeafSystem):
@@ -30,31 +28,34 @@ class LearnerFaultSystem(LeafSystem):
         settle_s: s, hover before reference time 0.
     """
 
-    def __init__(self, faults: Sequence[AnyLearnerFault], settle_s: float):
+    def __init__(self, faults: Sequence[LearnerFault], settle_s: float):
         super().__init__()
         self._faults, self._settle_s = tuple(faults), settle_s
         self.DeclareVectorOutputPort("fault", 4, self._calc_fault, {self.time_ticket()})
 
     def _calc_fault(self, context: Context, output: BasicVector) -> None:
         now = round(context.get_time() - self._settle_s, 9)  # 0 is 0, whatever rounding did.
-        active = [_offset(fault) for fault in self._faults if fault.start_s <= now < fault.end_s]
+        active = [
+            _offset(fault) for fault in self._faults if fault.start_s <= now < round(fault.end_s, 9)
+        ]
         output.SetFromVector(np.sum(active, axis=0) if active else np.zeros(4))
 
 
 def make_learner_fault(scenario: Scenario) -> LearnerFaultSystem | None:
     """The system of the scenario's learning faults; None where it has none, or no learner."""
-    faults = [fault for fault in scenario.faults if isinstance(fault, AnyLearnerFault)]
+    faults = [fault for fault in scenario.faults if isinstance(fault, LearnerFault)]
     if not faults or scenario.residual.mode == "off":
         return None
     return LearnerFaultSystem(faults, scenario.settle_s)
 
 
-def _offset(fault: AnyLearnerFault) -> np.ndarray:
+def _offset(fault: LearnerFault) -> np.ndarray:
     """(4,) as the port has it."""
     match fault:
         case LearnerNan():
-            return np.array([np.nan, 0.0, 0.0, 0.0])
+            theta, velocity = np.nan, (0.0, 0.0, 0.0)
         case LearnerDiverged():
-            return np.array([fault.theta_m_s, 0.0, 0.0, 0.0])
+            theta, velocity = fault.theta_m_s, (0.0, 0.0, 0.0)
         case LearnerPoisoned():
-            return np.array([0.0, *fault.velocity_m_s])
+            theta, velocity = 0.0, fault.velocity_m_s
+    return np.array([theta, *velocity])

@@ -178,7 +178,8 @@ class ResidualEstimator(LeafSystem):
             elif self._mode == "online":
                 learned = self._learner.step(learned, sample.phi, sample.target, saturated[0] > 0.5)
         learned = replace(learned, theta=learned.theta + fault[0])
-        delta = learned.theta @ phi
+        with np.errstate(invalid="ignore"):  # What comes of a layer that is lost is looked at.
+            delta = learned.theta @ phi
         found = max(found, self._judge.inspect(learned.theta, delta))
         if found > Cause.POISONED:
             learned = self._learner.start()
@@ -193,6 +194,8 @@ class ResidualEstimator(LeafSystem):
         phi = self._numbers(context, self._phi).copy()
         nominal = self._model.next_velocity(self._numbers(context, self._x), u)
         correction = self._gain * (self._layer(context) @ phi)
+        if not np.isfinite(correction).all():
+            return None
         share = self._numbers(context, self._evidence)[0]
         return _Sample(phi, v_B - nominal, correction, nominal + share * correction - v_B)
 
