@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from aerodrake.compiled import compiled
+from aerodrake.model.learner_health import Cause
 from aerodrake.model.rotation import rotation_matrix
 from aerodrake.model.safe_mode import SafeMode
 from aerodrake.model.vehicle_state import parts
@@ -15,6 +16,9 @@ from aerodrake.scenario import Supervisor
 
 NEVER = np.inf
 """s: what lasts for so long is never cleared."""
+
+UNPROVEN = int(Cause.UNPROVEN)
+"""What has yet to show that it helps has done no harm."""
 
 ON_GROUND_M = 0.01
 """Feet that are as low as this are on the ground."""
@@ -35,7 +39,7 @@ class Signal(IntEnum):
     REFERENCE_OUT_OF_REACH = 9
     REFERENCE_TOO_FAST = 10
     REFERENCE_JUMPED = 11
-    LEARNER_SHUT_OUT = 12  # 1 while what is learned is not used.
+    LEARNER_SHUT_OUT = 12  # 1 while what was learned is not used, since it did harm.
     ON_GROUND = 13  # 1 while the feet are, in NOMINAL or HOLD.
     LANDED = 14  # 1 while they are in DESCEND.
     NOT_FINITE = 15  # 1 while the state is not.
@@ -170,7 +174,7 @@ def signals(
     effectiveness: np.ndarray,
     saturated: float,
     verdict: float,
-    shut_out: float,
+    learner: float,
 ) -> np.ndarray:
     """(S,) what conditions look at, as `Signal` has it.
 
@@ -184,7 +188,7 @@ def signals(
         effectiveness: (k,) share of its thrust that each rotor gives.
         saturated: 1 while the flight controller is.
         verdict: A `ReferenceVerdict`.
-        shut_out: s for which what is learned has not been used.
+        learner: A `Cause` for which what was learned is not used.
     """
     quaternion, p_B, _, _, _, _ = parts(state)
     is_finite = np.all(np.isfinite(state))
@@ -198,7 +202,7 @@ def signals(
     found[7] = saturated
     for i in range(4):
         found[8 + i] = 1.0 if verdict == i + 1 else 0.0
-    found[12] = 1.0 if shut_out > 0 else 0.0
+    found[12] = 1.0 if learner > UNPROVEN else 0.0
     found[13], found[14] = (0.0, on_ground) if mode > 1.5 else (on_ground, 0.0)
     found[15] = 0.0 if is_finite else 1.0
     return found

@@ -84,7 +84,7 @@ class Supervisor(LeafSystem):
             self._told(context, self._effectiveness, GIVING),
             self._saturated.Eval(context)[0],
             self._verdict.Eval(context)[0],
-            self._told(context, self._learner_health, WELL)[1],
+            self._told(context, self._learner_health, WELL)[0],
         )
         mode, cause, active, since = supervise(
             self._rules, last.value(self._active), last.value(self._since), watched, self._period

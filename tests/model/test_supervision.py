@@ -144,7 +144,7 @@ def watched(vehicle, **values) -> np.ndarray:
         "effectiveness": np.ones(4),
         "saturated": 0.0,
         "verdict": 0.0,
-        "shut_out": 0.0,
+        "learner": 1.0,
     }
     return signals(*(given | values).values())
 
@@ -166,7 +166,7 @@ def test_signals_stand_where_their_names_say(vehicle):
         "REFERENCE_OUT_OF_REACH": ({"verdict": 2.0}, 1.0),
         "REFERENCE_TOO_FAST": ({"verdict": 3.0}, 1.0),
         "REFERENCE_JUMPED": ({"verdict": 4.0}, 1.0),
-        "LEARNER_SHUT_OUT": ({"shut_out": 0.02}, 1.0),
+        "LEARNER_SHUT_OUT": ({"learner": 2.0}, 1.0),
     }
     for name, (values, expected) in cases.items():
         found = watched(vehicle, **values)

@@ -64,7 +64,7 @@ def test_nothing_happens_where_nothing_is_the_matter(watch):
         ({"reference_verdict": [2]}, SafeMode.HOLD, "reference_out_of_reach"),
         ({"reference_verdict": [3]}, SafeMode.HOLD, "reference_too_fast"),
         ({"reference_verdict": [4]}, SafeMode.NOMINAL, "reference_jump"),
-        ({"learner_health": [1, 0.02]}, SafeMode.NOMINAL, "learner_shut_out"),
+        ({"learner_health": [2, 0.02]}, SafeMode.NOMINAL, "learner_shut_out"),
         ({"saturated": [1]}, SafeMode.NOMINAL, "saturated"),
         ({"rotor_effectiveness": [1, 1, 0.8, 1]}, SafeMode.NOMINAL, "rotor_degraded"),
     ],
