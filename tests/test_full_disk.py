@@ -36,8 +36,8 @@ def flown(tmp_path_factory) -> Path:
 
 @pytest.mark.parametrize(
     ("most_bytes", "what"),
-    [(1000, "during the flight"), (15_000, "results"), (300_000, "results")],
-    ids=["recording", "log", "replay"],
+    [(1000, "during the flight"), (100_000, "results"), (1_000_000, "results")],
+    ids=["recording", "plot", "replay"],
 )
 def test_earlier_results_stay(flown, most_bytes, what):
     before = content(flown)

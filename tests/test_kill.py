@@ -1,16 +1,17 @@
 """Killed at any time: no corrupt file, nobody left behind, and the next call works.
 
-A few kills by default, without `train`; 50 by `pytest --long tests/test_kill.py`.
+A few kills of `run` by default; 50 of all three by `pytest --long tests/test_kill.py`.
 """
 
 import contextlib
 import json
-import os
 import random
+import re
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -26,10 +27,10 @@ COMMANDS = {
     "compare": ["compare", *TINY, "--variant", "integral", "--variant", "modified"],
     "train": ["train", "--quick"],
 }
-KILLS = {"run": (2, 20), "compare": (1, 15), "train": (0, 15)}
+KILLS = {"run": (2, 20), "compare": (0, 15), "train": (0, 15)}
 """By default, and of all."""
 
-CALL_S = 600
+CALL_S, CHILDREN_S = 600, 60
 """Nothing here takes as long."""
 
 
@@ -57,12 +58,24 @@ def kill(command: str, folder: Path, after_s: float) -> None:
         process.wait(timeout=after_s)
     process.kill()
     process.communicate(timeout=CALL_S)
-    deadline = time.monotonic() + CALL_S
-    with contextlib.suppress(ProcessLookupError):
-        while time.monotonic() < deadline:
-            os.killpg(process.pid, 0)  # Raises once the last child has gone, too.
-            time.sleep(0.05)
-    assert time.monotonic() < deadline, "children were left"
+    wait_for_children(process.pid)
+
+
+def wait_for_children(group: int) -> None:
+    """Until all of a group have ended, which they are to do by themselves."""
+    deadline = time.monotonic() + CHILDREN_S
+    while any(members := [*living(group)]):
+        assert time.monotonic() < deadline, f"left: {members}"
+        time.sleep(0.05)
+
+
+def living(group: int) -> Iterator[int]:
+    """The processes of a group that are not dead, if perhaps not buried."""
+    for place in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, _, its_group = place.read_text().rpartition(")")[2].split()[:3]
+            if int(its_group) == group and state != "Z":
+                yield int(place.parent.name)
 
 
 def check(folder: Path) -> None:
@@ -105,8 +118,7 @@ def test_killed_at_any_time(command, tmp_path, long):
     check(tmp_path)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("times", [1, 2])
+@pytest.mark.parametrize(("number", "times"), [(signal.SIGINT, 2), (signal.SIGTERM, 1)])
 def test_interrupted_in_flight_it_writes_what_it_has(number, times, tmp_path):
     """However often it is asked to hurry: here twice at most, while it flies."""
     argv = ["run", "hover", "--set", "settle_s=0", "--duration", "3000", "--out", "results"]
@@ -116,7 +128,7 @@ def test_interrupted_in_flight_it_writes_what_it_has(number, times, tmp_path):
         [sys.executable, "-c", code, *argv], cwd=tmp_path, stderr=subprocess.PIPE, text=True
     )
     said = ""
-    while " 0.5/3000.0 s" not in said:  # In flight.
+    while not re.search(r"[1-9][0-9]*\.[0-9]/3000\.0 s", said):  # In flight for a second.
         said += process.stderr.read(1)
     for _ in range(times):
         process.send_signal(number)
@@ -124,20 +136,18 @@ def test_interrupted_in_flight_it_writes_what_it_has(number, times, tmp_path):
     _, said = process.communicate(timeout=CALL_S)
     assert process.returncode == 1 and "Traceback" not in said
     summary = json.loads((tmp_path / "results" / "summary.json").read_text())
-    assert summary["exit_reason"] == "interrupted" and 0.5 <= summary["simulated_s"] < 3000
+    assert summary["exit_reason"] == "interrupted" and 1 <= summary["simulated_s"] < 3000
     check(tmp_path)
     assert len(list((tmp_path / "results").iterdir())) == 5
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_interrupted_a_comparison_leaves_nothing_and_nobody(number, tmp_path):
+def test_interrupted_a_comparison_leaves_nothing_and_nobody(tmp_path):
     process = call("compare", tmp_path)
     while not list(tmp_path.glob(".aerodrake-*/new/results/*")):  # One is being flown.
         assert process.poll() is None
         time.sleep(0.01)
-    process.send_signal(number)
+    process.send_signal(signal.SIGTERM)
     _, said = process.communicate(timeout=CALL_S)
     assert process.returncode == 130 and said == b"aerodrake: interrupted\n"
     assert list(tmp_path.iterdir()) == []
-    with pytest.raises(ProcessLookupError):
-        os.killpg(process.pid, 0)
+    wait_for_children(process.pid)
