@@ -35,6 +35,8 @@ PLAIN = [
     "package://aerodrake/../x", "package://aerodrake//etc/passwd", "package://other/x",
     "../../x", "/", ".", "..", "a/b", "'a\\b'", '"\\0"', '"\\x1b[31m"', '"\\ud800"', "ü",
     "'" + "x" * 5000 + "'",
+    "[{kind: push}]", "[{kind: push, force_n: [.nan, 0, 0]}]", "[{kind: sample_nan, group: x}]",
+    "[{kind: rotor_degraded, rotor: 15}, {kind: 3}]", "[{start_s: 1}]", "[[{kind: push}]]",
 ]  # fmt: skip
 """Values that are YAML, right or wrong."""
 
