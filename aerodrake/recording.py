@@ -40,7 +40,7 @@ class Recording(Mapping[str, np.ndarray]):
         before = sum(length for _, length in self._blocks)
         offset = self._file.seek(before * len(samples) * samples.itemsize)
         # Row by row: those of one key are together, and the others need not be read.
-        rest = memoryview(np.ascontiguousarray(samples)).cast("B")
+        rest = memoryview(samples.tobytes())
         try:
             while rest:  # A disk takes less than it is given before it is full.
                 rest = rest[self._file.write(rest) :]

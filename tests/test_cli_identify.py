@@ -10,7 +10,7 @@ import pytest
 
 import aerodrake.identify
 from aerodrake.cli import main
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ProcessDied
 from aerodrake.identify import Manoeuvre, Record
 from aerodrake.scenario_file import load_scenario, packaged_scenarios
 
@@ -126,7 +126,7 @@ def test_a_packaged_scenario_is_written_where_it_is(ideal, scenario, tmp_path, m
         (["own.yaml", "--set", "mpc.horizon=x"], "--set: mpc.horizon: expected a whole number"),
         (
             ["own.yaml", "--set", "vehicle.robot=gone.urdf"],
-            "gone.urdf: expected the path of a URDF",
+            "gone.urdf: expected a readable file",
         ),
         (["own.yaml", "--write", "--set", "seed=1"], "--write: expected no --set"),
         (["bare.yaml", "--write"], "bare.yaml: model.k_b: expected the key in the file"),
@@ -181,3 +181,13 @@ def test_an_interrupt_leaves_nothing(ideal, scenario, tmp_path, monkeypatch, cap
     assert main(argv) == 130
     assert capfd.readouterr().err == "aerodrake: interrupted\n"
     assert files(tmp_path) == before
+
+
+def test_a_process_that_dies_is_said_in_one_line(tmp_path, monkeypatch, capsys):
+    """Killed for want of memory, say: no bad input, and no bug either."""
+    died = ProcessDied("its process died of SIGKILL")
+    monkeypatch.setattr("aerodrake.identify.run_parallel", lambda *_: iter([(1, died)]))
+    monkeypatch.chdir(tmp_path)
+    assert main(["identify", "clover_paper", "--quiet"]) == 1
+    assert capsys.readouterr().err == "aerodrake: x, arm moving: its process died of SIGKILL\n"
+    assert [*tmp_path.rglob("*")] == [tmp_path / "runs"]

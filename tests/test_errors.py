@@ -4,7 +4,7 @@ import pickle
 
 import pytest
 
-from aerodrake.errors import BadInput, nearest
+from aerodrake.errors import BadInput, ScenarioError, file_at, nearest
 
 
 def test_names_source_and_key_in_one_line():
@@ -39,3 +39,14 @@ def test_nearest_name_and_the_rest():
     )
     assert nearest("zzz", ["k_e", "horizon"]) == "(valid: horizon, k_e)"
     assert nearest(3, ["k_e"]) == "(valid: k_e)"
+
+
+def test_a_file_is_wrong_where_the_scenario_names_it():
+    with pytest.raises(ScenarioError) as caught, file_at("a.yaml", "reference.file"):
+        raise BadInput("b.csv", "", "expected 2 rows")
+    assert (caught.value.source, caught.value.key) == ("a.yaml", "reference.file")
+    assert str(caught.value) == "a.yaml: reference.file: b.csv: expected 2 rows"
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert type(again) is ScenarioError and str(again) == str(caught.value)
+    with pytest.raises(ScenarioError, match="^other: key: wrong$"), file_at("a.yaml", "file"):
+        raise ScenarioError("other", "key", "wrong")

@@ -7,7 +7,7 @@ import zipfile
 import pytest
 
 from aerodrake.errors import BadInput
-from aerodrake.files import is_stored_zip, read_bounded, write_whole
+from aerodrake.files import is_stored_zip, leaves_package, read_bounded, write_whole
 
 
 def names(folder) -> list[str]:
@@ -28,6 +28,27 @@ def test_what_cannot_be_read_is_named(tmp_path, name, reason):
         read_bounded(tmp_path / name, 5)
 
 
+def test_what_may_never_begin_or_end_is_not_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", "/dev/zero"):
+        with pytest.raises(BadInput, match="expected a file, got a pipe or a device"):
+            read_bounded(path, 5)
+
+
+@pytest.mark.parametrize(
+    "uri",
+    [
+        "package://other/x",
+        "package://aerodrake/../x",
+        "package://aerodrake//etc/passwd",
+        "package://aerodrake/",
+        "package://",
+    ],
+)
+def test_uris_that_leave_the_package(uri):
+    assert leaves_package(uri) and not leaves_package("package://aerodrake/robots/x.urdf")
+
+
 @pytest.mark.parametrize("method", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
 def test_only_a_zip_that_does_not_grow_is_stored(method):
     content = io.BytesIO()
@@ -36,6 +57,16 @@ def test_only_a_zip_that_does_not_grow_is_stored(method):
     assert is_stored_zip(content.getvalue()) == (method == zipfile.ZIP_STORED)
     assert not is_stored_zip(content.getvalue()[:-20])
     assert not is_stored_zip(b"")
+
+
+def test_entries_that_share_their_bytes_are_a_bomb():
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as file:
+        file.writestr("a", "0" * 1000)
+        for _ in range(10):  # Directory entries for the one that is there.
+            file.filelist.append(file.filelist[0])
+        file._didModify = True
+    assert not is_stored_zip(content.getvalue())
 
 
 def test_writing_replaces_the_file_and_keeps_its_mode_and_links(tmp_path):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from aerodrake.errors import BadInput
 from aerodrake.recording import Recording
 
 COLUMNS = {"mode": 0, "p_B_m": slice(1, 4), "v_B_m_s": slice(4, 7)}
@@ -44,6 +45,31 @@ def test_signals_in_memory_stand_beside_them():
     assert recording["tick_ms"] is tick_ms
     with pytest.raises(KeyError):
         recording["p_E_m"]
+
+
+def test_a_disk_takes_less_than_it_is_given(monkeypatch):
+    """Nothing is lost of what it has not taken, and a full one is said to be."""
+    recording = Recording(COLUMNS)
+    samples = np.arange(70.0).reshape(7, 10)
+    file = recording._file
+
+    class Reluctant:
+        def write(self, content):
+            return file.write(content[:33])
+
+        def __getattr__(self, name):
+            return getattr(file, name)
+
+    recording._file = Reluctant()
+    recording.append(np.arange(10.0), samples)
+    np.testing.assert_array_equal(recording["p_B_m"], samples[1:4].T)
+
+    def full(content):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Reluctant, "write", staticmethod(full), raising=True)
+    with pytest.raises(BadInput, match="during the flight: No space left on device"):
+        recording.append(np.arange(10.0), samples)
 
 
 def test_its_file_goes_with_it():

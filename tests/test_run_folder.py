@@ -141,6 +141,15 @@ def test_a_link_to_a_run_goes_on_leading_to_it(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["latest", "run"]
 
 
+def test_a_link_that_leads_nowhere_is_refused_before_the_flight(tmp_path):
+    (tmp_path / "a").symlink_to("b")
+    (tmp_path / "b").symlink_to("a")
+    entered = False
+    with pytest.raises(BadInput, match="--out: .*a is a link"), run_folder(tmp_path / "a"):
+        entered = True
+    assert not entered and (tmp_path / "a").is_symlink()
+
+
 def test_a_file_is_no_folder(tmp_path):
     (tmp_path / "file").write_text("precious")
     for target in ("file", "file/run"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aerodrake import collection
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ProcessDied
 from aerodrake.evaluation import METHODS
 from aerodrake.model.checkpoint import load
 from aerodrake.model.training import Training
@@ -104,6 +104,32 @@ def test_a_folder_of_your_own_is_refused_and_left_as_it_is(tmp_path, scenario):
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
     with pytest.raises(BadInput, match="cannot write"):
         train(tmp_path / "thesis.tex", scenario)
+
+
+@pytest.mark.parametrize("left", [["network.pt"], ["network.pt", "training.json"]])
+def test_one_that_was_killed_while_it_wrote_goes_on(trained, scenario, grounded, tmp_path, left):
+    folder = tmp_path / "copy"
+    shutil.copytree(trained[0], folder)
+    for name in {"network.pt", "training.json", "training.png"} - {*left}:
+        (folder / name).unlink()
+    train(folder, scenario)
+    assert {path.name for path in folder.iterdir()} == {path.name for path in trained[0].iterdir()}
+
+
+def test_a_network_of_ones_own_is_not_replaced(trained, scenario, tmp_path, grounded):
+    shutil.copy(trained[0] / "network.pt", tmp_path)
+    with pytest.raises(BadInput, match="not of an earlier training"):
+        train(tmp_path, scenario)
+
+
+def test_a_process_that_died_is_named(tmp_path, scenario, grounded):
+    grounded.setattr(
+        collection,
+        "run_parallel",
+        lambda function, items, jobs: iter([(1, ProcessDied("its process died of SIGKILL"))]),
+    )
+    with pytest.raises(ProcessDied, match="^stage two: its process died of SIGKILL$"):
+        train(tmp_path, scenario)
 
 
 def test_the_integral_model_has_no_residual(tmp_path, scenario):
