@@ -27,6 +27,9 @@ RAMP = 2.0
 NOISE = 5.0
 """By how many deviations of noise a mean offset is explained."""
 
+DOUBTFUL = 0.25
+"""From which share of the offset that is too much nothing is learned, nor forgiven."""
+
 HELPFUL = 0.25
 """Mean gain from which Delta is used; 1 for one that is always right, 0 without effect."""
 
@@ -117,10 +120,11 @@ class LearnerJudge:
         (e_0^2 - e_1^2) / (e_0^2 + e_1^2 + floor^2),   e_1 with Delta, e_0 without,
 
     which begins at -1, is above `HELPFUL`: after `judge_s` at the earliest, however large
-    errors were before; and, after a poisoning, when the offset is half of what is too
-    much. Errors are taken against labels without their mean offset, so that nobody is
-    judged by what poisoned them. Where even without Delta errors are below the floor,
-    there is nothing to help with, and Delta stays zero.
+    errors were before; and, after a poisoning, when the offset is no longer in doubt.
+    What is in doubt is not learned, lest much has been when it is found to be poison.
+    Errors are taken against labels without their mean offset, so that nobody is judged
+    by what poisoned them. Where even without Delta errors are below the floor, there is
+    nothing to help with, and Delta stays zero.
 
     Attributes:
         config: Of the rules, `judge_s`, `max_offset_m_s` and `max_drift`.
@@ -171,6 +175,10 @@ class LearnerJudge:
         is_harmful = health.benefit < -(FLOOR_M_S**2) or health.gain < 0
         return Cause.UNHELPFUL if health.cause == Cause.OK and is_harmful else Cause.OK
 
+    def doubts(self, health: Health) -> bool:
+        """Whether labels are off by so much that they had better not be learned."""
+        return self._too_far_off(health) > DOUBTFUL
+
     def inspect(self, theta: np.ndarray, delta: np.ndarray) -> Cause:
         """What is wrong with a last layer (3, m) and the Delta (3,) m/s it gives; `OK` if nothing.
 
@@ -200,7 +208,7 @@ class LearnerJudge:
     def _is_proven(self, health: Health) -> bool:
         if health.cause == Cause.OK or self.config.judge_s == 0:
             return True
-        is_over = health.cause != Cause.POISONED or self._too_far_off(health) < 0.5
+        is_over = health.cause != Cause.POISONED or not self.doubts(health)
         return is_over and health.gain > HELPFUL
 
     def _too_far_off(self, health: Health) -> float:

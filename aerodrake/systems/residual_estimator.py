@@ -175,7 +175,7 @@ class ResidualEstimator(LeafSystem):
             found = self._judge.verdict(health)
             if found != Cause.OK:
                 learned = self._learner.start()
-            elif self._mode == "online":
+            elif self._mode == "online" and not self._judge.doubts(health):
                 learned = self._learner.step(learned, sample.phi, sample.target, saturated[0] > 0.5)
         learned = replace(learned, theta=learned.theta + fault[0])
         with np.errstate(invalid="ignore"):  # What comes of a layer that is lost is looked at.

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from aerodrake.model.learner_health import (
+    DOUBTFUL,
     FLOOR_M_S,
     HELPFUL,
     MOST_DELTA_M_S,
@@ -140,14 +141,27 @@ def test_labels_that_are_off_are_found_out_within_a_second(true, axis, size, sig
         assert health.cause == Cause.POISONED and health.share == 0
 
 
+@pytest.mark.parametrize("size", [0.004, 0.02, 0.3])
+def test_doubts_come_before_the_verdict(used, size):
+    """After an error less than a third of what is learned until then otherwise."""
+    offset = np.array([0.0, 0.0, size])
+    found = flown(judge(), [Evidence(RIGHT + offset, RIGHT, offset)] * 3 * SECOND, used)
+    doubts = [judge().doubts(health) for health in found]
+    assert doubts[-1] and not judge().doubts(used)
+    poisoned = [health.cause == Cause.POISONED for health in found]
+    assert any(poisoned) == (size > judge().config.max_offset_m_s)
+    if any(poisoned):
+        assert doubts.index(True) <= max(0.35 * poisoned.index(True), 0)
+
+
 def test_a_poisoning_is_over_when_labels_are_right_again():
     offset = np.array([0.0, 0.1, 0.0])
     last = flown(judge(), [Evidence(RIGHT, RIGHT, offset)] * 3 * SECOND)[-1]
     healed = flown(judge(), [GOOD] * 8 * SECOND, last)
     first = next(k for k, health in enumerate(healed) if health.cause == Cause.OK)
     assert np.linalg.norm(healed[first].offset) < judge().config.max_offset_m_s
-    # The mean offset alone decays to half of what is too much, and noise explains some.
-    assert DT * first < math.log(0.1 / (judge().config.max_offset_m_s / 2))
+    # The mean offset decays to a share of what is too much, of which noise explains some.
+    assert DT * first < math.log(0.1 / (DOUBTFUL * judge().config.max_offset_m_s))
     assert {health.cause for health in healed[:first]} == {Cause.POISONED}
 
 
