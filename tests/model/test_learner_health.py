@@ -11,6 +11,7 @@ from hypothesis.extra.numpy import arrays
 
 from aerodrake.model.learner_health import (
     DOUBTFUL,
+    FADE,
     FLOOR_M_S,
     HELPFUL,
     MOST_DELTA_M_S,
@@ -38,7 +39,7 @@ def judge(**changes) -> LearnerJudge:
 def after(of: LearnerJudge, health: Health, evidence: Evidence) -> Health:
     """A tick with nothing wrong with the last layer."""
     health = of.weigh(health, evidence)
-    return of.rule(health, of.verdict(health))
+    return of.rule(health, of.verdict(health), NONE)
 
 
 def flown(of: LearnerJudge, evidence, health: Health | None = None) -> list[Health]:
@@ -80,9 +81,10 @@ def test_without_a_judge_all_that_is_finite_is_used():
         assert health.share == 1 and health.held_s == 0
     assert plain.inspect(plain.theta_offline + 50.0, np.full(3, 50.0)) == Cause.OK
     assert plain.inspect(plain.theta_offline, np.full(3, np.nan)) == Cause.NOT_FINITE
-    lost = plain.rule(plain.start(), Cause.NOT_FINITE)
+    lost = plain.rule(plain.start(), Cause.NOT_FINITE, RIGHT)
     assert lost.share == 0 and lost.cause == Cause.NOT_FINITE
-    assert plain.rule(lost, Cause.OK).share == 1
+    assert not plain.used(lost, RIGHT).any()
+    assert plain.rule(lost, Cause.OK, NONE).share == 1
 
 
 @pytest.mark.parametrize(
@@ -106,6 +108,17 @@ def test_one_large_error_is_enough(used):
     assert again[0].cause == Cause.UNHELPFUL and again[-1].cause == Cause.OK
     # It returns slowly, however large the error was.
     assert max(np.diff([health.share for health in again])) == pytest.approx(DT / RAMP)
+
+
+@pytest.mark.parametrize("cause", [c for c in Cause if c > Cause.UNPROVEN])
+def test_the_last_sound_delta_fades_and_one_that_did_harm_is_gone(used, cause):
+    of = judge()
+    health = of.rule(used, cause, RIGHT)
+    for k in range(2 * SECOND):
+        left = 0.0 if cause == Cause.UNHELPFUL else max(0.0, 1 - k * DT / FADE)
+        # Whatever the network says meanwhile.
+        np.testing.assert_allclose(of.used(health, 9 * RIGHT), left * RIGHT, atol=1e-12)
+        health = of.rule(health, cause if k < 5 else Cause.OK, np.full(3, np.inf))
 
 
 def test_a_label_that_contradicts_the_motion_counts_neither_for_nor_against(used):
@@ -202,7 +215,7 @@ def test_what_is_held_is_zero_and_says_why(samples, found, judge_s):
         assert 0 <= health.share <= 1 and -1 <= health.gain <= 1 and health.held_s >= 0
         assert (health.share > 0) == (health.cause == Cause.OK)
         assert np.isfinite(health.to_vector()).all()
-        ruled = of.rule(health, found)
+        ruled = of.rule(health, found, NONE)
         if found != Cause.OK:
             assert ruled.share == 0 and ruled.cause == found
         back = Health.from_vector(health.to_vector())
