@@ -24,15 +24,24 @@ OUTLIER_M_S = 0.5
 RAMP = 2.0
 """Over how many `judge_s` Delta comes back: at once, it may shake what it predicts."""
 
+FADE = 0.5
+"""Over how many `judge_s` the last sound Delta goes: at once, it shakes the flight as well."""
+
 NOISE = 5.0
 """By how many deviations of noise a mean offset is explained."""
+
+DOUBTFUL = 0.25
+"""From which share of the offset that is too much nothing is learned, nor forgiven."""
 
 HELPFUL = 0.25
 """Mean gain from which Delta is used; 1 for one that is always right, 0 without effect."""
 
 
-HEALTH_SIZE = 9
+HEALTH_SIZE = 12
 """Numbers of `Health` as a vector."""
+
+
+NONE = np.zeros(3)
 
 
 class Cause(IntEnum):
@@ -68,6 +77,7 @@ class Health:
     Attributes:
         cause: Why Delta is zero, or `OK`.
         held_s: s, for how long.
+        parting: (3,) m/s, Delta from which it goes to zero meanwhile.
         share: [0, 1], of Delta that is used.
         offset: (3,) m/s, running mean of the labels' offset.
         offset_square: m^2/s^2, and of its square.
@@ -78,6 +88,7 @@ class Health:
     cause: Cause
     held_s: float
     share: float
+    parting: np.ndarray
     offset: np.ndarray
     offset_square: float
     benefit: float
@@ -86,13 +97,13 @@ class Health:
     @classmethod
     def from_vector(cls, x: np.ndarray) -> Health:
         """The reverse of `to_vector`."""
-        return cls(Cause(int(x[0])), x[1], x[2], x[3:6].copy(), *x[6:])
+        return cls(Cause(int(x[0])), x[1], x[2], x[3:6].copy(), x[6:9].copy(), *x[9:])
 
     def to_vector(self) -> np.ndarray:
-        """(`HEALTH_SIZE`,) [cause, held_s, share, offset, offset_square, benefit, gain]."""
+        """(`HEALTH_SIZE`,): its attributes in their order."""
         return np.array(
             [
-                *(self.cause, self.held_s, self.share, *self.offset),
+                *(self.cause, self.held_s, self.share, *self.parting, *self.offset),
                 *(self.offset_square, self.benefit, self.gain),
             ]
         )
@@ -112,15 +123,18 @@ class LearnerJudge:
     - where the mean square error of predictions is larger with Delta than without.
       One large error is enough.
 
+    What was used before goes to zero over `FADE`, except where it was what did harm.
+
     It is used again, and for the first time, when the mean gain
 
         (e_0^2 - e_1^2) / (e_0^2 + e_1^2 + floor^2),   e_1 with Delta, e_0 without,
 
     which begins at -1, is above `HELPFUL`: after `judge_s` at the earliest, however large
-    errors were before; and, after a poisoning, when the offset is half of what is too
-    much. Errors are taken against labels without their mean offset, so that nobody is
-    judged by what poisoned them. Where even without Delta errors are below the floor,
-    there is nothing to help with, and Delta stays zero.
+    errors were before; and, after a poisoning, when the offset is no longer in doubt.
+    What is in doubt is not learned, lest much has been when it is found to be poison.
+    Errors are taken against labels without their mean offset, so that nobody is judged
+    by what poisoned them. Where even without Delta errors are below the floor, there is
+    nothing to help with, and Delta stays zero.
 
     Attributes:
         config: Of the rules, `judge_s`, `max_offset_m_s` and `max_drift`.
@@ -135,8 +149,8 @@ class LearnerJudge:
     def start(self) -> Health:
         """Before the first sample: Delta has yet to show that it helps, if anybody asks."""
         if self.config.judge_s == 0:
-            return Health(Cause.OK, 0.0, 1.0, np.zeros(3), 0.0, 0.0, 0.0)
-        return Health(Cause.UNPROVEN, 0.0, 0.0, np.zeros(3), 0.0, 0.0, -1.0)
+            return Health(Cause.OK, 0.0, 1.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0)
+        return Health(Cause.UNPROVEN, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, -1.0)
 
     def weigh(self, health: Health, evidence: Evidence) -> Health:
         """The means after one more sample; one with what is not finite says nothing."""
@@ -171,6 +185,10 @@ class LearnerJudge:
         is_harmful = health.benefit < -(FLOOR_M_S**2) or health.gain < 0
         return Cause.UNHELPFUL if health.cause == Cause.OK and is_harmful else Cause.OK
 
+    def doubts(self, health: Health) -> bool:
+        """Whether labels are off by so much that they had better not be learned."""
+        return self._too_far_off(health) > DOUBTFUL
+
     def inspect(self, theta: np.ndarray, delta: np.ndarray) -> Cause:
         """What is wrong with a last layer (3, m) and the Delta (3,) m/s it gives; `OK` if nothing.
 
@@ -184,11 +202,22 @@ class LearnerJudge:
         is_astray = most > 0 and drift > most * (1 + 1e-6)
         return Cause.DIVERGED if is_astray or math.hypot(*delta) > MOST_DELTA_M_S else Cause.OK
 
-    def rule(self, health: Health, found: Cause) -> Health:
-        """How much of Delta is used now, after what was found at this tick."""
+    def rule(self, health: Health, found: Cause, last: np.ndarray) -> Health:
+        """How much of Delta is used now, after what was found at this tick.
+
+        Args:
+            health: With what the newest sample said.
+            found: What is wrong.
+            last: (3,) m/s, Delta as it was used at the tick before. It was sound, unless
+                it was what did the harm.
+        """
         held_s = 0.0 if health.cause == Cause.OK else health.held_s + self.dt
         if found != Cause.OK:
-            return replace(health, cause=found, held_s=held_s, share=0.0, gain=-1.0)
+            parting = health.parting
+            if health.cause == Cause.OK:
+                parting = np.zeros(3) if found == Cause.UNHELPFUL else last
+            health = replace(health, cause=found, held_s=held_s, share=0.0, gain=-1.0)
+            return replace(health, parting=parting)
         if not self._is_proven(health):
             return replace(health, held_s=held_s)
         ramp_s = RAMP * self.config.judge_s
@@ -197,10 +226,17 @@ class LearnerJudge:
         benefit = health.benefit if health.cause == Cause.OK else max(health.benefit, 0.0)
         return replace(health, cause=Cause.OK, held_s=0.0, share=share, benefit=benefit)
 
+    def used(self, health: Health, delta: np.ndarray) -> np.ndarray:
+        """(3,) m/s, what is used where the network says `delta`."""
+        if health.cause == Cause.OK:
+            return health.share * delta
+        fade_s = FADE * self.config.judge_s
+        return health.parting * (1 - health.held_s / fade_s) if health.held_s < fade_s else NONE
+
     def _is_proven(self, health: Health) -> bool:
         if health.cause == Cause.OK or self.config.judge_s == 0:
             return True
-        is_over = health.cause != Cause.POISONED or self._too_far_off(health) < 0.5
+        is_over = health.cause != Cause.POISONED or not self.doubts(health)
         return is_over and health.gain > HELPFUL
 
     def _too_far_off(self, health: Health) -> float:

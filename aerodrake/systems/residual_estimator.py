@@ -89,12 +89,12 @@ class ResidualEstimator(LeafSystem):
             base, for the last completed sample, learned or not; zero before the
             first.
         out `nominal_prediction_error` (3): the same of the model without Delta.
-        out `learner_health` (2): `Cause` for which Delta is held at zero, and s for which
-            it has been.
+        out `learner_health` (2): `Cause` for which Delta is held at zero, or on its way
+            there, and s for which it has been; `OK` and 0 while it is used.
 
     State (discrete): last layer (3, 33); rings of phi and target over the last
         `batch` samples learned; number of samples learned; whether a prediction
-        is pending (0 or 1), and its x_k, phi_k and motion; the two prediction
+        is pending (0 or 1), and its x_k, phi_k, motion and Delta; the two prediction
         errors; `Health`, in two groups.
 
     Rate: the period of the model, from time 0.
@@ -135,6 +135,7 @@ class ResidualEstimator(LeafSystem):
         self._error = self.DeclareDiscreteState(3)
         self._nominal_error = self.DeclareDiscreteState(3)
         self._motion = self.DeclareDiscreteState(6)
+        self._used = self.DeclareDiscreteState(3)
         health = self._judge.start().to_vector() if network is not None else np.zeros(HEALTH_SIZE)
         self._health = self.DeclareDiscreteState(health[:2])
         self._evidence = self.DeclareDiscreteState(health[2:])
@@ -175,7 +176,7 @@ class ResidualEstimator(LeafSystem):
             found = self._judge.verdict(health)
             if found != Cause.OK:
                 learned = self._learner.start()
-            elif self._mode == "online":
+            elif self._mode == "online" and not self._judge.doubts(health):
                 learned = self._learner.step(learned, sample.phi, sample.target, saturated[0] > 0.5)
         learned = replace(learned, theta=learned.theta + fault[0])
         with np.errstate(invalid="ignore"):  # What comes of a layer that is lost is looked at.
@@ -183,8 +184,8 @@ class ResidualEstimator(LeafSystem):
         found = max(found, self._judge.inspect(learned.theta, delta))
         if found > Cause.POISONED:
             learned = self._learner.start()
-        health = self._judge.rule(health, found)
-        used = health.share * (learned.theta @ phi)
+        health = self._judge.rule(health, found, self._numbers(context, self._used).copy())
+        used = self._judge.used(health, learned.theta @ phi)
         tick.set_value(_Tick(sample, learned, health, x, phi, motion, used))
 
     def _complete(self, context: Context, v_B: np.ndarray, u: np.ndarray) -> _Sample | None:
@@ -196,8 +197,8 @@ class ResidualEstimator(LeafSystem):
         correction = self._gain * (self._layer(context) @ phi)
         if not np.isfinite(correction).all():
             return None
-        share = self._numbers(context, self._evidence)[0]
-        return _Sample(phi, v_B - nominal, correction, nominal + share * correction - v_B)
+        used = self._gain * self._numbers(context, self._used)
+        return _Sample(phi, v_B - nominal, correction, nominal + used - v_B)
 
     def _evidence_of(self, context: Context, sample: _Sample, motion: np.ndarray) -> Evidence:
         """What a sample says, now that the base's motion is this."""
@@ -244,6 +245,7 @@ class ResidualEstimator(LeafSystem):
             state.set_value(self._health, health[:2])
             state.set_value(self._evidence, health[2:])
             state.set_value(self._motion, tick.motion)
+            state.set_value(self._used, tick.delta)
         state.set_value(self._x, tick.x)
         state.set_value(self._phi, tick.phi)
         if tick.sample is not None:

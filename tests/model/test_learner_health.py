@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from aerodrake.model.learner_health import (
+    DOUBTFUL,
+    FADE,
     FLOOR_M_S,
     HELPFUL,
     MOST_DELTA_M_S,
@@ -37,7 +39,7 @@ def judge(**changes) -> LearnerJudge:
 def after(of: LearnerJudge, health: Health, evidence: Evidence) -> Health:
     """A tick with nothing wrong with the last layer."""
     health = of.weigh(health, evidence)
-    return of.rule(health, of.verdict(health))
+    return of.rule(health, of.verdict(health), NONE)
 
 
 def flown(of: LearnerJudge, evidence, health: Health | None = None) -> list[Health]:
@@ -79,9 +81,10 @@ def test_without_a_judge_all_that_is_finite_is_used():
         assert health.share == 1 and health.held_s == 0
     assert plain.inspect(plain.theta_offline + 50.0, np.full(3, 50.0)) == Cause.OK
     assert plain.inspect(plain.theta_offline, np.full(3, np.nan)) == Cause.NOT_FINITE
-    lost = plain.rule(plain.start(), Cause.NOT_FINITE)
+    lost = plain.rule(plain.start(), Cause.NOT_FINITE, RIGHT)
     assert lost.share == 0 and lost.cause == Cause.NOT_FINITE
-    assert plain.rule(lost, Cause.OK).share == 1
+    assert not plain.used(lost, RIGHT).any()
+    assert plain.rule(lost, Cause.OK, NONE).share == 1
 
 
 @pytest.mark.parametrize(
@@ -105,6 +108,17 @@ def test_one_large_error_is_enough(used):
     assert again[0].cause == Cause.UNHELPFUL and again[-1].cause == Cause.OK
     # It returns slowly, however large the error was.
     assert max(np.diff([health.share for health in again])) == pytest.approx(DT / RAMP)
+
+
+@pytest.mark.parametrize("cause", [c for c in Cause if c > Cause.UNPROVEN])
+def test_the_last_sound_delta_fades_and_one_that_did_harm_is_gone(used, cause):
+    of = judge()
+    health = of.rule(used, cause, RIGHT)
+    for k in range(2 * SECOND):
+        left = 0.0 if cause == Cause.UNHELPFUL else max(0.0, 1 - k * DT / FADE)
+        # Whatever the network says meanwhile.
+        np.testing.assert_allclose(of.used(health, 9 * RIGHT), left * RIGHT, atol=1e-12)
+        health = of.rule(health, cause if k < 5 else Cause.OK, np.full(3, np.inf))
 
 
 def test_a_label_that_contradicts_the_motion_counts_neither_for_nor_against(used):
@@ -140,14 +154,27 @@ def test_labels_that_are_off_are_found_out_within_a_second(true, axis, size, sig
         assert health.cause == Cause.POISONED and health.share == 0
 
 
+@pytest.mark.parametrize("size", [0.004, 0.02, 0.3])
+def test_doubts_come_before_the_verdict(used, size):
+    """After an error less than a third of what is learned until then otherwise."""
+    offset = np.array([0.0, 0.0, size])
+    found = flown(judge(), [Evidence(RIGHT + offset, RIGHT, offset)] * 3 * SECOND, used)
+    doubts = [judge().doubts(health) for health in found]
+    assert doubts[-1] and not judge().doubts(used)
+    poisoned = [health.cause == Cause.POISONED for health in found]
+    assert any(poisoned) == (size > judge().config.max_offset_m_s)
+    if any(poisoned):
+        assert doubts.index(True) <= max(0.35 * poisoned.index(True), 0)
+
+
 def test_a_poisoning_is_over_when_labels_are_right_again():
     offset = np.array([0.0, 0.1, 0.0])
     last = flown(judge(), [Evidence(RIGHT, RIGHT, offset)] * 3 * SECOND)[-1]
     healed = flown(judge(), [GOOD] * 8 * SECOND, last)
     first = next(k for k, health in enumerate(healed) if health.cause == Cause.OK)
     assert np.linalg.norm(healed[first].offset) < judge().config.max_offset_m_s
-    # The mean offset alone decays to half of what is too much, and noise explains some.
-    assert DT * first < math.log(0.1 / (judge().config.max_offset_m_s / 2))
+    # The mean offset decays to a share of what is too much, of which noise explains some.
+    assert DT * first < math.log(0.1 / (DOUBTFUL * judge().config.max_offset_m_s))
     assert {health.cause for health in healed[:first]} == {Cause.POISONED}
 
 
@@ -188,7 +215,7 @@ def test_what_is_held_is_zero_and_says_why(samples, found, judge_s):
         assert 0 <= health.share <= 1 and -1 <= health.gain <= 1 and health.held_s >= 0
         assert (health.share > 0) == (health.cause == Cause.OK)
         assert np.isfinite(health.to_vector()).all()
-        ruled = of.rule(health, found)
+        ruled = of.rule(health, found, NONE)
         if found != Cause.OK:
             assert ruled.share == 0 and ruled.cause == found
         back = Health.from_vector(health.to_vector())
