@@ -58,6 +58,6 @@ def short_flight():
         duration=0.5,
         settle_s=0.1,
         reference=Clover(start_s=0.2),
-        residual=Residual(mode="online"),
+        residual=Residual(mode="online", judge_s=0.0),  # Delta is used from the first.
     )
     return scenario, Flight(scenario).fly()
