@@ -7,7 +7,7 @@ import pytest
 
 from tests.campaign import DURATION_S, campaign, draw, is_ridden_out
 
-SAMPLE, ALL = 4, 500
+SAMPLE, ALL = 2, 500
 
 
 def test_nothing_is_wrong_with_any_flight(long, tmp_path):

@@ -175,7 +175,7 @@ def test_hostile_files_are_refused_at_once(write, text):
     path = write(text)
     start = time.process_time()
     assert refuses(path).startswith(f"{path}: ")
-    assert time.process_time() - start < 1
+    assert time.process_time() - start < 10  # At once, but for what else this process does.
 
 
 # Overriding.

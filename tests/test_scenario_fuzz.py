@@ -22,7 +22,7 @@ from aerodrake.schema import as_mapping, build
 from aerodrake.station import make_closed_loop
 
 MOST_S = 1.0
-"""Of processor time, for one input."""
+"""Of processor time, for one input; with all else that this process holds, collected meanwhile."""
 
 TEXTS = {name: path.read_text() for name, path in packaged_scenarios().items()}
 

@@ -9,10 +9,11 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.kinematics import Kinematics
+from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import TOOL_FRAME, add_robot
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.reference_kinds import MovingTarget
-from aerodrake.scenario import Scenario
+from aerodrake.scenario import Scenario, Supervisor
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context, make_coordinator, make_station
 from aerodrake.world import Mismatch, Payload, Sensors, Wind
@@ -42,14 +43,18 @@ SETPOINTS = {"base_setpoint": 9, "joint_setpoint": 3 * JOINTS}
 COORDINATOR_OUTPUTS = SETPOINTS | {
     "segment": 3 * (3 + JOINTS) + 1,
     "reference": 6,
+    "reference_verdict": 1,
     "weights": 5,
     "u": 3 + JOINTS,
     "prediction": 3 * (N + 1),
-    "status": 2,
+    "status": 3,
     "delta": 3,
     "prediction_error": 3,
     "nominal_prediction_error": 3,
     "learner_health": 2,
+    "mode": 1,
+    "cause": 1,
+    "conditions": len(conditions(Supervisor())),
 }
 
 
@@ -75,6 +80,7 @@ def test_ports(station, closed_loop, scenario):
     assert ports(station) == (SETPOINTS, STATION_OUTPUTS)
     heard = {"state": STATE, "external_acceleration": 3, "specific_thrust": 1}
     heard |= {"disturbance": 6, "saturated": 1}
+    heard |= {"sample_health": 6, "rotor_effectiveness": ROTORS}
     assert ports(coordinator) == (heard, COORDINATOR_OUTPUTS)
     assert scenario.mpc.horizon == N
     assert ports(closed_loop) == ({}, STATION_OUTPUTS | COORDINATOR_OUTPUTS)

@@ -8,9 +8,10 @@ import pytest
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.model.qp import QpStatus
+from aerodrake.model.supervision import conditions
 from aerodrake.model.weight_allocation import Mode
 from aerodrake.reference_kinds import Clover, Hover, MovingTarget
-from aerodrake.scenario import Rates, Scenario
+from aerodrake.scenario import Rates, Scenario, Supervisor
 from aerodrake.summary import summarize, to_json
 
 PERIOD_S = 0.01
@@ -43,6 +44,8 @@ def made(
         "tool_axis": np.tile([0.0, 0, -1.0], (samples, 1)),
         "tool_axis_d": np.zeros((samples, 3)),
         "mode": mode(t),
+        "supervisor_mode": np.zeros(samples),
+        "conditions": np.zeros((samples, len(conditions(Supervisor())))),
         "qp_status": np.full(samples, QpStatus.UNCONSTRAINED, float),
         "prediction_error_m_s": np.zeros((samples, 3)),
         "nominal_prediction_error_m_s": np.zeros((samples, 3)),
@@ -247,3 +250,18 @@ def test_where_the_arm_was(vehicle):
     assert arm["least_room_rad"] == pytest.approx(0.02)
     q[log.time_s == 2.0, 2] = vehicle.upper[2] + 0.01
     assert figures(made(until_s=5.0, q_rad=q))["arm"]["least_room_rad"] == pytest.approx(-0.01)
+
+
+def test_what_the_supervisor_did():
+    t = made().time_s
+    names = [condition.name for condition in conditions(Supervisor())]
+    active = np.zeros((len(t), len(names)))
+    held = (t > 2 - 1e-9) & (t < 5 - 1e-9)
+    active[held, names.index("plan_outage")] = 1
+    log = made(conditions=active, supervisor_mode=held.astype(float))
+    figures = summarize(Scenario(), log)
+    assert figures["safe_modes"] == {"nominal": 28.0, "hold": 3.0, "descend": 0.0, "stop": 0.0}
+    assert [(e["time_s"], e["cause"], e["event"]) for e in figures["events"]] == [
+        (2.0, "plan_outage", "triggered"),
+        (5.0, "plan_outage", "cleared"),
+    ]
