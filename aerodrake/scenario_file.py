@@ -16,6 +16,9 @@ from aerodrake.scenario_rules import MAX_NAME_BYTES, check
 from aerodrake.scenario_yaml import dump, parse
 from aerodrake.schema import as_mapping, build, map_files
 
+UNIONS = ("reference", "orientation", "faults")
+"""Sections of several kinds."""
+
 MAX_FILE_BYTES = 100_000
 """A scenario file is never larger: a guard against hostile input."""
 
@@ -111,15 +114,26 @@ def _override(scenario: Scenario, option: str, assignment: str) -> Scenario:
     node = data
     *parents, leaf = key.split(".")
     for depth, name in enumerate(parents):
-        if not isinstance(node.get(name), dict):
-            sections = [k for k, v in node.items() if isinstance(v, dict)]
+        sections = _sections(node)
+        if name not in sections:
             raise ScenarioError(
                 option,
                 ".".join(parents[: depth + 1]),
                 f"unknown section; {nearest(name, sections)}",
             )
-        node = node[name]
-    if key in ("reference.kind", "orientation.kind") and node.get("kind") != value:
+        node = sections[name]
+    is_union = key.partition(".")[0].partition("[")[0] in UNIONS
+    if is_union and leaf == "kind" and node.get("kind") != value:
         node.clear()  # Another kind has keys of its own.
     node[leaf] = value
     return build(Scenario, data, option)
+
+
+def _sections(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """The mappings in one, by name; those of a list as `faults[0]`, `faults[1]`, ..."""
+    found = {name: value for name, value in node.items() if isinstance(value, dict)}
+    for name, value in node.items():
+        if isinstance(value, list):
+            entries = {f"{name}[{i}]": entry for i, entry in enumerate(value)}
+            found |= {key: entry for key, entry in entries.items() if isinstance(entry, dict)}
+    return found

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from aerodrake.errors import ScenarioError
+from aerodrake.fault_kinds import Push, SampleNan
 from aerodrake.model.waypoints import read_waypoints
 from aerodrake.reference_kinds import Clover, FixedAxis, OrientationOff, Waypoints
 from aerodrake.scenario import Model, Scenario
@@ -181,6 +182,13 @@ def test_hostile_files_are_refused_at_once(write, text):
 # Overriding.
 
 
+def test_faults_are_overridden_by_their_place(write):
+    path = write("faults: [{kind: push, start_s: 1}, {kind: mpc_missed}]")
+    changes = ["faults[0].start_s=2", "faults[1].kind=sample_nan", "faults[1].group=joints"]
+    scenario = load_scenario(str(path), [("--set", change) for change in changes])
+    assert scenario.faults == (Push(start_s=2.0), SampleNan(group="joints"))
+
+
 def test_overrides_apply_in_order(write):
     path = write("seed: 1\nmpc: {k_e: [1, 2, 3]}\nmodel: {k_b: [4, 5, 6]}\n")
     scenario = load_scenario(
@@ -248,6 +256,8 @@ def test_naming_the_same_kind_again_keeps_its_keys(write):
         ("mpc.k_e=[1, 2", "mpc.k_e: expected YAML; line 1"),
         ("source=x", "source: unknown key"),
         ("mpc..horizon=3", "mpc.: unknown section"),
+        ("faults[0].start_s=3", "faults[0]: unknown section"),
+        ("kind=3", "kind: unknown key"),
         ("vehicle.rotor.min_thrust_n=30", "vehicle.rotor.min_thrust_n: expected less than"),
     ],
 )
