@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from aerodrake.errors import BadInput, ScenarioError, nearest
 from aerodrake.files import read_bounded
