@@ -101,7 +101,6 @@ class Flight:
                     progress(context.get_time())
                     reason, cause = monitor.ended()
                     if reason:
-                        self.closed_loop.ForcedPublish(context)  # What ended it is logged, too.
                         break
                 else:
                     reason, cause = monitor.ended(in_time=True)

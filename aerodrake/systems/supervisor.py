@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from pydrake.systems.framework import Context, DiscreteValues, InputPort, LeafSystem
+from pydrake.systems.framework import (
+    Context,
+    DiscreteValues,
+    EventStatus,
+    InputPort,
+    LeafSystem,
+)
 
+from aerodrake.model.safe_mode import SafeMode
 from aerodrake.model.supervision import Condition, Rules, signals, supervise
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import VehicleState
@@ -34,7 +41,8 @@ class Supervisor(LeafSystem):
     State:
         each output; and (K) s for which each condition's signal has asked for a change.
     Rate:
-        `period`, from time 0.
+        `period`, from time 0. In STOP a Simulator that steps it reaches termination, a
+        period later, and says why.
 
     Args:
         conditions: K of them, as `aerodrake.model.supervision.conditions` has them.
@@ -51,7 +59,7 @@ class Supervisor(LeafSystem):
         mpc_period: float,
     ):
         super().__init__()
-        self._rules = Rules.of(conditions)
+        self._conditions, self._rules = conditions, Rules.of(conditions)
         self._feet, self._period, self._mpc_period = vehicle.feet_m, period, mpc_period
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(vehicle.joints))
         self._status = self.DeclareVectorInputPort("status", 3)
@@ -71,6 +79,7 @@ class Supervisor(LeafSystem):
         self.DeclareStateOutputPort("cause", self._cause)
         self.DeclareStateOutputPort("conditions", self._active)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+        self.DeclarePeriodicPublishEvent(period, 0.0, self._end)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         last = context.get_discrete_state()
@@ -93,6 +102,13 @@ class Supervisor(LeafSystem):
         discrete.set_value(self._cause, [cause])
         discrete.set_value(self._active, active)
         discrete.set_value(self._since, since)
+
+    def _end(self, context: Context) -> EventStatus:
+        state = context.get_discrete_state()
+        if state.value(self._mode)[0] != SafeMode.STOP:
+            return EventStatus.DidNothing()
+        cause = self._conditions[int(state.value(self._cause)[0])]
+        return EventStatus.ReachedTermination(self, cause.name)
 
     @staticmethod
     def _told(context: Context, port: InputPort, otherwise: np.ndarray) -> np.ndarray:

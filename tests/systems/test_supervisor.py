@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from pydrake.systems.analysis import Simulator
+from pydrake.systems.analysis import Simulator, SimulatorStatus
 
 from aerodrake.model.safe_mode import SafeMode
 from aerodrake.model.supervision import conditions
@@ -98,6 +98,15 @@ def test_what_does_not_clear_is_for_good(watch, vehicle, ports, mode, cause):
         rotor_effectiveness=np.ones(4),
     )
     assert watch.after(10.0) == (mode, cause)
+
+
+def test_a_simulator_ends_where_it_stops(watch):
+    watch.after(0.5)
+    watch.set(rotor_effectiveness=[1, 0.3, 1, 1])
+    status = watch.simulator.AdvanceTo(2.0)
+    assert status.reason() == SimulatorStatus.ReturnReason.kReachedTerminationCondition
+    assert "rotor_lost" in status.FormatMessage()
+    assert watch.context.get_time() == pytest.approx(0.5 + PERIOD)
 
 
 def test_a_landing_is_over_half_a_second_after_touchdown(watch, vehicle):
