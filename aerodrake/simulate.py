@@ -101,6 +101,7 @@ class Flight:
                     progress(context.get_time())
                     reason, cause = monitor.ended()
                     if reason:
+                        self._log_end(recording, context)
                         break
                 else:
                     reason, cause = monitor.ended(in_time=True)
@@ -134,6 +135,12 @@ class Flight:
         """(3,) m, the end-effector at a state (13 + 2 n,)."""
         quaternion, p_B, q, _, _, _ = parts(state)
         return p_B + rotation_matrix(quaternion) @ self._kinematics.tool(q)[0]
+
+    def _log_end(self, recording: Recording, context: Context) -> None:
+        """Logs the instant at which a flight was stopped, if the log has not come to it."""
+        last = max(recording.end, *self._sink.FindLog(context).sample_times()[-1:], -np.inf)
+        if last < context.get_time() - 1e-9:
+            self.closed_loop.ForcedPublish(context)
 
     def _record(self, recording: Recording, context: Context, least: int = 1) -> None:
         """Moves what the sink holds to the recording, if it is `least` samples or more."""

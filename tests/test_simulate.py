@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import aerodrake.simulate
+from aerodrake.fault_kinds import SampleStale
+from aerodrake.model.safe_mode import SafeMode
 from aerodrake.recording import Recording
 from aerodrake.reference_kinds import Hover, MovingTarget
 from aerodrake.scenario import Filter, Rates, Rotor, Scenario, Vehicle
@@ -217,3 +219,14 @@ def test_a_flight_without_network_needs_no_torch():
     root = Path(aerodrake.__file__).parents[1]
     environment = os.environ | {"PYTHONPATH": str(root)}
     subprocess.run([sys.executable, "-c", code], check=True, env=environment)
+
+
+@pytest.mark.parametrize("start_s", [1.0, 1.05])
+def test_what_stops_a_flight_is_logged_once(start_s):
+    """Whether or not the monitor looks at that very instant."""
+    fault = SampleStale(group="attitude", start_s=start_s, duration_s=9.0)
+    log = Flight(Scenario(settle_s=0.5, duration=2.0, faults=(fault,))).fly()
+    assert (log.exit_reason, log.exit_cause.split()[0]) == ("stopped", "attitude_lost")
+    assert log.time_s[-1] == pytest.approx(start_s + 0.4)
+    np.testing.assert_allclose(np.diff(log.time_s), 0.01)
+    assert list(log["supervisor_mode"][-2:]) == [SafeMode.HOLD, SafeMode.STOP]
