@@ -20,8 +20,8 @@ NEVER = np.inf
 UNPROVEN = int(Cause.UNPROVEN)
 """What has yet to show that it helps has done no harm."""
 
-ON_GROUND_M = 0.01
-"""Feet that are as low as this are on the ground."""
+ON_GROUND_M, LANDED_M = 0.003, 0.01
+"""Feet that are as low are on the ground, where nobody wants them there, and at a landing."""
 
 
 class Signal(IntEnum):
@@ -192,7 +192,9 @@ def signals(
     """
     quaternion, p_B, _, _, _, _ = parts(state)
     is_finite = np.all(np.isfinite(state))
-    on_ground = 1.0 if is_finite and p_B[2] + feet <= ON_GROUND_M else 0.0
+    is_landing = mode > 1.5
+    most = LANDED_M if is_landing else ON_GROUND_M
+    on_ground = 1.0 if is_finite and p_B[2] + feet <= most else 0.0
     tilt = np.arccos(min(1.0, max(-1.0, rotation_matrix(quaternion)[2, 2])))
     found = np.zeros(16)
     found[0], found[1] = plan_age, plan_age * period
@@ -203,6 +205,6 @@ def signals(
     for i in range(4):
         found[8 + i] = 1.0 if verdict == i + 1 else 0.0
     found[12] = 1.0 if learner > UNPROVEN else 0.0
-    found[13], found[14] = (0.0, on_ground) if mode > 1.5 else (on_ground, 0.0)
+    found[13], found[14] = (0.0, on_ground) if is_landing else (on_ground, 0.0)
     found[15] = 0.0 if is_finite else 1.0
     return found
