@@ -141,7 +141,8 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     for port in ("external_acceleration", "specific_thrust", "disturbance"):
         builder.ExportInput(equivalent_state.GetInputPort(port), port)
     builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")
-    builder.ConnectInput("saturated", supervisor.GetInputPort("saturated"))
+    for port in ("saturated", "specific_thrust"):
+        builder.ConnectInput(port, supervisor.GetInputPort(port))
     for port in ("sample_health", "rotor_effectiveness"):
         builder.ExportInput(supervisor.GetInputPort(port), port)
     for system, ports in (

@@ -96,7 +96,7 @@ class Supervisor:
     joints_lost_s: float = quantity(1.0, "s", 0.02, 60.0)
     # What has asked for a mode must be over for so long.
     clear_s: float = quantity(0.5, "s", 0.0, 60.0)
-    max_tilt_rad: float = quantity(1.0472, "rad", 0.1, 1.57)
+    max_tilt_rad: float = quantity(1.0472, "rad", 0.1, 1.0472)
     # A rotor that gives less than this share of its thrust is lost.
     rotor_lost: float = quantity(0.45, "1", 0.0, 1.0)
     # A reference is refused that is lower, further from the start, or faster along an axis.

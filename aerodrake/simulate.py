@@ -42,7 +42,7 @@ class Flight:
     Attributes:
         scenario: What is flown.
         closed_loop: Its diagram: station, coordinator and log; out `true_state`, and of the
-            coordinator `reference`, `mode` and `cause`.
+            coordinator `reference`, `base_setpoint`, `mode` and `cause`.
         curve: Its reference.
     """
 
@@ -63,7 +63,7 @@ class Flight:
         self._columns = key_columns(sizes)
         first = self._columns["p_Bd_m"].start
         self._segment = slice(first, first + sizes["segment"])
-        for name in ("true_state", "reference", "mode", "cause"):
+        for name in ("true_state", "reference", "base_setpoint", "mode", "cause"):
             builder.ExportOutput(ports[name], name)
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
@@ -116,6 +116,10 @@ class Flight:
         wall_s = time.perf_counter() - start
         self._record(recording, context)
         time_s = np.round(recording.times - scenario.settle_s, 9)
+        if cause in {condition.name for condition in conditions(scenario.supervisor)}:
+            causes = recording["supervisor_cause"]
+            others = np.flatnonzero(causes != causes[-1])
+            cause += f" since {time_s[others[-1] + 1 if len(others) else 0]:.2f} s"
         recording.add(self._derived(time_s, recording))
         return FlightLog(recording, reason, cause, wall_s)
 
@@ -197,7 +201,9 @@ class _Monitor:
         return self._context.get_time() - self._flight.scenario.settle_s
 
     def ended(self, in_time: bool = False) -> tuple[str, str]:
-        """Why a flight is over, in a word and in a line; both are empty if it is not.
+        """Why a flight is over, and what made it so; both are empty if it is not.
+
+        A condition of the supervisor is told by its name, all else with its time.
 
         Args:
             in_time: Whether it is, since the scenario's time is flown.
@@ -208,10 +214,9 @@ class _Monitor:
         if mode is SafeMode.NOMINAL:
             return ("completed", "") if in_time else ("", "")
         condition = self._conditions[int(self._eval("cause")[0])]
-        cause = f"{condition.name} at {self.time():.2f} s"
         if mode is SafeMode.STOP:
-            return condition.exit_reason, cause
-        return (mode.label, cause) if in_time else ("", "")
+            return condition.exit_reason, condition.name
+        return (mode.label, condition.name) if in_time else ("", "")
 
     def lost(self) -> str:
         """Why the vehicle is lost; empty if it is not."""
@@ -226,7 +231,12 @@ class _Monitor:
         moved = math.dist(reference[:3], self._target)
         self._target = reference[:3]
         has_jumped = moved > JUMP_M + MONITOR_PERIOD_S * np.linalg.norm(reference[3:])
-        if has_jumped or self._eval("mode")[0] != SafeMode.NOMINAL:
+        if self._eval("mode")[0] != SafeMode.NOMINAL:
+            # It follows its setpoints then, not the reference.
+            self._begin_approach(p_E)
+            away = math.dist(x[4:7], self._eval("base_setpoint")[:3])
+            return f"{away:.2f} m off its setpoint {when}" if away > LOST_ERROR_M else ""
+        if has_jumped:
             self._begin_approach(p_E)
         error = math.dist(p_E, self._target)
         self._approached |= error <= self._flight.scenario.allocation.d_h_m

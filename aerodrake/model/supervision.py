@@ -20,8 +20,11 @@ NEVER = np.inf
 UNPROVEN = int(Cause.UNPROVEN)
 """What has yet to show that it helps has done no harm."""
 
-ON_GROUND_M, LANDED_M = 0.003, 0.01
-"""Feet that are as low are on the ground, where nobody wants them there, and at a landing."""
+ON_GROUND_M = 0.003
+"""Feet that are as low as this are on the ground."""
+
+LANDED_M, LANDED_THRUST_M_S2 = 0.08, 8.8
+"""Feet that may be on it, tilted as they are, where less thrust than this holds the vehicle."""
 
 
 class Signal(IntEnum):
@@ -41,8 +44,9 @@ class Signal(IntEnum):
     REFERENCE_JUMPED = 11
     LEARNER_SHUT_OUT = 12  # 1 while what was learned is not used, since it did harm.
     ON_GROUND = 13  # 1 while the feet are, in NOMINAL or HOLD.
-    LANDED = 14  # 1 while they are in DESCEND.
-    NOT_FINITE = 15  # 1 while the state is not.
+    LANDED = 14  # 1 while they are near it in DESCEND, and it carries part of the weight.
+    GROUND_EXPECTED = 15  # 1 while they are to be on it in DESCEND, by prediction alone.
+    NOT_FINITE = 16  # 1 while the state is not.
 
 
 class Condition(NamedTuple):
@@ -78,6 +82,7 @@ def conditions(config: Supervisor) -> tuple[Condition, ...]:
         SafeMode.NOMINAL,
     )
     s, clear_s = Signal, config.clear_s
+    missing = float(np.nextafter(1 - config.rotor_lost, 2))  # Less than the share is left.
     outages = [
         condition
         for group, ride_s, lost_s, lost in (
@@ -94,8 +99,9 @@ def conditions(config: Supervisor) -> tuple[Condition, ...]:
     return (
         Condition("not_finite", s.NOT_FINITE, stop, 1, 0, 0, NEVER, "lost"),
         Condition("tilt", s.TILT, stop, config.max_tilt_rad, 0, 0, NEVER, "lost"),
-        Condition("rotor_lost", s.ROTOR_MISSING, stop, 1 - config.rotor_lost, 0, 0, NEVER),
-        Condition("landed", s.LANDED, stop, 1, 0.5, 0, NEVER, "landed"),
+        Condition("rotor_lost", s.ROTOR_MISSING, stop, missing, 0, 0, NEVER),
+        Condition("landed", s.LANDED, stop, 1, 0.3, 0, NEVER, "landed"),
+        Condition("ground_expected", s.GROUND_EXPECTED, stop, 1, 0.5, 0, NEVER),
         Condition("ground_contact", s.ON_GROUND, stop, 1, 0.1, 0, NEVER),
         *outages,
         Condition("plan_lost", s.PLAN_AGE_S, descend, config.plan_lost_s, 0, 0, NEVER),
@@ -168,6 +174,7 @@ def signals(
     state: np.ndarray,
     feet: float,
     mode: float,
+    thrust: float,
     plan_age: float,
     period: float,
     outage: np.ndarray,
@@ -182,6 +189,7 @@ def signals(
         state: (13 + 2 n,) as measured.
         feet: m, z of the vehicle's lowest point in the base frame.
         mode: A `SafeMode`, until now.
+        thrust: m/s^2, of all rotors over the mass, as believed.
         plan_age: Ticks since the MPC's last answer.
         period: s, between its ticks.
         outage: (3,) s since the last sample of position, attitude, and joints.
@@ -192,11 +200,9 @@ def signals(
     """
     quaternion, p_B, _, _, _, _ = parts(state)
     is_finite = np.all(np.isfinite(state))
-    is_landing = mode > 1.5
-    most = LANDED_M if is_landing else ON_GROUND_M
-    on_ground = 1.0 if is_finite and p_B[2] + feet <= most else 0.0
     tilt = np.arccos(min(1.0, max(-1.0, rotation_matrix(quaternion)[2, 2])))
-    found = np.zeros(16)
+    height = p_B[2] + feet if is_finite else np.inf
+    found = np.zeros(17)
     found[0], found[1] = plan_age, plan_age * period
     found[2:5] = outage
     found[5] = tilt if is_finite else 0.0
@@ -205,6 +211,11 @@ def signals(
     for i in range(4):
         found[8 + i] = 1.0 if verdict == i + 1 else 0.0
     found[12] = 1.0 if learner > UNPROVEN else 0.0
-    found[13], found[14] = (0.0, on_ground) if is_landing else (on_ground, 0.0)
-    found[15] = 0.0 if is_finite else 1.0
+    if mode < 1.5:  # NOMINAL, HOLD.
+        found[13] = 1.0 if height <= ON_GROUND_M else 0.0
+    elif outage[0] > 0:  # What is predicted knows of no ground.
+        found[15] = 1.0 if height <= 0 else 0.0
+    else:
+        found[14] = 1.0 if height <= LANDED_M and thrust <= LANDED_THRUST_M_S2 else 0.0
+    found[16] = 0.0 if is_finite else 1.0
     return found

@@ -25,6 +25,7 @@ class Supervisor(LeafSystem):
 
     Ports:
         in `state` (13 + 2 n): measured state.
+        in `specific_thrust` (1): m/s^2, of the flight controller.
         in `status` (3): of the MPC: a `QpStatus`, iterations, ticks since its last answer.
         in `sample_health` (6): s since the last sample that was taken in, of position,
             attitude, and joints; and what was the matter with each.
@@ -62,6 +63,7 @@ class Supervisor(LeafSystem):
         self._conditions, self._rules = conditions, Rules.of(conditions)
         self._feet, self._period, self._mpc_period = vehicle.feet_m, period, mpc_period
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(vehicle.joints))
+        self._thrust = self.DeclareVectorInputPort("specific_thrust", 1)
         self._status = self.DeclareVectorInputPort("status", 3)
         self._sample_health = self.DeclareVectorInputPort("sample_health", 6)
         self._effectiveness = self.DeclareVectorInputPort(
@@ -87,6 +89,7 @@ class Supervisor(LeafSystem):
             self._state.Eval(context),
             self._feet,
             last.value(self._mode)[0],
+            self._thrust.Eval(context)[0],
             self._status.Eval(context)[2],
             self._mpc_period,
             self._told(context, self._sample_health, WELL)[:3],

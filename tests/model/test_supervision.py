@@ -138,6 +138,7 @@ def watched(vehicle, **values) -> np.ndarray:
         "state": vehicle.trim_state,
         "feet": -0.38,
         "mode": 0.0,
+        "thrust": 9.8,
         "plan_age": 0.0,
         "period": 0.02,
         "outage": np.zeros(3),
@@ -183,21 +184,31 @@ def test_tilt_is_the_angle_of_the_rotors_axis(vehicle, angle):
     assert watched(vehicle, state=state)[Signal.TILT] == pytest.approx(angle)
 
 
-def test_feet_on_the_ground_mean_a_landing_only_where_one_is_meant(vehicle):
+@pytest.mark.parametrize(
+    ("height", "mode", "thrust", "outage", "told"),
+    [
+        (0.38, 0.0, 9.8, 0.0, {Signal.ON_GROUND}),
+        (0.38, 1.0, 9.8, 0.0, {Signal.ON_GROUND}),
+        (0.385, 0.0, 9.8, 0.0, set()),
+        (0.38, 2.0, 8.0, 0.0, {Signal.LANDED}),
+        (0.38, 3.0, 8.0, 0.0, {Signal.LANDED}),
+        (0.44, 2.0, 8.0, 0.0, {Signal.LANDED}),
+        (0.38, 2.0, 9.8, 0.0, set()),
+        (0.48, 2.0, 8.0, 0.0, set()),
+        (0.37, 2.0, 8.0, 0.5, {Signal.GROUND_EXPECTED}),
+        (0.39, 2.0, 8.0, 0.5, set()),
+    ],
+)
+def test_a_landing_takes_ground_that_carries_and_measurements(
+    vehicle, height, mode, thrust, outage, told
+):
     state = vehicle.trim_state
-    for height, mode, on_ground, landed in (
-        (0.38, 0.0, 1, 0),
-        (0.38, 1.0, 1, 0),
-        (0.38, 2.0, 0, 1),
-        (0.38, 3.0, 0, 1),
-        (0.385, 0.0, 0, 0),
-        (0.385, 2.0, 0, 1),
-        (0.40, 0.0, 0, 0),
-        (0.40, 2.0, 0, 0),
-    ):
-        state[6] = height
-        found = watched(vehicle, state=state, mode=mode)
-        assert (found[Signal.ON_GROUND], found[Signal.LANDED]) == (on_ground, landed)
+    state[6] = height
+    found = watched(
+        vehicle, state=state, mode=mode, thrust=thrust, outage=np.array([outage, 0.0, 0.0])
+    )
+    ground = {Signal.ON_GROUND, Signal.LANDED, Signal.GROUND_EXPECTED}
+    assert {signal for signal in ground if found[signal]} == told
 
 
 def test_a_state_that_is_no_number_is_told_and_nothing_else(vehicle):

@@ -23,6 +23,7 @@ class Watch:
         self.context = self.simulator.get_mutable_context()
         self.set(
             state=vehicle.trim_state,
+            specific_thrust=[9.8],
             status=[0, 0, 0],
             sample_health=np.zeros(6),
             rotor_effectiveness=np.ones(len(vehicle.rotors.names)),
@@ -109,13 +110,15 @@ def test_a_simulator_ends_where_it_stops(watch):
     assert watch.context.get_time() == pytest.approx(0.5 + PERIOD)
 
 
-def test_a_landing_is_over_half_a_second_after_touchdown(watch, vehicle):
-    watch.set(sample_health=[2.0, 0, 0, 1, 0, 0])
+def test_a_landing_is_over_once_the_ground_carries(watch, vehicle):
+    watch.set(status=[5, 0, 250])
     watch.after(0.1)
     landed = vehicle.trim_state
     landed[6] = -vehicle.feet_m
     watch.set(state=landed)
-    assert watch.after(0.4) == (SafeMode.DESCEND, "position_lost")
+    assert watch.after(1.0) == (SafeMode.DESCEND, "plan_lost")
+    watch.set(specific_thrust=[8.0])
+    assert watch.after(0.2) == (SafeMode.DESCEND, "plan_lost")
     assert watch.after(0.2) == (SafeMode.STOP, "landed")
 
 
@@ -125,6 +128,7 @@ def test_who_has_nothing_to_tell_may_be_absent(vehicle):
     context = simulator.get_mutable_context()
     for port, value in (
         ("state", vehicle.trim_state),
+        ("specific_thrust", [9.8]),
         ("status", [0, 0, 0]),
         ("saturated", [0]),
         ("reference_verdict", [0]),
