@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Diagram
 
 from aerodrake.errors import file_at
 from aerodrake.fault_kinds import MPC_FAULTS
@@ -27,6 +27,7 @@ from aerodrake.model.scenario_network import network_for
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
+from aerodrake.replacements import Replacements
 from aerodrake.scenario import Scenario
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.equivalent_state import EquivalentState
@@ -41,7 +42,7 @@ from aerodrake.systems.supervisor import Supervisor
 from aerodrake.systems.weight_allocator import WeightAllocator
 
 
-def make_coordinator(scenario: Scenario) -> Diagram:
+def make_coordinator(scenario: Scenario, replacements: Replacements | None = None) -> Diagram:
     """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
     Inputs: those of `SEAM`.
@@ -50,15 +51,20 @@ def make_coordinator(scenario: Scenario) -> Diagram:
     is followed; `weights` (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (3), `delta` (3),
     `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2); `mode` (1),
     `cause` (1) and `conditions` (K), of the supervisor.
+
+    Args:
+        scenario: What is flown.
+        replacements: Of systems in it; None for none.
     """
     period = scenario.rates.mpc_period_s
     vehicle = Vehicle.load(scenario)
     n = vehicle.joints
     model = EquivalentModel.of(scenario, n)
     limits = SetpointLimits.make(scenario.mpc, vehicle)
-    builder = DiagramBuilder()
+    replacements = replacements or Replacements()
+    builder = replacements.builder()
 
-    guidance = builder.AddSystem(make_guidance(scenario, vehicle))
+    guidance = builder.AddSystem(make_guidance(scenario, vehicle, replacements))
     kinematics = builder.AddNamedSystem(
         "kinematics", KinematicsSystem(Kinematics(vehicle.robot), n, vehicle.p_O)
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Diagram
 
 from aerodrake.errors import file_at
 from aerodrake.fault_kinds import REFERENCE_FAULTS
@@ -10,13 +10,16 @@ from aerodrake.model.horizon import stage_times
 from aerodrake.model.reference import make_reference
 from aerodrake.model.reference_check import Envelope
 from aerodrake.model.vehicle import Vehicle
+from aerodrake.replacements import Replacements
 from aerodrake.scenario import Scenario
 from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.reference_fault import ReferenceFaultSystem
 from aerodrake.systems.reference_guard import ReferenceGuard
 
 
-def make_guidance(scenario: Scenario, vehicle: Vehicle) -> Diagram:
+def make_guidance(
+    scenario: Scenario, vehicle: Vehicle, replacements: Replacements | None = None
+) -> Diagram:
     """The scenario's reference, with the faults that it declares, within the envelope.
 
     Outputs: `reference` (6) and `horizon` (6 (N + 1)), p_Ed, p_Ed' in m and m/s, now and at
@@ -26,7 +29,7 @@ def make_guidance(scenario: Scenario, vehicle: Vehicle) -> Diagram:
     stages_s = stage_times(scenario.mpc, period)
     with file_at(scenario.source, "reference.file"):
         curve = make_reference(scenario.reference, vehicle.p_E)
-    builder = DiagramBuilder()
+    builder = (replacements or Replacements()).builder()
     reference = builder.AddNamedSystem(
         "reference", ReferenceSystem(curve, vehicle.p_E, scenario.settle_s, stages_s)
     )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from pydrake.common import RandomDistribution
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Diagram
 from pydrake.systems.primitives import AffineSystem, DiscreteTimeDelay, RandomSource
 
 from aerodrake.fault_kinds import AnyFault, SampleFault
@@ -14,6 +14,7 @@ from aerodrake.model.sample import noise_size
 from aerodrake.model.sample_check import SampleCheck
 from aerodrake.model.state_filter import StateFilter
 from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.replacements import Replacements
 from aerodrake.scenario import Filter, Rates
 from aerodrake.systems.sample_fault import SampleFaultSystem
 from aerodrake.systems.sensors import SensorSystem, is_exact
@@ -29,6 +30,7 @@ def make_sensors(
     trim_acceleration: np.ndarray,
     faults: Sequence[AnyFault] = (),
     settle_s: float = 0.0,
+    replacements: Replacements | None = None,
 ) -> Diagram:
     """The state for all who look at the vehicle: exact and at once, unless the scenario says more.
 
@@ -50,10 +52,11 @@ def make_sensors(
         trim_acceleration: (6,) as the flight controller believes then.
         faults: Those of samples among them strike one after another, in their order.
         settle_s: Reference time 0.
+        replacements: Of systems in it.
     """
     joints = len(VehicleState.from_vector(trim_state).q)
     period, step = rates.sensor_period_s, rates.plant_step_s
-    builder = DiagramBuilder()
+    builder = (replacements or Replacements()).builder()
     sensor_noise = builder.AddNamedSystem(
         "sensor_noise", RandomSource(RandomDistribution.kGaussian, noise_size(joints), period)
     )

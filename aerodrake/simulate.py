@@ -24,6 +24,7 @@ from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import parts
 from aerodrake.recording import Recording
+from aerodrake.replacements import Replacements
 from aerodrake.scenario import Scenario
 from aerodrake.station import add_closed_loop, make_context
 from aerodrake.threads import single_thread
@@ -44,13 +45,17 @@ class Flight:
         closed_loop: Its diagram: station, coordinator and log; out `true_state`, and of the
             coordinator `reference`, `base_setpoint`, `mode` and `cause`.
         curve: Its reference.
+
+    Args:
+        scenario: What is flown.
+        replacements: Of systems of its diagram; None for none.
     """
 
-    def __init__(self, scenario: Scenario):
+    def __init__(self, scenario: Scenario, replacements: Replacements | None = None):
         self.scenario = scenario
         builder = DiagramBuilder()
         # Beside station and coordinator, since each diagram around them costs at every step.
-        ports = add_closed_loop(builder, scenario)
+        ports = add_closed_loop(builder, scenario, replacements)
         sizes = {name: ports[name].size() for name in PORTS}
         # Side by side in one sink: each sink would be an event of its own.
         samples = builder.AddNamedSystem("samples", Multiplexer(list(sizes.values())))
@@ -67,8 +72,7 @@ class Flight:
             builder.ExportOutput(ports[name], name)
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
-        coordinator = self.closed_loop.GetSubsystemByName("coordinator")
-        self._controller = coordinator.GetSubsystemByName(scenario.controller)
+        self._tick_ms = _tick_ms(self.closed_loop, scenario.controller)
         self._vehicle = Vehicle.load(scenario)
         self._kinematics = Kinematics(self._vehicle.robot)
         self.curve = make_reference(scenario.reference, self._vehicle.p_E)
@@ -88,7 +92,7 @@ class Flight:
         simulator = Simulator(self.closed_loop, context)
         # Times are rounded, lest they land beyond a tick that is not to be flown.
         end = round(scenario.settle_s + scenario.duration, 9)
-        self._controller.tick_ms.clear()
+        self._tick_ms.clear()
         monitor = _Monitor(self, context)
         recording = Recording(self._columns)
         reason = cause = ""
@@ -182,8 +186,16 @@ class Flight:
             "tool_axis_d": np.zeros_like(t_B)
             if direction is None
             else direction.evaluate(time_s)[0],
-            "tick_ms": np.array(self._controller.tick_ms),
+            "tick_ms": np.array(self._tick_ms),
         }
+
+
+def _tick_ms(closed_loop: Diagram, controller: str) -> list[float]:
+    """Where the controller keeps its ticks' times; of a person's own that keeps none, empty."""
+    coordinator = closed_loop.GetSubsystemByName("coordinator")
+    if not isinstance(coordinator, Diagram):
+        return []
+    return getattr(coordinator.GetSubsystemByName(controller), "tick_ms", [])
 
 
 class _Monitor:

@@ -46,6 +46,7 @@ from aerodrake.model.joint_pid import JointPid
 from aerodrake.model.rotor_monitor import RotorMonitor
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.physics import add_physics, through
+from aerodrake.replacements import Replacements
 from aerodrake.scenario import Scenario
 from aerodrake.sensors import make_sensors
 from aerodrake.systems.actuator_faults import make_joint_faults, make_pushes
@@ -66,7 +67,7 @@ SEAM = (
 """What the coordinator is told by the station, by name."""
 
 
-def make_station(scenario: Scenario) -> Diagram:
+def make_station(scenario: Scenario, replacements: Replacements | None = None) -> Diagram:
     """Plant, rotors, wind, sensors, and flight and arm controllers.
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
@@ -75,28 +76,34 @@ def make_station(scenario: Scenario) -> Diagram:
     `joint_torque` (n) N m, as they act; `thrust_command` (k) N, `specific_thrust` (1),
     `disturbance` (6) and `saturated` (1), of the flight controller; `rotor_effectiveness` (k);
     `wind_force` (3) N, in the world; `query_object`.
+
+    Args:
+        scenario: What is flown.
+        replacements: Of systems in it; None for none.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
-    builder = DiagramBuilder()
+    replacements = replacements or Replacements()
+    builder = replacements.builder()
 
     plant, scene_graph, rotors, thrust, trim = add_physics(builder, scenario, vehicle)
-    wind = builder.AddSystem(make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s))
-    flight_controller = builder.AddNamedSystem(
-        "flight_controller",
-        FlightController(
-            scenario.flight, rotor, vehicle, rates.flight_period_s, offset=rates.plant_step_s / 2
-        ),
+    wind = builder.AddSystem(
+        make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s, replacements)
     )
+    controller = FlightController(
+        scenario.flight, rotor, vehicle, rates.flight_period_s, offset=rates.plant_step_s / 2
+    )
+    flight_controller = builder.AddNamedSystem("flight_controller", controller)
     sensors = builder.AddSystem(
         make_sensors(
             scenario.sensors,
             scenario.filter,
             rates,
             vehicle.trim_state,
-            flight_controller.trim_acceleration,
+            controller.trim_acceleration,
             scenario.faults,
             scenario.settle_s,
+            replacements,
         )
     )
     arm_controller = builder.AddNamedSystem(
@@ -157,10 +164,20 @@ def make_station(scenario: Scenario) -> Diagram:
     return _named(builder.Build(), "station")
 
 
-def add_closed_loop(builder: DiagramBuilder, scenario: Scenario) -> dict[str, OutputPort]:
-    """Adds station and coordinator, which flies it; returns all outputs of both by name."""
-    station = builder.AddSystem(make_station(scenario))
-    coordinator = builder.AddSystem(make_coordinator(scenario))
+def add_closed_loop(
+    builder: DiagramBuilder, scenario: Scenario, replacements: Replacements | None = None
+) -> dict[str, OutputPort]:
+    """Adds station and coordinator, which flies it; returns all outputs of both by name.
+
+    Raises:
+        BadInput: if a system that is to be replaced is in neither.
+    """
+    replacements = replacements or Replacements()
+    station, coordinator = (
+        builder.AddSystem(replacements.instead_of(side.get_name(), side))
+        for side in (make_station(scenario, replacements), make_coordinator(scenario, replacements))
+    )
+    replacements.check_met()
     for port in SEAM:
         builder.Connect(station.GetOutputPort(port), coordinator.GetInputPort(port))
     for port in ("base_setpoint", "joint_setpoint"):
@@ -170,10 +187,10 @@ def add_closed_loop(builder: DiagramBuilder, scenario: Scenario) -> dict[str, Ou
     return {port.get_name(): port for port in ports}
 
 
-def make_closed_loop(scenario: Scenario) -> Diagram:
+def make_closed_loop(scenario: Scenario, replacements: Replacements | None = None) -> Diagram:
     """The coordinator flying the station; its outputs are all of both."""
     builder = DiagramBuilder()
-    for name, port in add_closed_loop(builder, scenario).items():
+    for name, port in add_closed_loop(builder, scenario, replacements).items():
         builder.ExportOutput(port, name)
     return _named(builder.Build(), "closed_loop")
 

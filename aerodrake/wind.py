@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 from pydrake.common import RandomDistribution
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Diagram
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.model.wind import discrete_gusts
+from aerodrake.replacements import Replacements
 from aerodrake.systems.wind_force import WindForce
 from aerodrake.world import Wind
 
 
-def make_wind(config: Wind, joints: int, period: float) -> Diagram:
+def make_wind(
+    config: Wind, joints: int, period: float, replacements: Replacements | None = None
+) -> Diagram:
     """Air that moves past the base. At rest it is the same diagram, and exerts no force.
 
     Input: `true_state` (13 + 2 n).
@@ -23,9 +26,10 @@ def make_wind(config: Wind, joints: int, period: float) -> Diagram:
         config: Wind, gusts and drag.
         joints: n.
         period: s, of gusts and force.
+        replacements: Of systems in it.
     """
     a, b = discrete_gusts(config, period)
-    builder = DiagramBuilder()
+    builder = (replacements or Replacements()).builder()
     gust_noise = builder.AddNamedSystem(
         "gust_noise", RandomSource(RandomDistribution.kGaussian, len(b), period)
     )

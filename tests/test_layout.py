@@ -45,6 +45,7 @@ STOREYS = {
         "sensors",
         "wind",
         "guidance",
+        "replacements",
     ),
     4: (
         "simulate",

@@ -1,0 +1,93 @@
+"""Systems of a person's own in the place of ours, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from pydrake.systems.framework import DiagramBuilder, InputPort, OutputPort, PortDataType, System
+
+from aerodrake.errors import BadInput, nearest
+
+Replacement = Callable[[System], System]
+"""Makes a system that takes the place of one of ours, which it is given.
+
+It has every port of ours, by name, size and type; it may have outputs beside them.
+Rates and state are its own.
+"""
+
+
+class Replacements:
+    """Which systems are not ours: for `make_station`, `make_coordinator`, `make_closed_loop`
+    and `Flight`.
+
+    Names are those on the wiring pages and in `diagrams/graphs`, of systems and of diagrams of
+    them; either side of the closed loop takes those of its own.
+
+    Args:
+        by_name: What makes the system of each name.
+    """
+
+    def __init__(self, by_name: Mapping[str, Replacement] | None = None):
+        self._by_name = dict(by_name or {})
+        self._met: set[str] = set()
+
+    def builder(self) -> DiagramBuilder:
+        """A builder that adds these systems where ours of their names are added."""
+        return _Builder(self)
+
+    def instead_of(self, name: str, ours: System) -> System:
+        """The system to be added by a name: ours, unless another takes its place.
+
+        Raises:
+            BadInput: if that has not the ports of ours.
+        """
+        self._met.add(name)
+        if name not in self._by_name:
+            return ours
+        theirs = self._by_name[name](ours)
+        for kind, ports_of in (("an input", _inputs), ("an output", _outputs)):
+            have = ports_of(theirs)
+            for port, wanted in ports_of(ours).items():
+                if have.get(port) != wanted:
+                    got = have.get(port) or ", ".join(have) or "none"
+                    raise BadInput(
+                        "replacements",
+                        name,
+                        f"expected {kind} port '{port}' of {wanted}, got {got}",
+                    )
+        for port in _inputs(theirs).keys() - _inputs(ours).keys():
+            raise BadInput("replacements", name, f"nothing is there for its input port '{port}'")
+        theirs.set_name(name)
+        return theirs
+
+    def check_met(self) -> None:
+        """Raises BadInput if a name is none of those that were added so far."""
+        for name in self._by_name.keys() - self._met:
+            raise BadInput("replacements", name, f"no such system; {nearest(name, self._met)}")
+
+
+class _Builder(DiagramBuilder):
+    def __init__(self, replacements: Replacements):
+        super().__init__()
+        self._replacements = replacements
+
+    def AddSystem(self, system: System) -> System:
+        return super().AddSystem(self._replacements.instead_of(system.get_name(), system))
+
+    def AddNamedSystem(self, name: str, system: System) -> System:
+        return super().AddNamedSystem(name, self._replacements.instead_of(name, system))
+
+
+def _inputs(system: System) -> dict[str, str]:
+    ports = map(system.get_input_port, range(system.num_input_ports()))
+    return {port.get_name(): _size(port) for port in ports}
+
+
+def _outputs(system: System) -> dict[str, str]:
+    ports = map(system.get_output_port, range(system.num_output_ports()))
+    return {port.get_name(): _size(port) for port in ports}
+
+
+def _size(port: InputPort | OutputPort) -> str:
+    is_vector = port.get_data_type() == PortDataType.kVectorValued
+    return f"size {port.size()}" if is_vector else "an abstract value"

@@ -1,0 +1,134 @@
+"""Systems of a person's own fly in the place of ours."""
+
+import numpy as np
+import pytest
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from aerodrake.errors import BadInput
+from aerodrake.graph import systems_by_name
+from aerodrake.model.weight_allocation import Mode
+from aerodrake.reference_kinds import Clover
+from aerodrake.replacements import Replacements
+from aerodrake.scenario import Scenario
+from aerodrake.simulate import Flight
+from aerodrake.station import make_closed_loop, make_coordinator, make_station
+
+SHORT = Scenario(duration=0.3, settle_s=0.1, reference=Clover(start_s=0.2))
+NAMES = sorted(systems_by_name(make_closed_loop(SHORT)).keys() - {"closed_loop"})
+
+
+class Fixed(LeafSystem):
+    """An allocator that never changes its mind."""
+
+    def __init__(self, **sizes: int):
+        super().__init__()
+        for name, size in ({"d_g": 1, "distances": 2} | sizes).items():
+            self.DeclareVectorInputPort(name, size)
+        self.DeclareVectorOutputPort("weights", 5, self._calc, {self.nothing_ticket()})
+
+    def _calc(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector([0.5, Mode.HOVER, 600.0, 20.0, 1.0])
+
+
+def flown(scenario: Scenario, **by_name):
+    return Flight(scenario, Replacements(by_name)).fly()
+
+
+@pytest.fixture(scope="module")
+def ours():
+    return flown(SHORT)
+
+
+def test_a_system_in_the_place_of_ours_is_the_one_that_flies(ours):
+    log = flown(SHORT, weight_allocator=lambda ours: Fixed())
+    assert log.exit_reason == "completed"
+    ticked = slice(3, None)  # What the port shows at first is from before the first tick.
+    np.testing.assert_array_equal(log["gamma"][ticked], 0.5)
+    np.testing.assert_array_equal(log["w_m"][ticked], 20.0)
+    assert not np.array_equal(log["q_rad"], ours["q_rad"])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_system_can_be_taken_the_place_of(name):
+    """Also whole diagrams: whoever is given ours may return it."""
+    given = []
+
+    def same(system):
+        given.append(system.get_name())
+        return system
+
+    replacements = Replacements({name: same})
+    diagram = make_closed_loop(SHORT, replacements)
+    assert len(given) == 1 and given[0] in (name, "")
+    assert name in systems_by_name(diagram)
+
+
+def test_ours_in_their_own_places_fly_as_ever(ours):
+    log = flown(SHORT, **{name: lambda system: system for name in NAMES})
+    for key in set(log.signals) - {"tick_ms"}:
+        np.testing.assert_array_equal(log[key], ours[key])
+
+
+def test_a_side_takes_its_own():
+    replacements = Replacements({"weight_allocator": lambda ours: Fixed()})
+    make_station(SHORT, replacements)
+    coordinator = make_coordinator(SHORT, replacements)
+    assert isinstance(coordinator.GetSubsystemByName("weight_allocator"), Fixed)
+
+
+def test_a_controller_that_keeps_no_time(ours):
+    """A LeafSystem with the ports of the MPC, and nothing else."""
+
+    class Still(LeafSystem):
+        def __init__(self, other):
+            super().__init__()
+            for i in range(other.num_input_ports()):
+                port = other.get_input_port(i)
+                if port.size():
+                    self.DeclareVectorInputPort(port.get_name(), port.size())
+                else:
+                    self.DeclareAbstractInputPort(
+                        port.get_name(), other.AllocateInputAbstract(port)
+                    )
+            for i in range(other.num_output_ports()):
+                port = other.get_output_port(i)
+                zeros = np.zeros(port.size())
+                self.DeclareVectorOutputPort(
+                    port.get_name(),
+                    port.size(),
+                    lambda context, output, zeros=zeros: output.SetFromVector(zeros),
+                    {self.nothing_ticket()},
+                )
+
+    log = flown(SHORT, mpc=Still)
+    assert log.exit_reason == "completed" and len(log["tick_ms"]) == 0
+    np.testing.assert_array_equal(log["a_Bd_m_s2"], 0.0)
+    np.testing.assert_allclose(
+        log["p_B_m"], np.tile(ours["p_B_m"][0], (len(log["p_B_m"]), 1)), atol=1e-3
+    )
+
+
+@pytest.mark.parametrize(
+    ("by_name", "message"),
+    [
+        (
+            {"wieght_allocator": lambda ours: Fixed()},
+            "replacements: wieght_allocator: no such system; did you mean 'weight_allocator'?",
+        ),
+        (
+            {"weight_allocator": lambda ours: Fixed(distances=3)},
+            "weight_allocator: expected an input port 'distances' of size 2, got size 3",
+        ),
+        (
+            {"weight_allocator": lambda ours: Fixed(wind=3)},
+            "weight_allocator: nothing is there for its input port 'wind'",
+        ),
+        (
+            {"kinematics": lambda ours: Fixed()},
+            "kinematics: expected an input port 'state' of size 25, got d_g, distances",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(by_name, message):
+    with pytest.raises(BadInput, match=message.replace("?", r"\?")):
+        make_closed_loop(SHORT, Replacements(by_name))
