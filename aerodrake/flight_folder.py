@@ -6,6 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from pydrake.systems.analysis import Simulator
+
 from aerodrake.flight_log import FlightLog
 from aerodrake.report import plot_tracking
 from aerodrake.scenario_file import save_scenario
@@ -18,6 +20,7 @@ def fly_into(
     flight: Flight,
     title: str,
     progress: Callable[[float], None] = lambda simulated_s: None,
+    attach: Callable[[Flight, Simulator], None] = lambda flight, simulator: None,
 ) -> tuple[dict[str, Any], FlightLog]:
     """Flies; writes `summary.json`, `log.npz`, `scenario.yaml` and `tracking.png`.
 
@@ -25,12 +28,12 @@ def fly_into(
         folder: An empty one.
         flight: Ready to fly.
         title: Of the figure.
-        progress: Called with the simulated time in s as it advances.
+        progress, attach: As `Flight.fly` has them.
 
     Returns:
         What `summary.json` and `log.npz` hold.
     """
-    log = flight.fly(progress)
+    log = flight.fly(progress, attach)
     summary = summarize(flight.scenario, log)
     (folder / "summary.json").write_text(to_json(summary), encoding="utf-8")
     save_scenario(flight.scenario, folder)

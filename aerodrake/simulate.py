@@ -81,15 +81,22 @@ class Flight:
             context = make_context(self.closed_loop, scenario.seed)
             Simulator(self.closed_loop, context).AdvanceTo(scenario.rates.mpc_period_s)
 
-    def fly(self, progress: Callable[[float], None] = lambda simulated_s: None) -> FlightLog:
+    def fly(
+        self,
+        progress: Callable[[float], None] = lambda simulated_s: None,
+        attach: Callable[[Flight, Simulator], None] = lambda flight, simulator: None,
+    ) -> FlightLog:
         """Flies from trim to the scenario's end, or until the vehicle is lost, or stops.
 
         Args:
             progress: Called with the simulated time in s as it advances.
+            attach: Called with the flight and its Simulator before that flies: for who
+                watches it, or how fast it is to be.
         """
         scenario = self.scenario
         context = make_context(self.closed_loop, scenario.seed)
         simulator = Simulator(self.closed_loop, context)
+        attach(self, simulator)
         # Times are rounded, lest they land beyond a tick that is not to be flown.
         end = round(scenario.settle_s + scenario.duration, 9)
         self._tick_ms.clear()

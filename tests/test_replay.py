@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from aerodrake.flight_log import FlightLog
-from aerodrake.replay import DOT_SPACING_M, write_replay
+from aerodrake.replay import write_replay
+from aerodrake.scene import DOT_SPACING_M
 from aerodrake.world import Payload
 
 

@@ -14,6 +14,9 @@ FLIGHT_BAR = (
 )
 """Format of a progress bar over simulated time."""
 
+LIVE_BAR = "{desc} {n:.1f}/{total:.1f} s{postfix} |{bar}|"
+"""Of one that tells how the flight goes; it fits into 80 columns."""
+
 
 def add_scenario(command: argparse.ArgumentParser, default: str = "") -> None:
     """The scenario, and what overrides its keys."""
@@ -54,6 +57,21 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
                 f"expected a whole number in [{low}, {high}], got {text!r}"
             )
         return int(text)
+
+    return parse
+
+
+def positive_number(high: float) -> Callable[[str], float]:
+    """A type of argument: a number in (0, high]."""
+
+    def parse(text: str) -> float:
+        try:
+            number = float(text)
+        except ValueError:
+            number = 0.0
+        if not 0.0 < number <= high:
+            raise argparse.ArgumentTypeError(f"expected a number in (0, {high:g}], got {text!r}")
+        return number
 
     return parse
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
 from aerodrake.commands.options import (
     FLIGHT_BAR,
+    LIVE_BAR,
     add_output,
     add_scenario,
     new_folder,
     overrides,
+    positive_number,
 )
+from aerodrake.errors import BadInput
 
 HELP = "fly a scenario"
 
@@ -20,6 +24,15 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add_scenario(command)
     command.add_argument("--seed", metavar="N", help="overrides the scenario's seed")
     command.add_argument("--duration", metavar="S", help="reference time to fly, in s")
+    command.add_argument(
+        "--live", action="store_true", help="show it in a browser while it flies, at real time"
+    )
+    command.add_argument(
+        "--rate",
+        type=positive_number(1000.0),
+        metavar="R",
+        help="with --live: simulated time over wall time; default: 1",
+    )
     add_output(command, "runs/SCENARIO-TIME; an earlier run there is replaced as a whole")
 
 
@@ -30,6 +43,8 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.scenario_file import load_scenario
     from aerodrake.scenario_rules import warnings
 
+    if arguments.rate is not None and not arguments.live:
+        raise BadInput("--rate", "", "expected --live beside it: other flights take what they take")
     scenario = load_scenario(arguments.scenario, overrides(arguments))
     target = arguments.out or new_folder(scenario.name)
 
@@ -52,6 +67,12 @@ def main(arguments: argparse.Namespace) -> int:
             say(f"note: {note}")
         if is_cold():
             say("note: equations are compiled first; this takes a minute, once on a machine")
+        view = None
+        if arguments.live:
+            from aerodrake.live import LiveView
+
+            view = LiveView(scenario, arguments.rate or 1.0)
+            print(f"watch it at {view.url}", file=sys.stderr)
         flight = Flight(scenario)
         with (
             held_interrupts() as check,
@@ -61,16 +82,19 @@ def main(arguments: argparse.Namespace) -> int:
                 desc=scenario.name,
                 unit="s",
                 disable=arguments.quiet,
-                bar_format=FLIGHT_BAR,
+                bar_format=FLIGHT_BAR if view is None else LIVE_BAR,
             ) as bar,
         ):
 
             def progress(simulated_s: float) -> None:
+                if view is not None:
+                    bar.set_postfix_str(view.line(), refresh=False)
                 bar.update(simulated_s - bar.n)
                 check()  # An interrupt ends the flight, not what is made of it.
 
+            attach = view.attach if view is not None else lambda flight, simulator: None
             title = f"{scenario.name}, seed {scenario.seed}"
-            summary, log = fly_into(folder, flight, title, progress)
+            summary, log = fly_into(folder, flight, title, progress, attach)
             bar.close()
             write_replay(log, scenario, folder / "replay.html")
     say(table(summary, scenario.reference.kind))

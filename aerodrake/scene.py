@@ -1,0 +1,106 @@
+"""The vehicle and its paths in Meshcat."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+from pydrake.geometry import Box, Meshcat, MeshcatParams, MeshcatVisualizer, Rgba, SceneGraph
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.perception import PointCloud
+from pydrake.systems.framework import DiagramBuilder
+
+from aerodrake.model.payload import add_payload
+from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
+from aerodrake.scenario import Scenario
+
+VIEW_FROM_M = np.array([0.85, 1.3, 0.3])
+DOT_SPACING_M = 0.02
+DOT_SIZE_M = 0.008
+REFERENCE_COLOR = Rgba(0.12, 0.16, 0.2, 1.0)
+TRACE_COLOR = Rgba(0.91, 0.35, 0.05, 1.0)
+PREDICTION_COLOR = Rgba(0.09, 0.39, 0.67, 1.0)
+SPACE = "/learning_space"
+SPACE_COLOR = Rgba(0.17, 0.54, 0.24, 0.25)
+
+
+class Scene:
+    """A scenario's vehicle, with its payload, on its ground.
+
+    Attributes:
+        meshcat: The server that shows it.
+
+    Args:
+        scenario: Whose vehicle it is.
+    """
+
+    def __init__(self, scenario: Scenario):
+        self.meshcat = _silent_meshcat()
+        self.meshcat.SetProperty("/Axes", "visible", False)
+        self._p_O = Vehicle.load(scenario).p_O
+        self._size_m = scenario.allocation.learning_space_m
+        builder = DiagramBuilder()
+        self._plant = builder.AddSystem(MultibodyPlant(0.0))
+        scene_graph = builder.AddSystem(SceneGraph())
+        self._plant.RegisterAsSourceForSceneGraph(scene_graph)
+        add_robot(self._plant, scenario.vehicle.robot)
+        add_payload(self._plant, scenario.payload.mass_kg)
+        add_ground(self._plant)
+        self._plant.Finalize()
+        builder.Connect(
+            self._plant.get_geometry_pose_output_port(),
+            scene_graph.get_source_pose_port(self._plant.get_source_id()),
+        )
+        MeshcatVisualizer.AddToBuilder(builder, scene_graph, self.meshcat)
+        self._diagram = builder.Build()
+        self._context = self._diagram.CreateDefaultContext()
+
+    def pose(self, time_s: float, positions: np.ndarray) -> None:
+        """Moves the vehicle to its positions (7 + n,): quaternion, p_B in m, q in rad."""
+        self._context.SetTime(time_s)
+        self._plant.SetPositions(self._plant.GetMyMutableContextFromRoot(self._context), positions)
+        self._diagram.ForcedPublish(self._context)
+
+    def draw_reference(self, points: np.ndarray) -> None:
+        """Dots along a path (K, 3) m, which a trace on top of them leaves visible."""
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+        dots = np.searchsorted(along, np.arange(0.0, along[-1] + 1e-9, DOT_SPACING_M))
+        dots = np.minimum(dots, len(points) - 1)  # The last may be beyond by rounding.
+        cloud = PointCloud(len(dots))
+        cloud.mutable_xyzs()[:] = points[dots].T
+        self.meshcat.SetObject(
+            "/paths/reference", cloud, point_size=DOT_SIZE_M, rgba=REFERENCE_COLOR
+        )
+
+    def draw_trace(self, points: np.ndarray) -> None:
+        """The end-effector's path so far, (K, 3) m."""
+        self.meshcat.SetLine("/paths/end_effector", points.T, line_width=3.0, rgba=TRACE_COLOR)
+
+    def draw_prediction(self, points: np.ndarray) -> None:
+        """p_E over the horizon, (N + 1, 3) m."""
+        self.meshcat.SetLine("/paths/prediction", points.T, line_width=4.0, rgba=PREDICTION_COLOR)
+
+    def draw_learning_space(self) -> None:
+        """Its box, about p_O of the base where that is now."""
+        if not self.meshcat.HasPath(SPACE):
+            self.meshcat.SetObject(SPACE, Box(*self._size_m), SPACE_COLOR)
+        base = self._plant.GetBodyByName(BASE_FRAME)
+        plant_context = self._plant.GetMyContextFromRoot(self._context)
+        X_WB = self._plant.EvalBodyPoseInWorld(plant_context, base)
+        self.meshcat.SetTransform(SPACE, X_WB @ RigidTransform(self._p_O))
+
+    def look_at(self, middle: np.ndarray) -> None:
+        """Turns the camera to a place (3,) m."""
+        self.meshcat.SetCameraPose(middle + VIEW_FROM_M, middle)
+
+
+def _silent_meshcat() -> Meshcat:
+    """A server that does not say by itself where it listens."""
+    logger = logging.getLogger("drake")
+    level = logger.level
+    logger.setLevel(logging.WARNING)
+    try:
+        return Meshcat(MeshcatParams(host="localhost", show_stats_plot=False))
+    finally:
+        logger.setLevel(level)

@@ -1,0 +1,60 @@
+"""Arms of other numbers of joints fly: those of 3 to 9, and a vehicle that is not ours at all."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+
+from aerodrake.bench_arms import with_joints
+from aerodrake.cli import main
+from aerodrake.model.vehicle import Vehicle
+from aerodrake.scenario_file import load_scenario
+from aerodrake.simulate import Flight
+from aerodrake.summary import summarize
+
+DIAGRAMS = Path(__file__).parents[1] / "diagrams"
+ARM4 = DIAGRAMS / "clover_arm4.yaml"
+
+
+def test_four_joints_below_six_rotors_fly_their_own_clover():
+    scenario = load_scenario(str(ARM4))
+    error = summarize(scenario, Flight(scenario).fly())["error"]
+    assert error["lap_mean_m"] < 1e-4 and error["max_m"] < 5e-4
+
+
+def test_all_is_read_from_its_file():
+    """Beside what Drake reads there."""
+    vehicle = Vehicle.load(load_scenario(str(ARM4)))
+    plant = MultibodyPlant(0.0)
+    Parser(plant).AddModels(str(DIAGRAMS / "hexarotor_arm4.urdf"))
+    plant.Finalize()
+    assert vehicle.joints == plant.num_actuators() == 4 and len(vehicle.rotors.names) == 6
+    assert vehicle.mass == pytest.approx(plant.CalcTotalMass(plant.CreateDefaultContext()))
+    for ours, drakes in (
+        (vehicle.lower, plant.GetPositionLowerLimits()),
+        (vehicle.upper, plant.GetPositionUpperLimits()),
+        (vehicle.velocity, plant.GetVelocityUpperLimits()),
+        (vehicle.acceleration, plant.GetAccelerationUpperLimits()),
+        (vehicle.effort, plant.GetEffortUpperLimits()),
+    ):
+        assert ours.tolist() == drakes[-4:].tolist()
+
+
+@pytest.mark.parametrize("joints", range(3, 10))
+def test_the_clover_is_the_same_to_any_arm(joints, tmp_path):
+    """One second of rest and three of clover."""
+    scenario = replace(load_scenario("clover"), settle_s=1.0, duration=3.0)
+    scenario = with_joints(scenario, joints, tmp_path / "arm.urdf")
+    error = summarize(scenario, Flight(scenario).fly())["error"]
+    assert error["max_m"] < 2e-4
+
+
+def test_the_commands_take_it(tmp_path, capsys):
+    short = ["--duration", "0.2", "--set", "settle_s=0.1", "--out", str(tmp_path / "run")]
+    assert main(["run", str(ARM4), *short]) == 0
+    assert "clover_arm4: completed" in capsys.readouterr().out
+    again = tmp_path / "run" / "scenario.yaml"
+    assert load_scenario(str(again)).vehicle.working_rad == (0.0, -0.2, 1.7, -1.0)
+    assert main(["run", str(again), "--quiet", "--out", str(tmp_path / "again")]) == 0
