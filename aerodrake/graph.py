@@ -7,21 +7,12 @@ so that its graphs can be committed and compared.
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator
-from pathlib import Path
+from collections.abc import Callable, Iterator
 
 from pydrake.systems.framework import Diagram, InputPort, OutputPort, PortDataType, System
 
-from aerodrake.errors import BadInput, nearest
-from aerodrake.files import write_whole
-
 Port = InputPort | OutputPort
-
-DOT_TIMEOUT_S = 60.0
-"""Graphviz lays out the closed loop in well under a second."""
 
 
 def systems_by_name(system: System) -> dict[str, System]:
@@ -114,67 +105,6 @@ def to_mermaid(system: System, depth: int) -> str:
         label = "<br/>".join(sorted(arrows[arrow] - {""}))
         lines.append((f' -->|"{label}"| ' if label else " --> ").join(arrow))
     return "\n  ".join(lines) + "\n"
-
-
-def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
-    """Writes `NAME.dot` and `NAME.mmd`; and `NAME.svg` and `.png` where Graphviz is there.
-
-    Returns:
-        The paths written.
-    """
-    dot = to_dot(system, depth)
-    contents = {"dot": dot.encode(), "mmd": to_mermaid(system, depth).encode()}
-    contents |= {suffix: _drawn(dot, suffix) for suffix in ("svg", "png")}
-    written = []
-    for suffix, content in contents.items():
-        if content:
-            written.append(folder / f"{name}.{suffix}")
-            write_whole(written[-1], content)
-    return written
-
-
-def export_all(closed_loop: Diagram, names: Iterable[str], folder: Path, depth: int) -> list[Path]:
-    """Exports the named systems of a closed loop, or all of them if none is named.
-
-    Args:
-        closed_loop: Of `make_closed_loop`.
-        names: Of diagrams and leaf systems, as on the wiring page.
-        folder: Created if missing.
-        depth: Levels of diagrams to open.
-
-    Returns:
-        The paths written.
-
-    Raises:
-        BadInput: if a name is unknown, or the folder cannot be written.
-    """
-    systems = systems_by_name(closed_loop)
-    names = list(names) or list(systems)
-    for name in names:
-        if name not in systems:
-            raise BadInput("graph", "", f"no system named '{name}'; {nearest(name, systems)}")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        return [path for name in names for path in export(name, systems[name], folder, depth)]
-    except OSError as error:
-        raise BadInput(folder, "", f"cannot be written: {error.strerror}") from None
-
-
-def _drawn(dot: str, suffix: str) -> bytes:
-    """Graphviz's drawing; empty where Graphviz is missing or fails."""
-    command = shutil.which("dot")
-    if command is None:
-        return b""
-    try:
-        return subprocess.run(
-            [command, f"-T{suffix}"],
-            input=dot.encode(),
-            capture_output=True,
-            check=True,
-            timeout=DOT_TIMEOUT_S,
-        ).stdout
-    except (OSError, subprocess.SubprocessError):
-        return b""
 
 
 def _boxes(system: System, depth: int) -> Iterator[str]:

@@ -6,7 +6,7 @@ of your own.
 
 from pathlib import Path
 
-from aerodrake.graph import export_all
+from aerodrake.gallery import export_all
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_closed_loop
 

@@ -1,23 +1,16 @@
-"""Graphs: deterministic, complete, and those committed up to date."""
+"""Graphs: deterministic and complete."""
 
 import re
-import shutil
-from pathlib import Path
 
 import pytest
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Adder, ConstantVectorSource, Gain
 
-from aerodrake import graph
-from aerodrake.errors import BadInput
-from aerodrake.graph import export, export_all, systems_by_name, to_dot, to_mermaid
+from aerodrake.graph import systems_by_name, to_dot, to_mermaid
 from aerodrake.scenario import Scenario
 from aerodrake.station import SEAM, make_closed_loop
 
-GRAPHS = Path(__file__).parents[1] / "diagrams" / "graphs"
-REDRAW = "aerodrake graph --out diagrams/graphs"
 DEPTH = 2
-"""Of the committed graphs, and the command's default."""
 
 
 @pytest.fixture(scope="module")
@@ -186,60 +179,3 @@ flowchart TB
   sum -->|"sum"| out_total
 """
     assert to_mermaid(make_small(), 1) == expected
-
-
-def test_unknown_name(closed_loop, tmp_path):
-    with pytest.raises(BadInput, match=r"graph: .*'staton'; did you mean 'station'"):
-        export_all(closed_loop, ["mpc", "staton"], tmp_path / "out", DEPTH)
-    assert not (tmp_path / "out").exists()
-
-
-def test_folder_that_cannot_be_written(closed_loop, tmp_path):
-    (tmp_path / "file").touch()
-    with pytest.raises(BadInput, match="file: cannot be written"):
-        export_all(closed_loop, ["mpc"], tmp_path / "file", DEPTH)
-
-
-def test_export_without_graphviz(closed_loop, tmp_path, monkeypatch):
-    monkeypatch.setenv("PATH", str(tmp_path))
-    written = export_all(closed_loop, ["station", "mpc"], tmp_path / "a" / "b", DEPTH)
-    assert [path.name for path in written] == ["station.dot", "station.mmd", "mpc.dot", "mpc.mmd"]
-    assert sorted(written) == sorted((tmp_path / "a" / "b").iterdir())
-
-
-@pytest.mark.parametrize(
-    ("script", "drawings"),
-    [
-        ("echo '<svg/>'", ["small.svg", "small.png"]),
-        ("echo '<svg'; exit 1", []),
-        ("while :; do :; done", []),
-    ],
-)
-def test_export_with_a_graphviz_that_works_fails_or_hangs(script, drawings, tmp_path, monkeypatch):
-    (tmp_path / "dot").write_text(f"#!/bin/sh\n{script}\n")
-    (tmp_path / "dot").chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path))
-    if not drawings:
-        monkeypatch.setattr(graph, "DOT_TIMEOUT_S", 0.5)
-    written = export("small", make_small(), tmp_path, 1)
-    assert [path.name for path in written] == ["small.dot", "small.mmd", *drawings]
-
-
-@pytest.mark.skipif(shutil.which("dot") is None, reason="needs Graphviz")
-def test_graphviz_reads_what_is_written(closed_loop, tmp_path):
-    *_, svg, png = export("closed_loop", closed_loop, tmp_path, DEPTH)
-    assert (svg.name, png.name) == ("closed_loop.svg", "closed_loop.png")
-    assert "setpoint_integrator" in svg.read_text()
-    assert png.read_bytes().startswith(b"\x89PNG")
-
-
-def test_committed_graphs_are_up_to_date(systems):
-    expected = {}
-    for name, system in systems.items():
-        expected[f"{name}.dot"] = to_dot(system, DEPTH)
-        expected[f"{name}.mmd"] = to_mermaid(system, DEPTH)
-    paths = [*GRAPHS.glob("*.dot"), *GRAPHS.glob("*.mmd")]
-    committed = {path.name: path.read_text(encoding="utf-8") for path in paths}
-    names = sorted(expected | committed)
-    stale = [name for name in names if expected.get(name) != committed.get(name)]
-    assert not stale, f"in {GRAPHS}, stale, missing or left over: {stale}; run: {REDRAW}"

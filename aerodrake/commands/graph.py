@@ -23,7 +23,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     """Writes the graphs of the closed loop, its two sides, or single systems."""
-    from aerodrake.graph import export_all
+    from aerodrake.gallery import export_all
     from aerodrake.scenario_file import load_scenario
     from aerodrake.station import make_closed_loop
 
