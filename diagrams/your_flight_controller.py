@@ -1,0 +1,67 @@
+"""A flight controller of your own in the place of ours: PD on SE(3), and no observer."""
+
+import numpy as np
+from pydrake.systems.framework import LeafSystem
+
+from aerodrake.model.vehicle import GRAVITY, Vehicle
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.replacements import Replacements
+from aerodrake.scenario_file import load_scenario
+from aerodrake.simulate import Flight
+from aerodrake.summary import summarize
+
+
+class PdController(LeafSystem):
+    """Thrusts from position and attitude errors; the model's torque in trim is all it knows.
+
+    Ports: those of `aerodrake.systems.flight_controller.FlightController`.
+    Rate: `period`, half a millisecond after each sample.
+    """
+
+    def __init__(self, vehicle: Vehicle, torque_ratio: float, period: float):
+        super().__init__()
+        self._vehicle = vehicle
+        self._mixer = np.linalg.pinv(vehicle.rotors.mixer(torque_ratio))
+        self._state = self.DeclareVectorInputPort("state", 13 + 2 * vehicle.joints)
+        self._setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
+        self.DeclareVectorInputPort("joint_setpoint", 3 * vehicle.joints)
+        thrust = self.DeclareDiscreteState(self._mixer @ vehicle.trim_wrench)
+        self.DeclareStateOutputPort("thrust_command", thrust)
+        specific_thrust = self.DeclareDiscreteState([GRAVITY])
+        self.DeclareStateOutputPort("specific_thrust", specific_thrust)
+        for name, size in (("acceleration", 6), ("reaction", 3), ("disturbance", 6)):
+            self.DeclareStateOutputPort(name, self.DeclareDiscreteState(size))  # Nothing is known.
+        self.DeclareStateOutputPort("saturated", self.DeclareDiscreteState(1))
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0005, self._update)
+
+    def _update(self, context, discrete) -> None:
+        x = VehicleState.from_vector(self._state.Eval(context))
+        p_d, v_d, a_d = self._setpoint.Eval(context).reshape(3, 3)
+        a = a_d + 9.0 * (p_d - x.p_B) + 5.0 * (v_d - x.v_B) + [0.0, 0.0, GRAVITY]
+        R, z = x.R_B, a / np.linalg.norm(a)
+        y = np.cross(z, [1.0, 0.0, 0.0]) / np.linalg.norm(np.cross(z, [1.0, 0.0, 0.0]))
+        R_d = np.column_stack([np.cross(y, z), y, z])
+        error = 0.5 * (R_d.T @ R - R.T @ R_d)[[2, 0, 1], [1, 2, 0]]  # Lee et al., 2010.
+        alpha = -144.0 * error - 24.0 * (R.T @ x.omega_W)
+        torque = self._vehicle.inertia @ alpha + self._vehicle.trim_wrench[1:]
+        thrust = self._vehicle.mass * (a @ R[:, 2])
+        discrete.set_value(0, self._mixer @ [thrust, *torque])
+        discrete.set_value(1, [a @ R[:, 2]])
+
+
+def main() -> None:
+    scenario = load_scenario("clover", [("--set", "duration=8")])
+    vehicle = Vehicle.load(scenario)
+    mine = PdController(
+        vehicle, scenario.vehicle.rotor.torque_ratio_m, scenario.rates.flight_period_s
+    )
+    for name, replacements in (
+        ("ours", Replacements()),
+        ("mine", Replacements({"flight_controller": lambda ours: mine})),
+    ):
+        error = summarize(scenario, Flight(scenario, replacements).fly())["error"]
+        print(f"{name}: {1e3 * error['mean_m']:.3f} mm")
+
+
+if __name__ == "__main__":
+    main()
