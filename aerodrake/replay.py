@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from pathlib import Path
 
 import numpy as np
 from pydrake.geometry import Meshcat, MeshcatParams, MeshcatVisualizer, Rgba, SceneGraph
@@ -28,14 +27,13 @@ REFERENCE_COLOR = Rgba(0.12, 0.16, 0.2, 1.0)
 TRACE_COLOR = Rgba(0.91, 0.35, 0.05, 1.0)
 
 
-def write_replay(log: FlightLog, scenario: Scenario, path: Path) -> None:
-    """Writes a self-contained HTML page: the vehicle, its reference and its trace.
+def replay_page(log: FlightLog, scenario: Scenario) -> str:
+    """A self-contained HTML page: the vehicle, its reference and its trace.
 
     Args:
         log: The flight; its animation begins at reference time 0, or where
             the flight ended if that was before.
         scenario: Whose robot flew, with its payload.
-        path: Of the page.
     """
     meshcat = _silent_meshcat()
     builder = DiagramBuilder()
@@ -78,7 +76,7 @@ def write_replay(log: FlightLog, scenario: Scenario, path: Path) -> None:
         diagram.ForcedPublish(context)
     meshcat.StopRecording()
     meshcat.PublishRecording()
-    path.write_text(meshcat.StaticHtml(), encoding="utf-8")
+    return meshcat.StaticHtml()
 
 
 def _silent_meshcat() -> Meshcat:

@@ -40,9 +40,11 @@ def main(arguments: argparse.Namespace) -> int:
     target = arguments.out or new_folder(f"{scenario.name}-comparison")
 
     from aerodrake.compare import OWN_VARIANT, compare, make_variant, make_variants, notes
-    from aerodrake.comparison_report import FILES, comparison_table, headline, plot_comparison
+    from aerodrake.comparison_report import FILES, plot_comparison
+    from aerodrake.comparison_table import comparison_table
     from aerodrake.compiled import is_cold
     from aerodrake.flight_log import FlightLog
+    from aerodrake.flight_table import headline
     from aerodrake.inputs import frozen
     from aerodrake.interrupts import held_interrupts
     from aerodrake.margins import find_margins

@@ -1,0 +1,74 @@
+"""The pictures of a page: small figures, one for each subject, that stack on a phone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from markupsafe import Markup
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from aerodrake.figures import PAGE_STYLE, to_svg
+from aerodrake.flight_log import FlightLog
+from aerodrake.supervision_plot import shade_safe_modes
+
+WIDTH = 5.2
+"""In inches, of every picture: on a phone its type is as large as the page's."""
+ROW = 1.35
+"""Height of each panel but the first, which has the labels and so is higher."""
+FOOT = 0.75
+
+MOST_SAMPLES = 1200
+"""In a line: three for each point of a picture's width."""
+
+Draw = Callable[[Axes], None]
+
+
+class Picture(NamedTuple):
+    """A figure of a page.
+
+    Attributes:
+        title: Its heading.
+        caption: What it shows, for those who cannot see it, too.
+        svg: The element.
+    """
+
+    title: str
+    caption: str
+    svg: Markup
+
+
+@contextmanager
+def sheet(name: str, height: float) -> Iterator[tuple[Figure, list[Markup]]]:
+    """Yields an empty figure `height` inches high and a list, which the finished element joins.
+
+    Args:
+        name: A word that no other picture of the page has.
+    """
+    with rc_context(PAGE_STYLE):
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        done: list[Markup] = []
+        yield figure, done
+        done.append(Markup(to_svg(figure, name)))
+
+
+def timeline(name: str, title: str, caption: str, log: FlightLog, *draws: Draw) -> Picture:
+    """Panels over reference time, one below the other, with safe modes shaded.
+
+    Args:
+        name: A word that no other picture of the page has.
+        title, caption: As of `Picture`.
+        log: Whose times they are.
+        draws: What fills each.
+    """
+    with sheet(name, ROW * len(draws) + FOOT) as (figure, done):
+        panels = figure.subplots(len(draws), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, draw in zip(panels, draws, strict=True):
+            axes.set_xlim(log.time_s[0], log.time_s[-1])
+            draw(axes)
+            shade_safe_modes(axes, log)
+        panels[-1].set_xlabel("reference time / s")
+    return Picture(title, caption, done[0])
