@@ -75,4 +75,9 @@ def to_svg(figure: Figure, name: str) -> str:
     text = re.sub(r"<defs>\s*<style.*?</style>\s*</defs>", "", text, count=1, flags=re.S)
     text = re.sub(r' (?:width|height)="[\d.]+pt"', "", text, count=2)
     text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{name}-", text)
-    return re.sub(r"(\.\d\d)\d+", r"\1", text)  # Hundredths of a pixel, or so.
+    return re.sub(r"<[^>]+>", _rounded, text)
+
+
+def _rounded(tag: re.Match[str]) -> str:
+    """A tag with its numbers to a hundredth, of a pixel or so."""
+    return re.sub(r"(\.\d\d)\d+", r"\1", tag[0])

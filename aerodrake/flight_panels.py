@@ -137,13 +137,13 @@ def draw_distance(axes: Axes, log: FlightLog, scenario: Scenario, color: str = A
     d_o = np.linalg.norm(log.p_EB_m - Vehicle.load(scenario).p_O, axis=1)
     axes.plot(log.time_s[flown], d_o[flown], color=color)
     axes.set_ylabel("d_o / m")
-    axes.set_ylim(bottom=0)
 
 
 def draw_boundaries(axes: Axes, scenario: Scenario) -> None:
-    """d_h and d_edge, between which d_o moves gamma."""
+    """d_h and d_edge, between which d_o moves gamma; after what is plotted of it."""
     for boundary in ("d_h_m", "d_edge_m"):
         axes.axhline(getattr(scenario.allocation, boundary), **REFERENCE)
+    axes.set_ylim(bottom=0)
 
 
 def draw_inputs(axes: Axes, log: FlightLog, scenario: Scenario) -> None:

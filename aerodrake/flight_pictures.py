@@ -42,14 +42,38 @@ def flight_pictures(log: FlightLog, scenario: Scenario) -> list[Picture]:
     return [*_motion(log.thinned(MOST_SAMPLES), scenario), *_inside(log, scenario)]
 
 
+def residual_picture(log: FlightLog, scenario: Scenario, of: str = "") -> Picture:
+    """Delta, and what it is for.
+
+    Args:
+        log: Of the flight, with all its samples.
+        scenario: What was flown.
+        of: Whose it is, to be said in the title.
+    """
+    with sheet("residual", 6.2) as (figure, done):
+        panels = figure.subplots(4, 1, sharex=True)
+        draw_residual(panels[:3], log, scenario)
+        for name, axes in zip("xyz", panels, strict=False):
+            axes.set_ylabel(f"Delta_{name} / mm/s")
+        draw_prediction(panels[3], log.thinned(MOST_SAMPLES))
+        panels[3].set(xlabel="reference time / s", xlim=(max(log.time_s[0], -1.0), log.time_s[-1]))
+        figure.align_ylabels()
+    return Picture(
+        f"Residual{of}",
+        "Delta, the base velocity that the model lacks: as estimated, and as it should have been. "
+        "Below, the error with which one period is predicted, with it and without.",
+        *done,
+    )
+
+
 def _motion(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
     """What vehicle and tool did."""
-    with sheet("path", 4.4) as (figure, done):
-        draw_paths(figure.add_subplot(projection="3d"), log)
-    yield Picture("Paths", "The end-effector, its reference and the base, in space.", done[0])
-    with sheet("plan", 4.4) as (figure, done):
+    with sheet("path", 4.2) as (figure, done):
+        draw_paths(figure.add_axes((0.0, 0.04, 0.93, 0.96), projection="3d"), log)
+    yield Picture("Paths", "The end-effector, its reference and the base, in space.", *done)
+    with sheet("plan", 4.2) as (figure, done):
         draw_plan(figure.add_subplot(), log)
-    yield Picture("Plan", "The same from above.", done[0])
+    yield Picture("Plan", "The same from above.", *done)
     yield timeline(
         "error",
         "Errors",
@@ -105,19 +129,7 @@ def _inside(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
         partial(draw_allocation, log=thin),
         partial(draw_weights, log=thin),
     )
-    with sheet("residual", 6.2) as (figure, done):
-        panels = figure.subplots(4, 1, sharex=True)
-        draw_residual(panels[:3], log, scenario)
-        for name, axes in zip("xyz", panels, strict=False):
-            axes.set_ylabel(f"Delta_{name} / mm/s")
-        draw_prediction(panels[3], thin)
-        panels[3].set(xlabel="reference time / s", xlim=(max(log.time_s[0], -1.0), log.time_s[-1]))
-    yield Picture(
-        "Residual",
-        "Delta, the base velocity that the model lacks: as estimated, and as it should have been. "
-        "Below, the error with which one period is predicted, with it and without.",
-        done[0],
-    )
+    yield residual_picture(log, scenario)
     yield timeline(
         "input",
         "Inputs",
@@ -132,7 +144,7 @@ def _inside(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
     yield Picture(
         "Time per tick",
         "Wall time that the controller took at each tick, beside its period; logarithmic.",
-        done[0],
+        *done,
     )
     lasting = spans(scenario, log)
     if lasting:
@@ -152,4 +164,5 @@ def _supervision(log: FlightLog, lasting: list[Span]) -> Picture:
         "colour of the safe mode that each asks for; where it was in one, all is shaded.",
         log,
         partial(draw_spans, spans=lasting),
+        left=1.9,
     )

@@ -18,8 +18,10 @@ from aerodrake.supervision_plot import shade_safe_modes
 WIDTH = 5.2
 """In inches, of every picture: on a phone its type is as large as the page's."""
 ROW = 1.35
-"""Height of each panel but the first, which has the labels and so is higher."""
-FOOT = 0.75
+"""Height of a panel of a timeline."""
+LEFT, RIGHT, TOP, BOTTOM = 0.75, 0.1, 0.1, 0.42
+"""Around panels, for their labels: a layout engine would take as long as all else."""
+GAP = 0.14
 
 MOST_SAMPLES = 1200
 """In a line: three for each point of a picture's width."""
@@ -42,20 +44,33 @@ class Picture(NamedTuple):
 
 
 @contextmanager
-def sheet(name: str, height: float) -> Iterator[tuple[Figure, list[Markup]]]:
-    """Yields an empty figure `height` inches high and a list, which the finished element joins.
+def sheet(
+    name: str, height: float, left: float = LEFT, top: float = TOP
+) -> Iterator[tuple[Figure, list[Markup]]]:
+    """Yields an empty figure and a list, which the finished element joins.
 
     Args:
         name: A word that no other picture of the page has.
+        height: In inches.
+        left, top: Likewise, what is left for labels there.
     """
     with rc_context(PAGE_STYLE):
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        figure = Figure(figsize=(WIDTH, height))
+        figure.subplots_adjust(
+            left=left / WIDTH,
+            right=1 - RIGHT / WIDTH,
+            bottom=BOTTOM / height,
+            top=1 - top / height,
+            hspace=GAP / ROW,
+        )
         done: list[Markup] = []
         yield figure, done
         done.append(Markup(to_svg(figure, name)))
 
 
-def timeline(name: str, title: str, caption: str, log: FlightLog, *draws: Draw) -> Picture:
+def timeline(
+    name: str, title: str, caption: str, log: FlightLog, *draws: Draw, left: float = LEFT
+) -> Picture:
     """Panels over reference time, one below the other, with safe modes shaded.
 
     Args:
@@ -63,12 +78,15 @@ def timeline(name: str, title: str, caption: str, log: FlightLog, *draws: Draw) 
         title, caption: As of `Picture`.
         log: Whose times they are.
         draws: What fills each.
+        left: As of `sheet`.
     """
-    with sheet(name, ROW * len(draws) + FOOT) as (figure, done):
+    height = TOP + BOTTOM + ROW * len(draws) + GAP * (len(draws) - 1)
+    with sheet(name, height, left) as (figure, done):
         panels = figure.subplots(len(draws), 1, sharex=True, squeeze=False)[:, 0]
         for axes, draw in zip(panels, draws, strict=True):
             axes.set_xlim(log.time_s[0], log.time_s[-1])
             draw(axes)
             shade_safe_modes(axes, log)
         panels[-1].set_xlabel("reference time / s")
+        figure.align_ylabels()
     return Picture(title, caption, done[0])

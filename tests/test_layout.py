@@ -57,6 +57,7 @@ STOREYS = {
         "report_page",
         "figures",
         "flight_panels",
+        "flight_pictures",
         "flight_table",
         "residual_panels",
         "pictures",
