@@ -22,7 +22,7 @@ from aerodrake.schema import as_mapping
 from aerodrake.station import make_closed_loop
 
 LEGEND_COLUMNS = 3
-LEGEND_LINE = 0.2
+LEGEND_LINE = 0.21
 """Height of a line in inches."""
 
 
@@ -106,11 +106,11 @@ def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> It
     rows = -(-len(thin) // 2)
     with sheet("paths", 2.1 * rows + 0.4, top=0.3) as (figure, done):
         view = View.of(thin)
-        panels = figure.subplots(rows, 2, squeeze=False, gridspec_kw={"hspace": 0.2}).flat
+        panels = list(figure.subplots(rows, 2, squeeze=False, gridspec_kw={"hspace": 0.2}).flat)
         for axes, (name, log) in zip(panels, thin.items(), strict=False):
             draw_path(axes, name, log, view)
             axes.label_outer()
-        for axes in list(panels)[len(thin) :]:
+        for axes in panels[len(thin) :]:
             axes.remove()
     yield Picture("Paths", "Of each variant over the reference, which is dashed.", *done)
     with sheet("distances", 2.6) as (figure, done):

@@ -33,6 +33,8 @@ PAGE_STYLE: dict[str, Any] = STYLE | {
     "axes.facecolor": "none",
     "axes.labelcolor": INK,
     "figure.facecolor": "none",
+    "legend.columnspacing": 1.2,
+    "legend.handlelength": 1.4,
     "path.simplify_threshold": 0.25,
     "svg.fonttype": "none",
     "svg.hashsalt": "aerodrake",
