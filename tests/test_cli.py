@@ -14,7 +14,9 @@ import yaml
 import aerodrake
 from aerodrake.cli import main
 
-FILES = ["log.npz", "replay.html", "scenario.yaml", "summary.json", "tracking.png"]
+FILES = [
+    *("log.npz", "replay.html", "report.html", "scenario.yaml", "summary.json", "tracking.png")
+]
 
 TINY = ["--duration", "0.1", "--set", "settle_s=0", "--quiet"]
 
