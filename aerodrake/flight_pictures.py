@@ -29,7 +29,7 @@ from aerodrake.flight_panels import (
 from aerodrake.pictures import MOST_SAMPLES, Picture, sheet, timeline
 from aerodrake.residual_panels import draw_prediction, draw_residual
 from aerodrake.scenario import Scenario
-from aerodrake.supervision_plot import draw_spans
+from aerodrake.supervision_plot import draw_spans, shade_safe_modes
 
 
 def flight_pictures(log: FlightLog, scenario: Scenario) -> list[Picture]:
@@ -157,12 +157,15 @@ def _distance(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
 
 
 def _supervision(log: FlightLog, lasting: list[Span]) -> Picture:
-    return timeline(
-        "supervision",
+    rows = len({span.name for span in lasting})
+    with sheet("supervision", 0.9 + 0.2 * rows, left=1.9, top=0.3) as (figure, done):
+        axes = figure.add_subplot(xlim=(log.time_s[0], log.time_s[-1]))
+        draw_spans(axes, lasting)
+        shade_safe_modes(axes, log)
+        axes.set_xlabel("reference time / s")
+    return Picture(
         "Faults and supervisor",
         "Faults as they were injected, and the conditions that the supervisor noticed, in the "
         "colour of the safe mode that each asks for; where it was in one, all is shaded.",
-        log,
-        partial(draw_spans, spans=lasting),
-        left=1.9,
+        *done,
     )

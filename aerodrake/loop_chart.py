@@ -2,7 +2,8 @@
 
 Such an N-squared chart needs no layout engine. A signal stands in the row of
 the system it comes from and in the column of the one it goes to: what is right
-of the diagonal goes forward, what is left of it is fed back. Of the station's
+of the diagonal goes forward, what is left of it is fed back. It is called as its
+port is, or as its system, where Drake has named the port. Of the station's
 signals those that cross to the coordinator stand right of both, and the
 setpoints that come back left of both.
 """
@@ -84,10 +85,9 @@ def loop_chart(closed_loop: Diagram) -> Chart:
     for source, target in connections(closed_loop, 2):
         ends = source.get_system().get_name(), target.get_system().get_name()
         if ends[0] in place and ends[1] in place:
-            name = source.get_name()
-            signals[place[ends[0]], place[ends[1]]].add(
-                target.get_name() if is_default(name) else name
-            )
+            names = (source.get_name(), target.get_name())
+            found = next((name for name in names if not is_default(name)), ends[0])
+            signals[place[ends[0]], place[ends[1]]].add(found)
 
     names = [_broken(system.get_name()) for system in systems]
     boxes = {(i, i): (*names[i], *_inner(system)) for i, system in enumerate(systems)}

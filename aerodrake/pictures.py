@@ -68,9 +68,7 @@ def sheet(
         done.append(Markup(to_svg(figure, name)))
 
 
-def timeline(
-    name: str, title: str, caption: str, log: FlightLog, *draws: Draw, left: float = LEFT
-) -> Picture:
+def timeline(name: str, title: str, caption: str, log: FlightLog, *draws: Draw) -> Picture:
     """Panels over reference time, one below the other, with safe modes shaded.
 
     Args:
@@ -78,10 +76,9 @@ def timeline(
         title, caption: As of `Picture`.
         log: Whose times they are.
         draws: What fills each.
-        left: As of `sheet`.
     """
     height = TOP + BOTTOM + ROW * len(draws) + GAP * (len(draws) - 1)
-    with sheet(name, height, left) as (figure, done):
+    with sheet(name, height) as (figure, done):
         panels = figure.subplots(len(draws), 1, sharex=True, squeeze=False)[:, 0]
         for axes, draw in zip(panels, draws, strict=True):
             axes.set_xlim(log.time_s[0], log.time_s[-1])

@@ -33,7 +33,7 @@ def draw_prediction(axes: Axes, log: FlightLog) -> None:
         axes.plot(log.time_s, 1e3 * np.linalg.norm(log[key], axis=1), color=color, label=label)
     widen(axes.yaxis, 1.0)
     axes.set_ylim(bottom=0)
-    axes.set_ylabel("prediction error / mm/s")
+    axes.set_ylabel("error / mm/s")
     axes.legend(loc="best", ncols=2)
 
 
