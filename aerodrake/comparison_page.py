@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
+from aerodrake import margins_report
 from aerodrake.comparison_panels import COLORS, View, draw_distances, draw_errors, draw_path
 from aerodrake.comparison_table import comparison_rows, comparison_titles, papers_rows
 from aerodrake.flight_log import FlightLog
@@ -13,7 +14,6 @@ from aerodrake.flight_panels import draw_allocation, draw_inputs
 from aerodrake.flight_pictures import residual_picture
 from aerodrake.flight_table import HEADLINES, Summaries, headline
 from aerodrake.margins import Margins
-from aerodrake.margins_report import COLUMNS, MEANING, PANELS, draw_margins, margins_rows
 from aerodrake.page import render
 from aerodrake.pictures import MOST_SAMPLES, Picture, sheet, timeline
 from aerodrake.replay import replay_page
@@ -137,10 +137,12 @@ def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> It
 
 def _margins(margins: Margins) -> dict[str, Any]:
     lines = -(-len(margins.searches) // LEGEND_COLUMNS)
-    height = 2.5 * len(PANELS) + LEGEND_LINE * lines
+    height = 2.5 * len(margins_report.PANELS) + LEGEND_LINE * lines
     with sheet("margins", height, top=LEGEND_LINE * lines) as (figure, done):
-        panels = figure.subplots(len(PANELS), 1, sharey=True, gridspec_kw={"hspace": 0.35})
-        draw_margins(panels, margins)
+        panels = figure.subplots(
+            len(margins_report.PANELS), 1, sharey=True, squeeze=False, gridspec_kw={"hspace": 0.35}
+        )[:, 0]
+        margins_report.draw_margins(panels, margins)
         for axes in panels:
             axes.set_ylabel("error / mm")
         panels[0].legend(loc="lower center", ncols=LEGEND_COLUMNS, bbox_to_anchor=(0.5, 1.0))
@@ -149,9 +151,9 @@ def _margins(margins: Margins) -> dict[str, Any]:
         "doubled, a cross at the top the first at which the flight is lost."
     )
     return {
-        "meaning": " ".join(MEANING),
+        "meaning": " ".join(margins_report.MEANING),
         "headline": HEADLINES[margins.key],
-        "columns": [title for title, _ in COLUMNS.values()],
-        "rows": margins_rows(margins),
+        "columns": [title for title, _ in margins_report.COLUMNS.values()],
+        "rows": margins_report.margins_rows(margins),
         "picture": Picture("Margins", caption, *done),
     }

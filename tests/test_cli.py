@@ -137,7 +137,7 @@ def test_scenario_is_complete_and_flies_again_to_the_same_numbers(noisy, tmp_pat
     assert repeatable(summary(noisy)) == repeatable(summary(tmp_path / "again"))
     ours, again = files(noisy), files(tmp_path / "again")
     assert set(ours) == set(again)
-    for name in set(ours) - {"summary.json", "log.npz"}:
+    for name in set(ours) - {"summary.json", "log.npz", "report.html"}:  # These have wall times.
         assert ours[name] == again[name], name
 
 

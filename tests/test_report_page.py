@@ -163,7 +163,7 @@ def test_ids_are_unique_and_what_refers_to_them_finds_them(desktop, path):
 
 def test_the_chart_is_of_what_flew(desktop):
     texts = desktop.page.locator(".chart text").all_text_contents()
-    for name in ("station", "coordinator", "mpc", "pointing", "sample_nan_1", "x_0"):
+    for name in ("station", "coordinator", "mpc", "pointing", "sample_nan_0", "x_0"):
         assert name in texts
 
 
