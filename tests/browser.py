@@ -17,6 +17,9 @@ from playwright.sync_api import Browser, Locator, Page, sync_playwright
 
 DESKTOP, PHONE = (1440, 900), (390, 844)
 
+PATIENCE = 100
+"""Looks at a replay, a fifth of a second apart, before it is said not to draw."""
+
 SWITCHES = (
     "--no-sandbox",  # CI is root.
     # WebGL without a graphics card.
@@ -52,11 +55,20 @@ class Visit:
     requests: list[str] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
 
-    def show(self, frame: Locator) -> None:
-        """Scrolls to an inner page that draws, and waits until it has."""
+    def show(self, frame: Locator) -> np.ndarray:
+        """Scrolls to a replay and waits for its vehicle, which has colours unlike all around it.
+
+        Returns:
+            (height, width, 3) what is seen of it, in [0, 1].
+        """
         frame.scroll_into_view_if_needed()
         frame.content_frame.locator("canvas").first.wait_for()
-        self.page.wait_for_timeout(300)
+        for _ in range(PATIENCE):
+            seen = pixels(frame)
+            if np.ptp(seen, axis=2).max() > 0.5:
+                return seen
+            self.page.wait_for_timeout(200)
+        return seen
 
 
 @contextmanager

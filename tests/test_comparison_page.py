@@ -12,7 +12,7 @@ from aerodrake.flight_log import FlightLog
 from aerodrake.margin_search import Outcome, Search
 from aerodrake.margins import DISTURBANCES, Margins
 from aerodrake.summary import summarize
-from tests.browser import DESKTOP, PHONE, chromium, pixels, visit
+from tests.browser import DESKTOP, PHONE, chromium, visit
 
 NAMES = ("integral", "modified", "modified+online", "clik")
 NAME, CAUSE = "<b>&amp;", "<script>boom()</script>"
@@ -78,9 +78,7 @@ def test_nothing_is_wider_than_the_page(visited, request):
 
 
 def test_the_replay_of_the_scenarios_own_variant_draws(desktop):
-    replay = desktop.page.locator("#replay")
-    desktop.show(replay)
-    seen = pixels(replay)
+    seen = desktop.show(desktop.page.locator("#replay"))
     assert ((seen[..., 0] > 0.7) & (seen[..., 2] < 0.35)).sum() > 100  # Orange.
 
 

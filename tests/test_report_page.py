@@ -13,7 +13,7 @@ from aerodrake.flight_table import table_rows
 from aerodrake.report_page import report_page
 from aerodrake.scenario_file import load_scenario
 from aerodrake.simulate import Flight
-from tests.browser import DESKTOP, PHONE, chromium, pixels, visit
+from tests.browser import DESKTOP, PHONE, chromium, visit
 
 NAME = "<img src=x onerror=boom()> & \"'{{ 7 * 7 }}"
 """Whatever it may be to HTML, scripts and templates, it is a name."""
@@ -81,9 +81,7 @@ def test_it_opens_in_silence_and_asks_for_nothing(visited, path, tmp_path, reque
 
 
 def test_the_replay_draws(desktop):
-    replay = desktop.page.locator("#replay")
-    desktop.show(replay)
-    seen = pixels(replay)
+    seen = desktop.show(desktop.page.locator("#replay"))
     assert min(seen.shape[:2]) > 300
     # Sky and ground are shades of grey; propellers, arm and path are orange.
     orange = (seen[..., 0] > 0.7) & (seen[..., 2] < 0.35)
