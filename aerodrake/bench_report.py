@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from aerodrake.bench_peers import PEERS
 from aerodrake.bench_scaling import FITTED_FROM, PEER
 from aerodrake.bench_solvers import BOUNDED, SCENARIOS, installed_peers
-from aerodrake.report import ACCENT, REFERENCE, STYLE
+from aerodrake.figures import ACCENT, REFERENCE, STYLE
 
 FILES = ("bench.json", "bench.png")
 """What a bench leaves behind."""

@@ -151,6 +151,10 @@ class FlightLog:
         stride = -(-len(self.time_s) // most)
         return replace(self, signals=_Thinned(self.signals, stride)) if stride > 1 else self
 
+    def loaded(self) -> FlightLog:
+        """The same with its signals in memory, for whoever reads them more than once."""
+        return replace(self, signals=dict(self.signals))
+
     def save(self, path: Path) -> None:
         """Writes the signals as a compressed `.npz`, of which no more than one is in memory."""
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:

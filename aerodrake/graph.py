@@ -87,7 +87,7 @@ def to_mermaid(system: System, depth: int) -> str:
     for node, port in inputs.items():
         for target in _targets(port, depth):
             arrows[node, _box(target)].add(_signal(target, known=port))
-    for source, target in _connections(system, depth):
+    for source, target in connections(system, depth):
         arrows[_box(source), _box(target)].add(_signal(source, target))
     for node, port in outputs.items():
         source = _source(port, depth)
@@ -135,18 +135,28 @@ def _signal(*ports: Port, known: Port | None = None) -> str:
     names = dict.fromkeys(port.get_name() for port in ports)
     if known is not None:
         names.pop(known.get_name(), None)
-    return " → ".join(name for name in names if not re.fullmatch(r"[uy]\d+", name))
+    return " → ".join(name for name in names if not is_default(name))
 
 
-def _connections(system: System, depth: int) -> Iterator[tuple[OutputPort, InputPort]]:
-    """Each signal between systems drawn as boxes, in no particular order."""
+def is_default(name: str) -> bool:
+    """Whether it is a port's that Drake has named, such as `u0`."""
+    return re.fullmatch(r"[uy]\d+", name) is not None
+
+
+def connections(system: System, depth: int) -> Iterator[tuple[OutputPort, InputPort]]:
+    """Each signal between systems drawn as boxes, in no particular order.
+
+    Args:
+        system: A diagram; a leaf system has none.
+        depth: Levels of diagrams to open.
+    """
     if not _opens(system, depth):
         return
     for (target, i), (source, o) in system.connection_map().items():
         for port in _targets(target.get_input_port(i), depth - 1):
             yield _source(source.get_output_port(o), depth - 1), port
     for inner in system.GetSystems():
-        yield from _connections(inner, depth - 1)
+        yield from connections(inner, depth - 1)
 
 
 def _source(port: OutputPort, depth: int) -> OutputPort:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +10,11 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from aerodrake.comparison_report import COLORS, HEADLINES
+from aerodrake.comparison_panels import COLORS
+from aerodrake.figures import INK, REFERENCE, STYLE, write_png
+from aerodrake.flight_table import HEADLINES
 from aerodrake.margin_search import LEAST_ERROR_M, Bracket, Search
 from aerodrake.margins import Margins
-from aerodrake.report import INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario import Scenario
 from aerodrake.summary import to_json
 
@@ -33,6 +35,12 @@ PANELS = {
     "payload added / kg": ("payload_kg",),
 }
 """Of the figure, by label: the disturbances in it."""
+
+MEANING = (
+    "The last value that was flown before the error doubles (x 2), and before it is lost;",
+    "with > or < where that did not happen up to the end of the search.",
+)
+"""Of the table's figures, in two lines."""
 
 NAME, CELL = 18, 8
 """Widths in the table."""
@@ -90,8 +98,17 @@ def _search_figures(search: Search) -> dict[str, Any]:
     }
 
 
+def margins_rows(margins: Margins) -> list[list[str]]:
+    """One row for each variant: name, error, both figures of each of `COLUMNS`, and a remark.
+
+    Args:
+        margins: As from `find_margins`.
+    """
+    return [_row(margins, name) for name in margins.searches]
+
+
 def margins_table(margins: Margins) -> str:
-    """One row for each variant: how much of each disturbance it stands.
+    """How much of each disturbance each variant stands, as text.
 
     Args:
         margins: As from `find_margins`.
@@ -99,30 +116,32 @@ def margins_table(margins: Margins) -> str:
     titles = [f"{title:>{2 * CELL}}" for title, _ in COLUMNS.values()]
     error, pair = f"{HEADLINES[margins.key]:>{CELL}}", f"{'x 2':>{CELL}}{'lost':>{CELL}}"
     lines = [
-        "The last value that was flown before the error doubles (x 2), and before it is lost;",
-        "with > or < where that did not happen up to the end of the search.",
+        *MEANING,
         "",
         f"{'':<{NAME}}{'error':>{CELL}}{''.join(titles)}",
         f"{'':<{NAME}}{error}{pair * len(titles)}",
         f"{'variant':<{NAME}}{'mm':>{CELL}}",
     ]
-    return "\n".join([*lines, *(_row(margins, name) for name in margins.searches)])
+    for name, *cells, remark in margins_rows(margins):
+        line = f"{name:<{NAME}}{''.join(f'{cell:>{CELL}}' for cell in cells)}"
+        lines.append(f"{line}{'  ' if remark else ''}{remark}".rstrip())
+    return "\n".join(lines)
 
 
-def _row(margins: Margins, name: str) -> str:
+def _row(margins: Margins, name: str) -> list[str]:
     as_it_is, *others = margins.outcomes(name)
     cells = ["" if as_it_is.error_m is None else f"{1e3 * as_it_is.error_m:.2f}"]
     for what, (_, factor) in COLUMNS.items():
         search = margins.searches[name][what]
         cells += [_cell(search, bracket, factor) for bracket in (search.doubles, search.lost)]
     failed = [outcome for outcome in others if outcome.exit_reason == "failed"]
-    ending = ""
+    remark = ""
     if as_it_is.is_lost:
-        ending = f"  {as_it_is.exit_reason}: {as_it_is.exit_cause}"
+        remark = f"{as_it_is.exit_reason}: {as_it_is.exit_cause}"
     elif failed:
         count = "1 flight" if len(failed) == 1 else f"{len(failed)} flights"
-        ending = f"  {count} failed: {failed[0].exit_cause}"
-    return f"{name:<{NAME}}{''.join(f'{cell:>{CELL}}' for cell in cells)}{ending}".rstrip()
+        remark = f"{count} failed: {failed[0].exit_cause}"
+    return [name, *cells, remark]
 
 
 def _cell(search: Search, bracket: Bracket, factor: float) -> str:
@@ -147,20 +166,27 @@ def plot_margins(margins: Margins, title: str, path: Path) -> None:
     with rc_context(STYLE):
         figure = Figure(figsize=(14, 5.5), dpi=110, layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
-        row = figure.subplots(1, len(PANELS), sharey=True, squeeze=False)[0]
-        for axes, (label, disturbances) in zip(row, PANELS.items(), strict=True):
-            axes.set_xlabel(label)
-            axes.set_yscale("log")
-            for name, searches in margins.searches.items():
-                for what in disturbances:
-                    _draw(axes, searches[what], COLUMNS[what][1], COLORS[name])
-            if len(disturbances) > 1:
-                _factors(axes)
-        row[0].set_ylabel("end-effector error / mm")
-        for name in margins.searches:
-            row[0].plot([], [], color=COLORS[name], label=name)
+        draw_margins(figure.subplots(1, len(PANELS), sharey=True, squeeze=False)[0], margins)
         figure.legend(loc="outside lower center", ncols=len(margins.searches))
         write_png(figure, path)
+
+
+def draw_margins(row: Sequence[Axes], margins: Margins) -> None:
+    """Error against each disturbance: one of `row` for each of `PANELS`.
+
+    The first has what a legend needs.
+    """
+    for axes, (label, disturbances) in zip(row, PANELS.items(), strict=True):
+        axes.set_xlabel(label)
+        axes.set_yscale("log")
+        for name, searches in margins.searches.items():
+            for what in disturbances:
+                _draw(axes, searches[what], COLUMNS[what][1], COLORS[name])
+        if len(disturbances) > 1:
+            _factors(axes)
+    row[0].set_ylabel("end-effector error / mm")
+    for name in margins.searches:
+        row[0].plot([], [], color=COLORS[name], label=name)
 
 
 def _factors(axes: Axes) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from aerodrake.flight_log import FlightLog
@@ -17,14 +15,13 @@ MOST_POINTS = 6000
 """Of a path likewise."""
 
 
-def write_replay(log: FlightLog, scenario: Scenario, path: Path) -> None:
-    """Writes a self-contained HTML page: the vehicle, its reference and its trace.
+def replay_page(log: FlightLog, scenario: Scenario) -> str:
+    """A self-contained HTML page: the vehicle, its reference and its trace.
 
     Args:
         log: The flight; its animation begins at reference time 0, or where
             the flight ended if that was before.
         scenario: Whose robot flew, with its payload.
-        path: Of the page.
     """
     scene = Scene(scenario)
     time_s, parts = log.time_s, ("quaternion", "p_B_m", "q_rad")
@@ -46,4 +43,4 @@ def write_replay(log: FlightLog, scenario: Scenario, path: Path) -> None:
         scene.pose(time, position)
     scene.meshcat.StopRecording()
     scene.meshcat.PublishRecording()
-    path.write_text(scene.meshcat.StaticHtml(), encoding="utf-8")
+    return scene.meshcat.StaticHtml()

@@ -45,4 +45,4 @@ def draw_spans(axes: Axes, spans: Sequence[Span]) -> None:
     for mode in sorted({span.mode for span in spans if span.mode is not None}):
         axes.barh([0], [0], color=SAFE_MODE_COLORS[mode], label=mode.label)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper right", ncols=4)
+        axes.legend(loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0))

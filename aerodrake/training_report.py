@@ -9,8 +9,8 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from aerodrake.evaluation import METHODS, Evaluation
+from aerodrake.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 from aerodrake.model.training import Trained
-from aerodrake.report import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 
 
 def training_table(evaluation: Evaluation) -> str:

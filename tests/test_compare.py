@@ -205,7 +205,9 @@ def test_the_command(tmp_path, monkeypatch, capfd):
     assert re.search(r"^paper: proposed +12.20|^paper: proposed", said, re.MULTILINE)
     assert "2/2" in progress
     written = sorted(path.name for path in (tmp_path / "a").iterdir())
-    assert written == ["comparison.json", "comparison.png", "integral", "modified+online"]
+    assert written == [
+        *("comparison.json", "comparison.png", "integral", "modified+online", "report.html")
+    ]
 
     def read():
         comparison = json.loads((tmp_path / "a" / "comparison.json").read_text())
@@ -234,7 +236,7 @@ def test_variants_that_are_not_asked_for_are_not_flown(tmp_path, monkeypatch, ca
     variants = json.loads((out / "comparison.json").read_text())["variants"]
     assert list(variants) == ["integral", "fixed_weights"]
     assert sorted(path.name for path in out.iterdir()) == [
-        *("comparison.json", "comparison.png", "fixed_weights", "integral")
+        *("comparison.json", "comparison.png", "fixed_weights", "integral", "report.html")
     ]
 
 

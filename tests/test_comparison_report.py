@@ -7,11 +7,14 @@ import pytest
 from matplotlib import pyplot as plt
 
 from aerodrake.compare import VARIANTS
-from aerodrake.comparison_report import comparison_table, headline, plot_comparison, residuals
+from aerodrake.comparison_report import plot_comparison
+from aerodrake.comparison_table import comparison_table
 from aerodrake.flight_log import FlightLog
+from aerodrake.flight_table import headline
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.initial_state import Thrust
 from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.residual_panels import residuals
 from aerodrake.summary import summarize
 
 

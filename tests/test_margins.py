@@ -197,7 +197,10 @@ def short(monkeypatch):
     return ["compare", "hover", *TINY, "--margins", "--variant", "modified", "--variant", "clik"]
 
 
-FILES = ["clik", "comparison.json", "comparison.png", "margins.json", "margins.png", "modified"]
+FILES = [
+    *("clik", "comparison.json", "comparison.png", "margins.json", "margins.png", "modified"),
+    "report.html",
+]
 
 
 def test_the_command(short, tmp_path, capfd):
@@ -206,7 +209,11 @@ def test_the_command(short, tmp_path, capfd):
     said, progress = capfd.readouterr()
     assert re.search(r"^clik +0.00 +0.00 .* completed$", said, re.MULTILINE)
     assert re.search(r"^clik +0.00 +0 +> 2$", said, re.MULTILINE)
-    assert said.rstrip().splitlines()[-1].startswith(f"{out}: {', '.join(FILES[1:5])}, and")
+    assert (
+        said.rstrip()
+        .splitlines()[-1]
+        .startswith(f"{out}: {', '.join([*FILES[1:5], FILES[-1]])}, and")
+    )
     assert "hover margins: 4flight" in progress
     assert sorted(path.name for path in out.iterdir()) == FILES
     figures = json.loads((out / "margins.json").read_text())

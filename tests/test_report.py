@@ -7,7 +7,8 @@ import pytest
 from matplotlib import pyplot as plt
 
 from aerodrake.flight_log import FlightLog
-from aerodrake.report import plot_tracking, table
+from aerodrake.flight_table import table
+from aerodrake.report import plot_tracking
 from aerodrake.summary import summarize
 
 

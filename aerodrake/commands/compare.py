@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import shlex
+from collections.abc import Iterable
+from pathlib import Path
 
 from aerodrake.commands.options import add_jobs, add_output, add_scenario, new_folder, overrides
 
@@ -36,13 +39,16 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.scenario_file import load_scenario
 
-    scenario = load_scenario(arguments.scenario, overrides(arguments))
-    target = arguments.out or new_folder(f"{scenario.name}-comparison")
+    given = load_scenario(arguments.scenario, overrides(arguments))
+    target = arguments.out or new_folder(f"{given.name}-comparison")
 
     from aerodrake.compare import OWN_VARIANT, compare, make_variant, make_variants, notes
-    from aerodrake.comparison_report import FILES, comparison_table, headline, plot_comparison
+    from aerodrake.comparison_page import PAGE, Comparison, comparison_page
+    from aerodrake.comparison_report import FILES, plot_comparison
+    from aerodrake.comparison_table import comparison_table
     from aerodrake.compiled import is_cold
     from aerodrake.flight_log import FlightLog
+    from aerodrake.flight_table import headline
     from aerodrake.inputs import frozen
     from aerodrake.interrupts import held_interrupts
     from aerodrake.margins import find_margins
@@ -52,11 +58,13 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.model.thrust_allocation import thrust_notes
     from aerodrake.run_folder import run_folder
     from aerodrake.scenario_rules import warnings
+    from aerodrake.scenario_yaml import dump
+    from aerodrake.schema import as_mapping
     from aerodrake.summary import to_json
 
     say = (lambda line: None) if arguments.quiet else print
     jobs, margins, written = arguments.jobs, None, FILES
-    with frozen(scenario) as scenario:
+    with frozen(given) as scenario:
         variants = make_variants(scenario, arguments.variant)
         joints = len(scenario.vehicle.working_rad)
         known = (*provenance_notes(scenario, joints), *thrust_notes(scenario), *notes(scenario))
@@ -70,8 +78,8 @@ def main(arguments: argparse.Namespace) -> int:
             ) as bar:
                 summaries = compare(variants, folder, jobs, lambda name: bar.update())
             with held_interrupts():
-                comparison = {"scenario": scenario.name, "variants": summaries}
-                (folder / "comparison.json").write_text(to_json(comparison), encoding="utf-8")
+                figures = {"scenario": scenario.name, "variants": summaries}
+                (folder / "comparison.json").write_text(to_json(figures), encoding="utf-8")
                 logs = {
                     name: FlightLog.read(folder / name / "log.npz", summary)
                     for name, summary in summaries.items()
@@ -91,9 +99,25 @@ def main(arguments: argparse.Namespace) -> int:
                 with held_interrupts():
                     write_margins(margins, scenario, folder)
                 written += MARGINS_FILES
+            with held_interrupts():
+                comparison = Comparison(scenario, variants, own, summaries, logs, margins)
+                page = comparison_page(
+                    comparison, dump(as_mapping(given)), _commands(arguments, target, logs)
+                )
+                (folder / PAGE).write_text(page, encoding="utf-8")
     say(comparison_table(summaries, scenario.reference.kind))
     if margins:
         say(f"\n{margins_table(margins)}")
-    say(f"\n{target}: {', '.join(written)}, and a run's folder for each variant")
+    say(f"\n{target}: {', '.join((*written, PAGE))}, and a run's folder for each variant")
     failed = len(logs) < len(variants) or (margins is not None and margins.failed)
     return 1 if failed else 0
+
+
+def _commands(arguments: argparse.Namespace, target: Path, names: Iterable[str]) -> list[str]:
+    """What compares the same again, and what flies each variant."""
+    options = [f"--set={assignment}" for assignment in arguments.set]
+    options += [f"--variant={name}" for name in arguments.variant]
+    options += ["--margins"] * arguments.margins
+    again = ["aerodrake", "compare", arguments.scenario, *options]
+    flights = [["aerodrake", "run", str(target / name / "scenario.yaml")] for name in names]
+    return [shlex.join(command) for command in (again, *flights)]

@@ -50,12 +50,13 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.compiled import is_cold
     from aerodrake.flight_folder import fly_into
+    from aerodrake.flight_table import table
     from aerodrake.inputs import frozen
     from aerodrake.interrupts import held_interrupts
     from aerodrake.model.scenario_network import provenance_notes
     from aerodrake.model.thrust_allocation import thrust_notes
-    from aerodrake.replay import write_replay
-    from aerodrake.report import table
+    from aerodrake.replay import replay_page
+    from aerodrake.report_page import report_page
     from aerodrake.run_folder import run_folder
     from aerodrake.simulate import Flight
 
@@ -96,7 +97,10 @@ def main(arguments: argparse.Namespace) -> int:
             title = f"{scenario.name}, seed {scenario.seed}"
             summary, log = fly_into(folder, flight, title, progress, attach)
             bar.close()
-            write_replay(log, scenario, folder / "replay.html")
+            replay = replay_page(log, scenario)
+            (folder / "replay.html").write_text(replay, encoding="utf-8")
+            page = report_page(flight, summary, log, replay, folder, target)
+            (folder / "report.html").write_text(page, encoding="utf-8")
     say(table(summary, scenario.reference.kind))
-    say(f"\n{target}: summary.json, log.npz, scenario.yaml, tracking.png, replay.html")
+    say(f"\n{target}: summary.json, log.npz, scenario.yaml, tracking.png, replay.html, report.html")
     return 0 if log.exit_reason == "completed" else 1

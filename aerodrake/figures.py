@@ -1,0 +1,85 @@
+"""How figures look, and how they are written: as a PNG, or as a part of a page."""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+INK, ACCENT = "#1f2933", "#e8590c"
+EDGE = "#adb5bd"
+REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 4))}
+AXIS_COLORS = ("#c92a2a", "#2b8a3e", "#1864ab")
+STYLE: dict[str, Any] = {
+    "axes.edgecolor": EDGE,
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "font.size": 9,
+    "grid.color": "#e9ecef",
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+}
+"""Of every figure, for `rc_context`."""
+
+PAGE_STYLE: dict[str, Any] = STYLE | {
+    "axes.facecolor": "none",
+    "axes.labelcolor": INK,
+    "figure.facecolor": "none",
+    "legend.columnspacing": 1.2,
+    "legend.handlelength": 1.4,
+    "path.simplify_threshold": 0.25,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "aerodrake",
+    "text.color": INK,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+}
+"""Of a page's figures: text is text, and what is behind them shows."""
+
+
+def widen(axis: Axis, span: float) -> None:
+    """Makes an axis show at least `span`, lest rounding errors look like motion."""
+    low, high = axis.get_view_interval()
+    if high - low < span:
+        middle = (low + high) / 2
+        axis.set_view_interval(middle - span / 2, middle + span / 2, ignore=True)
+
+
+def write_png(figure: Figure, path: Path) -> None:
+    """Draws a figure into a file, once: `savefig` would do so twice for its layout.
+
+    There is no version or date inside: the same figure gives the same bytes.
+    """
+    FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})
+
+
+def to_svg(figure: Figure, name: str) -> str:
+    """A figure as an element of a page, as wide as the page lets it be.
+
+    Args:
+        figure: Drawn in `PAGE_STYLE`.
+        name: A word that no other figure of the page has: its ids begin with it.
+    """
+    file = io.StringIO()
+    with rc_context(PAGE_STYLE):
+        nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+        FigureCanvasSVG(figure).print_svg(file, metadata=nothing)
+    text = file.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<defs>\s*<style.*?</style>\s*</defs>", "", text, count=1, flags=re.S)
+    text = re.sub(r' (?:width|height)="[\d.]+pt"', "", text, count=2)
+    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{name}-", text)
+    return re.sub(r"<[^>]+>", _rounded, text)
+
+
+def _rounded(tag: re.Match[str]) -> str:
+    """A tag with its numbers to a hundredth, of a pixel or so."""
+    return re.sub(r"(\.\d\d)\d+", r"\1", tag[0])

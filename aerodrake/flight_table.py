@@ -1,0 +1,163 @@
+"""The figures of a flight, beside the paper's, for a person to read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from aerodrake.model.safe_mode import SafeMode
+
+PAPER = {
+    "clover": {"lap_mean_m": 0.0122, "integral_lap_mean_m": 0.0302},
+    "moving_target": {"settled_mean_m": 0.0197, "approach_s": 5.0},
+}
+"""The paper's figures, by kind of reference and key of `summary["error"]`.
+
+Keys with `integral_` before them are of its integral model, the others of its method.
+"""
+
+HEADLINES = {
+    "lap_mean_m": "one lap",
+    "settled_mean_m": "after 15 s",
+    "mean_m": "mean",
+}
+"""By key of `summary["error"]`, in the order in which they are preferred."""
+
+MOST_EVENTS = 20
+"""In a table; a flight can have any number."""
+
+
+Summaries = Mapping[str, Mapping[str, Any]]
+
+
+def headline(summaries: Summaries) -> str:
+    """The key of `summary["error"]` by which flights are compared."""
+    flown = [s["error"] for s in summaries.values() if "error" in s]
+    return next((k for k in HEADLINES if any(e[k] is not None for e in flown)), "mean_m")
+
+
+def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]:
+    """The figures of one flight: label, figure, and the paper's where it has it.
+
+    The labels of parts of what is above them begin with two blanks.
+
+    Args:
+        summary: As from `summarize`.
+        kind: Of the reference.
+    """
+    paper, error, angle, base, mpc = (
+        PAPER.get(kind, {}),
+        *(summary[k] for k in ("error", "orientation", "base_error", "mpc")),
+    )
+    rows = [("end-effector error", "", "")]
+    for key, label in (
+        ("lap_mean_m", "mean over one lap"),
+        ("settled_mean_m", "mean after 15 s"),
+        ("mean_m", "mean"),
+        ("rms_m", "rms"),
+        ("max_m", "max"),
+    ):
+        rows.append((f"  {label}", _mm(error[key]), _mm(paper.get(key))))
+    approach = _unit(error["approach_s"], "s"), _unit(paper.get("approach_s"), "s")
+    rows.append(("  first within d_h", *approach))
+    if angle["mean_rad"] is not None:
+        rows.append(("tool's angle, mean", _deg(angle["mean_rad"]), ""))
+        rows.append(("tool's angle, max", _deg(angle["max_rad"]), ""))
+    rows += [
+        ("base error, mean", _mm(base["mean_m"]), ""),
+        ("base error, max", _mm(base["max_m"]), ""),
+        ("MPC tick, median", _unit(mpc["median_ms"], "ms"), ""),
+        ("MPC tick, 99 %", _unit(mpc["p99_ms"], "ms"), ""),
+        ("MPC fallbacks", f"{mpc['solver_fallbacks']} of {mpc['ticks']}", ""),
+    ]
+    rows += [
+        (f"supervisor in {mode}", _unit(seconds, "s"), "")
+        for mode, seconds in summary["safe_modes"].items()
+        if seconds and mode != SafeMode.NOMINAL.label
+    ]
+    rows += [
+        (f"time in mode {mode}", _unit(seconds, "s"), "")
+        for mode, seconds in summary["modes"].items()
+        if seconds
+    ]
+    rows += [
+        ("arm's farthest reach", f"{summary['arm']['farthest_reach_m']:.2f} m", ""),
+        ("  d_edge of gamma", f"{summary['arm']['d_edge_m']:.2f} m", "0.38 m"),
+    ]
+    return rows
+
+
+def highlights(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]:
+    """The few figures that matter most: label, figure, and what it is to be seen beside.
+
+    Args:
+        summary: As from `summarize`.
+        kind: Of the reference.
+    """
+    key = headline({summary["scenario"]: summary})
+    paper = PAPER.get(kind, {}).get(key)
+    error, angle, mpc = summary["error"], summary["orientation"]["mean_rad"], summary["mpc"]
+    found = [
+        (f"error, {HEADLINES[key]}", _mm(error[key]), f"the paper: {_mm(paper)}" if paper else ""),
+        ("largest error", _mm(error["max_m"]), "of the end-effector"),
+    ]
+    if angle is not None:
+        found.append(("tool's angle, mean", _deg(angle), ""))
+    return [
+        *found,
+        ("base error, mean", _mm(summary["base_error"]["mean_m"]), "from its setpoint"),
+        ("tick, 99 %", _unit(mpc["p99_ms"], "ms"), f"{mpc['ticks']} ticks"),
+        (
+            "simulated",
+            f"{summary['simulated_s']:.1f} s",
+            f"{summary['real_time_factor']:.1f} x real time",
+        ),
+    ]
+
+
+def ending(summary: dict[str, Any]) -> str:
+    """How a flight ended, and what made it so."""
+    cause = summary["exit_cause"]
+    return summary["exit_reason"] + (f" ({cause})" if cause else "")
+
+
+def table(summary: dict[str, Any], kind: str) -> str:
+    """How one flight ended, `table_rows`, and its first events, as text.
+
+    Args:
+        summary: As from `summarize`.
+        kind: Of the reference.
+    """
+    rows = table_rows(summary, kind)
+    lines = [
+        f"{summary['scenario']}: {ending(summary)}",
+        f"{summary['simulated_s']:.1f} s simulated in {summary['wall_s']:.1f} s, "
+        f"{summary['real_time_factor']:.1f} x real time",
+        "",
+        f"{'':<24}{'here':>12}{'paper':>12}",
+        *(f"{name:<24}{here:>12}{there:>12}".rstrip() for name, here, there in rows),
+    ]
+    lines += [""] * bool(summary["events"])
+    lines += [
+        f"{event['time_s']:8.2f} s  {event['cause']} {event['event']}"
+        + (f": {event['mode']}" if event["event"] == "triggered" else "")
+        for event in summary["events"][:MOST_EVENTS]
+    ]
+    left = len(summary["events"]) - MOST_EVENTS
+    if left > 0:
+        lines.append(f"{'':11} and {left} more, in summary.json")
+    return "\n".join(lines)
+
+
+def _mm(value: float | None) -> str:
+    return "" if value is None else f"{1e3 * value:.2f} mm"
+
+
+def _deg(value: float) -> str:
+    return f"{np.degrees(value):.3f} deg"
+
+
+def _unit(value: float | None, unit: str) -> str:
+    return "" if value is None else f"{value:.2f} {unit}"

@@ -1,0 +1,160 @@
+"""The closed loop as a chart of its interfaces: systems on the diagonal, signals beside it.
+
+Such an N-squared chart needs no layout engine. A signal stands in the row of
+the system it comes from and in the column of the one it goes to: what is right
+of the diagonal goes forward, what is left of it is fed back. It is called as its
+port is, or as its system, where Drake has named the port. Of the station's
+signals those that cross to the coordinator stand right of both, and the
+setpoints that come back left of both.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from itertools import accumulate
+from typing import NamedTuple
+
+from pydrake.systems.framework import Diagram, System
+
+from aerodrake.graph import connections, is_default
+
+SIDES = ("station", "coordinator")
+CHARACTER, LINE = 6.1, 13.0
+"""Width and height of a character of the chart's type, in its units."""
+PADDING, GAP = 7.0, 8.0
+"""Between text and its box, and from box to box."""
+LONGEST = 13
+"""Characters of a name in one line, if it has underscores to be broken at."""
+MARGIN = 10.0
+
+
+class Rectangle(NamedTuple):
+    """A box of the chart, by its middle.
+
+    Attributes:
+        lines: Of its name, then of the names of the systems in it.
+        names: How many of the lines are its own name's.
+        x, y, width, height: In units of the chart.
+    """
+
+    lines: tuple[str, ...]
+    names: int
+    x: float
+    y: float
+    width: float
+    height: float
+
+
+class Line(NamedTuple):
+    """Along a row from a system to the column of another, and along that to it."""
+
+    x: float
+    y: float
+    to_x: float
+    to_y: float
+
+
+class Chart(NamedTuple):
+    """Where everything is.
+
+    Attributes:
+        systems, signals, sides: Boxes; the last are around those of `SIDES`.
+        lines: Behind the boxes.
+        width, height: Of all.
+    """
+
+    systems: list[Rectangle]
+    signals: list[Rectangle]
+    sides: list[Rectangle]
+    lines: list[Line]
+    width: float
+    height: float
+
+
+def loop_chart(closed_loop: Diagram) -> Chart:
+    """Lays out a closed loop.
+
+    Args:
+        closed_loop: A diagram that has those of `SIDES` in it, of which the
+            systems are shown, and no other.
+    """
+    sides = [closed_loop.GetSubsystemByName(name) for name in SIDES]
+    systems = [inner for side in sides for inner in side.GetSystems()]
+    place = {system.get_name(): i for i, system in enumerate(systems)}
+    signals: dict[tuple[int, int], set[str]] = defaultdict(set)
+    for source, target in connections(closed_loop, 2):
+        ends = source.get_system().get_name(), target.get_system().get_name()
+        if ends[0] in place and ends[1] in place:
+            names = (source.get_name(), target.get_name())
+            found = next((name for name in names if not is_default(name)), ends[0])
+            signals[place[ends[0]], place[ends[1]]].add(found)
+
+    names = [_broken(system.get_name()) for system in systems]
+    boxes = {(i, i): (*names[i], *_inner(system)) for i, system in enumerate(systems)}
+    texts = boxes | {
+        ends: tuple(line for name in sorted(found) for line in _broken(name))
+        for ends, found in signals.items()
+    }
+    count = len(systems)
+    widths, heights = [0.0] * count, [0.0] * count
+    for (row, column), lines in texts.items():
+        widths[column] = max(widths[column], CHARACTER * max(map(len, lines)) + 2 * PADDING)
+        heights[row] = max(heights[row], LINE * len(lines) + 2 * PADDING)
+    starts_x = list(accumulate((w + GAP for w in widths), initial=MARGIN + GAP))
+    starts_y = list(accumulate((h + GAP for h in heights), initial=MARGIN + GAP + LINE))
+    # Both sides have a frame of their own, and its name above it.
+    first = len(sides[0].GetSystems())
+    starts_x = [x + 3 * GAP * (i >= first) for i, x in enumerate(starts_x)]
+    starts_y = [y + (3 * GAP + LINE) * (i >= first) for i, y in enumerate(starts_y)]
+
+    def rectangle(row: int, column: int, names: int) -> Rectangle:
+        lines = texts[row, column]
+        x, y = starts_x[column] + widths[column] / 2, starts_y[row] + heights[row] / 2
+        if row == column:
+            return Rectangle(lines, names, x, y, widths[column], heights[row])
+        width = CHARACTER * max(map(len, lines)) + PADDING
+        return Rectangle(lines, names, x, y, width, LINE * len(lines) + PADDING)
+
+    diagonal = [rectangle(i, i, len(names[i])) for i in range(count)]
+    frames = [
+        _frame(name, diagonal[start:end])
+        for name, start, end in zip(SIDES, (0, first), (first, count), strict=True)
+    ]
+    return Chart(
+        systems=diagonal,
+        signals=[rectangle(*ends, names=0) for ends in sorted(signals)],
+        sides=frames,
+        lines=[
+            Line(diagonal[i].x, diagonal[i].y, diagonal[j].x, diagonal[j].y)
+            for i, j in sorted(signals)
+        ],
+        width=frames[-1].x + frames[-1].width / 2 + MARGIN,
+        height=frames[-1].y + frames[-1].height / 2 + MARGIN,
+    )
+
+
+def _frame(name: str, inside: list[Rectangle]) -> Rectangle:
+    left, right = inside[0].x - inside[0].width / 2 - GAP, inside[-1].x + inside[-1].width / 2 + GAP
+    top = inside[0].y - inside[0].height / 2 - GAP - LINE
+    bottom = inside[-1].y + inside[-1].height / 2 + GAP
+    middle = ((left + right) / 2, (top + bottom) / 2)
+    return Rectangle((name,), 1, *middle, right - left, bottom - top)
+
+
+def _broken(name: str) -> tuple[str, ...]:
+    """A name in lines of `LONGEST` characters or fewer, where it has underscores."""
+    lines = [""]
+    for part in name.replace("_", "_ ").split():
+        if lines[-1] and len(lines[-1] + part) > LONGEST:
+            lines.append("")
+        lines[-1] += part
+    return tuple(lines)
+
+
+def _inner(system: System) -> tuple[str, ...]:
+    """The names of the leaf systems in a diagram."""
+    if not isinstance(system, Diagram):
+        return ()
+    return tuple(
+        name for inner in system.GetSystems() for name in (_inner(inner) or (inner.get_name(),))
+    )

@@ -1,0 +1,24 @@
+// The replay is unpacked where the reader comes near it, so that the page opens at once.
+const stage = document.getElementById("stage");
+const frame = document.getElementById("replay");
+
+async function unpack() {
+  const packed = atob(document.getElementById("packed").textContent);
+  const bytes = Uint8Array.from(packed, (letter) => letter.charCodeAt(0));
+  const page = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  frame.srcdoc = await new Response(page).text();
+}
+
+const near = new IntersectionObserver((seen) => {
+  if (seen.some((entry) => entry.isIntersecting)) {
+    near.disconnect();
+    unpack();
+  }
+}, { rootMargin: "200px" });
+addEventListener("load", () => near.observe(stage));
+
+// Until the camera is asked for, whoever scrolls or swipes past the stage goes on to do so.
+document.getElementById("take").addEventListener("click", () => {
+  stage.classList.add("taken");
+  frame.focus();
+});

@@ -1,0 +1,93 @@
+"""A page as a person opens it: from the disk, offline, in a headless Chromium."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib import pyplot as plt
+from playwright.sync_api import Browser, Locator, Page, sync_playwright
+
+DESKTOP, PHONE = (1440, 900), (390, 844)
+
+PATIENCE = 100
+"""Looks at a replay, a fifth of a second apart, before it is said not to draw."""
+
+SWITCHES = (
+    "--no-sandbox",  # CI is root.
+    # WebGL without a graphics card.
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
+
+
+@contextmanager
+def chromium() -> Iterator[Browser]:
+    """The machine's own; where there is none, tests skip, but fail in CI."""
+    command = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+    if command is None:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)("there is no Chromium")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=command, args=list(SWITCHES))
+        yield browser
+        browser.close()
+
+
+@dataclass
+class Visit:
+    """An open page, and what happened since it was asked for.
+
+    Attributes:
+        page: Of playwright.
+        requests: Addresses, with that of the page itself first.
+        messages: Of the console, and errors that nobody caught.
+    """
+
+    page: Page
+    requests: list[str] = field(default_factory=list)
+    messages: list[str] = field(default_factory=list)
+
+    def show(self, frame: Locator) -> np.ndarray:
+        """Scrolls to a replay and waits for its vehicle, which has colours unlike all around it.
+
+        Returns:
+            (height, width, 3) what is seen of it, in [0, 1].
+        """
+        frame.scroll_into_view_if_needed()
+        frame.content_frame.locator("canvas").first.wait_for()
+        for _ in range(PATIENCE):
+            seen = pixels(frame)
+            if np.ptp(seen, axis=2).max() > 0.5:
+                return seen
+            self.page.wait_for_timeout(200)
+        return seen
+
+
+@contextmanager
+def visit(browser: Browser, path: Path, size: tuple[int, int] = DESKTOP, **how) -> Iterator[Visit]:
+    """Opens a page in a window of `size` px, without a network."""
+    width, height = size
+    context = browser.new_context(
+        viewport={"width": width, "height": height}, offline=True, reduced_motion="reduce", **how
+    )
+    page = context.new_page()
+    visited = Visit(page)
+    page.on("request", lambda request: visited.requests.append(request.url))
+    page.on("console", lambda message: visited.messages.append(message.text))
+    page.on("pageerror", lambda error: visited.messages.append(str(error)))
+    page.goto(path.absolute().as_uri())
+    yield visited
+    context.close()
+
+
+def pixels(place: Locator) -> np.ndarray:
+    """(height, width, 3) of what is seen of an element, in [0, 1]."""
+    return plt.imread(io.BytesIO(place.screenshot()))[..., :3]
