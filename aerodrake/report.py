@@ -257,7 +257,7 @@ def _series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) -> N
 
 
 def widen(axis: Axis, span: float) -> None:
-    """Makes an axis show at least `span`, lest rounding errors look like motion."""
+    """Makes an axis show at least `span`, in its unit, lest rounding errors look like motion."""
     low, high = axis.get_view_interval()
     if high - low < span:
         middle = (low + high) / 2

@@ -60,7 +60,7 @@ class GroundGeometry:
         return np.concatenate([np.empty(0), *heights])
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """(c, n) m/rad, of the heights."""
+        """(c, n) m/rad, of the heights at angles q (n,) rad."""
         self._set(q)
         return np.vstack(
             [
