@@ -16,6 +16,7 @@ from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
 from aerodrake.scenario import Scenario
 
 VIEW_FROM_M = np.array([0.85, 1.3, 0.3])
+"""(3,) in the world: where the camera is, from what it looks at."""
 DOT_SPACING_M = 0.02
 DOT_SIZE_M = 0.008
 REFERENCE_COLOR = Rgba(0.12, 0.16, 0.2, 1.0)

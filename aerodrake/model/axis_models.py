@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 STATES = ("p", "v", "p_d", "v_d")
+"""Of an axis, in m and m/s: where it is, how fast, and the same of its setpoint."""
 
 
 class AxisModel(NamedTuple):

@@ -17,6 +17,7 @@ from aerodrake.model.vehicle import GRAVITY
 from aerodrake.scenario import Flight
 
 UP = np.array([0.0, 0.0, 1.0])
+"""(3,), in the world."""
 
 
 class PositionGains(NamedTuple):

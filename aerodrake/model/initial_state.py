@@ -49,6 +49,7 @@ class Thrust(NamedTuple):
 
 
 NO_THRUST = Thrust(np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
+"""Where nobody tells of any."""
 
 
 class Places(NamedTuple):

@@ -42,6 +42,7 @@ HEALTH_SIZE = 12
 
 
 NONE = np.zeros(3)
+"""(3,) m/s, Delta where nothing is used."""
 
 
 class Cause(IntEnum):

@@ -11,7 +11,9 @@ from aerodrake.compiled import compiled
 from aerodrake.model.rotation import roll_pitch_yaw, rotation_matrix, rpy_rates
 
 BASE_POSITIONS = 7
+"""Numbers of the base in q: its quaternion and p_B."""
 BASE_VELOCITIES = 6
+"""And in v: omega_W and v_B."""
 
 
 @compiled
