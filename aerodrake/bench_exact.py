@@ -9,6 +9,7 @@ from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 
 REFINEMENTS = 3
+"""Steps of iterative refinement of the equalities."""
 
 
 @dataclass(frozen=True)

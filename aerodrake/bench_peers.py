@@ -43,7 +43,13 @@ class Peer(ABC):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        """(nz,), the minimiser, or its best guess."""
+        """(nz,), the minimiser, or its best guess.
+
+        Args:
+            H: (nz, nz), symmetric and positive definite.
+            g: (nz,).
+            lower, upper: (rows,), infinite where there is no bound.
+        """
 
     def _screened(
         self, lower: np.ndarray, upper: np.ndarray
@@ -65,7 +71,6 @@ class Daqp(Peer):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        """As above."""
         # With finite bounds: a start at an infinite one gives nan.
         _, _, live = self._screened(lower, upper)
         kept = np.concatenate([np.ones(len(g), dtype=bool), live])
@@ -104,7 +109,6 @@ class Piqp(Peer):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        """As above."""
         lower, upper, live = self._screened(lower, upper)
         scale, low, high = 1 / np.diag(H).mean(), lower[live], upper[live]
         if np.array_equal(live, self._rows):
@@ -137,7 +141,6 @@ class ProxQp(Peer):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        """As above."""
         lower, upper, _ = self._screened(lower, upper)
         scale = 1 / np.diag(H).mean()
         program: dict[str, Any] = {
@@ -193,7 +196,6 @@ class Osqp(Sparse):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        """As above."""
         lower, upper, _ = self._screened(lower, upper)
         entries, g = self._cost(H, g)
         low, high = np.concatenate([-self._one, lower]), np.concatenate([self._one, upper])
@@ -236,7 +238,6 @@ class Clarabel(Sparse):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        """As above."""
         lower, upper, _ = self._screened(lower, upper)
         entries, g = self._cost(H, g)
         bounds = np.concatenate([upper, -lower])

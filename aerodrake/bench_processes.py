@@ -27,6 +27,7 @@ A process of its own, and a small one: a command's peak is at least that of what
 """
 
 MEGABYTE = 1e6
+"""Bytes."""
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,8 @@ class Judged:
         replay: The clock's part.
         u0_error: By solver, (K,), largest |u_0 - u_0*| of all inputs, m/s^2 or rad/s^2.
         is_bounded: (K,), whether a bound is active at the optimum.
-        residual: By how much the exact minimisers violate the conditions of optimality.
+        residual: By how much the exact minimisers violate the conditions of optimality, as
+            `Optimum` has it.
     """
 
     replay: Replay
@@ -121,7 +122,7 @@ def solver_figures(
 
 
 def spread(times_ms: np.ndarray) -> dict[str, Any]:
-    """Median and 99th percentile; null where there is no time."""
+    """Median and 99th percentile of times_ms (K,) ms; null where there is no time."""
     if not len(times_ms):
         return {"ticks": 0, "median_ms": None, "p99_ms": None}
     return {

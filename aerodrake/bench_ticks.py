@@ -103,7 +103,7 @@ def replay(
 
     Args:
         recorded: The ticks.
-        peers: Makers of solvers from A, by name, beside the one that flies.
+        peers: Makers of solvers from A (rows, nz), by name, beside the one that flies.
         passes: How many, for all but slow peers.
     """
     formulation, inputs = recorded.formulation, recorded.inputs

@@ -29,7 +29,7 @@ class Evaluation:
 
     Attributes:
         stages: The flights.
-        rmse: For each flight, by method.
+        rmse: m/s, for each flight, by method.
     """
 
     stages: Sequence[Stage]

@@ -100,8 +100,9 @@ class FlightLog:
     """Signals of one flight, and how it ended.
 
     Attributes:
-        signals: Arrays by the keys of `PORTS` and `DERIVED`; all but `PER_TICK`
-            have one row per sample. They may be read from a file at each access.
+        signals: Arrays by the keys of `PORTS` and `DERIVED`, in their shapes and units: (T, ...)
+            with a row for each sample, or for each tick those of `PER_TICK`. They may be
+            read from a file at each access.
         exit_reason: `completed`; `hold` or `descend`, the safe mode in which time was up;
             `landed` or `stopped`, by the supervisor; `lost`; or `interrupted`.
         exit_cause: One line on why it did not complete; empty if it did.

@@ -71,7 +71,14 @@ class Manoeuvre:
 
 @dataclass(frozen=True)
 class Record:
-    """One axis of one flight at the MPC's ticks: (T,) each, in s, m and m/s."""
+    """One axis of one flight at the MPC's ticks.
+
+    Attributes:
+        time_s: (T,) s, reference time.
+        p_d: (T,) m, where the base is commanded to be.
+        p: (T,) m, where it is measured.
+        v: (T,) m/s, how fast.
+    """
 
     time_s: np.ndarray
     p_d: np.ndarray

@@ -59,7 +59,7 @@ class Search:
     the disturbance: what counts is the first crossing of all that was flown.
 
     Attributes:
-        values: Outward from that which changes nothing.
+        values: Outward from that which changes nothing, in the unit of the scenario's key.
         flown: What came of it, by index into `values`. It starts with that of 0.
     """
 

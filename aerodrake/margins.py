@@ -33,7 +33,7 @@ class Disturbance:
     Attributes:
         section, key: Where in the scenario.
         start: What changes nothing: 0 of what is added, 1 of a factor.
-        first: The next value.
+        first: The next value; like both others in the key's unit, or a factor.
         end: Where the search ends; before, where the key's range does.
         in_steps: Whether it is a time of whole plant steps.
     """
@@ -57,7 +57,7 @@ class Disturbance:
         return (self.start, *takewhile(partial(self._is_valid, scenario), outward))
 
     def apply(self, scenario: Scenario, value: float) -> Scenario:
-        """The scenario with so much of it on top of what it has."""
+        """The scenario with so much more of it, in the key's unit, or such a factor on it."""
         section = dataclasses.replace(
             getattr(scenario, self.section), **{self.key: self._total(scenario, value)}
         )

@@ -74,7 +74,7 @@ class Recording(Mapping[str, np.ndarray]):
         return self._times[-1][-1] if self._times else -np.inf
 
     def add(self, signals: Mapping[str, np.ndarray]) -> None:
-        """Adds signals that are held in memory."""
+        """Adds signals (T, ...), by key, that are held in memory."""
         self._others.update(signals)
 
     def __getitem__(self, key: str) -> np.ndarray:

@@ -16,6 +16,7 @@ from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
 from aerodrake.scenario import Scenario
 
 VIEW_FROM_M = np.array([0.85, 1.3, 0.3])
+"""(3,) in the world: where the camera is, from what it looks at."""
 DOT_SPACING_M = 0.02
 DOT_SIZE_M = 0.008
 REFERENCE_COLOR = Rgba(0.12, 0.16, 0.2, 1.0)
@@ -57,13 +58,13 @@ class Scene:
         self._context = self._diagram.CreateDefaultContext()
 
     def pose(self, time_s: float, positions: np.ndarray) -> None:
-        """Moves the vehicle to its positions (7 + n,): quaternion, p_B in m, q in rad."""
+        """Moves the vehicle at time_s to positions (7 + n,): quaternion, p_B in m, q in rad."""
         self._context.SetTime(time_s)
         self._plant.SetPositions(self._plant.GetMyMutableContextFromRoot(self._context), positions)
         self._diagram.ForcedPublish(self._context)
 
     def draw_reference(self, points: np.ndarray) -> None:
-        """Dots along a path (K, 3) m, which a trace on top of them leaves visible."""
+        """Dots along a path, points (K, 3) m in the world; a trace on top leaves them visible."""
         along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
         dots = np.searchsorted(along, np.arange(0.0, along[-1] + 1e-9, DOT_SPACING_M))
         dots = np.minimum(dots, len(points) - 1)  # The last may be beyond by rounding.
@@ -74,11 +75,11 @@ class Scene:
         )
 
     def draw_trace(self, points: np.ndarray) -> None:
-        """The end-effector's path so far, (K, 3) m."""
+        """The end-effector's path so far, points (K, 3) m in the world."""
         self.meshcat.SetLine("/paths/end_effector", points.T, line_width=3.0, rgba=TRACE_COLOR)
 
     def draw_prediction(self, points: np.ndarray) -> None:
-        """p_E over the horizon, (N + 1, 3) m."""
+        """p_E over the horizon, points (N + 1, 3) m in the world."""
         self.meshcat.SetLine("/paths/prediction", points.T, line_width=4.0, rgba=PREDICTION_COLOR)
 
     def draw_learning_space(self) -> None:
@@ -91,7 +92,7 @@ class Scene:
         self.meshcat.SetTransform(SPACE, X_WB @ RigidTransform(self._p_O))
 
     def look_at(self, middle: np.ndarray) -> None:
-        """Turns the camera to a place (3,) m."""
+        """Turns the camera to a place, middle (3,) m in the world."""
         self.meshcat.SetCameraPose(middle + VIEW_FROM_M, middle)
 
 

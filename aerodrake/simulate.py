@@ -34,7 +34,9 @@ LOG_SAMPLES = 1000
 """Samples that are held in memory before they are moved to a file."""
 
 LOST_TILT_RAD = math.radians(60)
+"""Tilt of the base beyond which a flight is lost,"""
 LOST_ERROR_M = 1.0
+"""and what is too far off its reference, or in safe modes off its setpoint."""
 
 
 class Flight:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 STATES = ("p", "v", "p_d", "v_d")
+"""Of an axis, in m and m/s: where it is, how fast, and the same of its setpoint."""
 
 
 class AxisModel(NamedTuple):
@@ -35,7 +36,7 @@ class AxisModel(NamedTuple):
 
 
 def paper_axis(k: float, dt: float) -> AxisModel:
-    """p' = k (p_d - p) + Delta by semi-implicit Euler, as the paper prints it.
+    """p' = k (p_d - p) + Delta by semi-implicit Euler, as the paper prints it; k in 1/s, dt in s.
 
     Its A_1 has `k delta^2` for k delta_t squared. The second column of A is
     zero: measured velocity does not propagate and acts through Delta alone.
@@ -53,7 +54,7 @@ def paper_axis(k: float, dt: float) -> AxisModel:
 
 
 def exact_axis(k: float, dt: float) -> AxisModel:
-    """p' = k (p_d - p) + Delta (paper, eq. 3), exact for u and Delta held over dt."""
+    """p' = k (p_d - p) + Delta (paper, eq. 3), exact for u and Delta held over dt s; k in 1/s."""
     E = math.exp(-k * dt)
     g = (1 - E) / k
     setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
@@ -65,7 +66,7 @@ def exact_axis(k: float, dt: float) -> AxisModel:
 
 
 def velocity_aware_axis(k: float, dt: float) -> AxisModel:
-    """p' = v_d + k (p_d - p) + Delta, exact for u and Delta held over dt.
+    """p' = v_d + k (p_d - p) + Delta, exact for u and Delta held over dt s; k in 1/s.
 
     The base of a flight controller that is told p_d, v_d and a_d.
     """
@@ -78,7 +79,7 @@ def velocity_aware_axis(k: float, dt: float) -> AxisModel:
 
 
 def integral_axis(k: float, dt: float) -> AxisModel:
-    """The baseline that believes the command: the base is where it was sent."""
+    """The baseline that believes the command: the base is where it was sent; dt in s, k unused."""
     setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
     A, B = np.vstack([setpoint, setpoint]), np.array([*input_, *input_])
     return AxisModel(A, B, np.zeros(4), STATES, np.zeros(4))

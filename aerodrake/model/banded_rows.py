@@ -22,7 +22,7 @@ class BandedRows(NamedTuple):
 
     @classmethod
     def of(cls, A: np.ndarray) -> BandedRows:
-        """Of a matrix (rows, nz)."""
+        """Of a matrix A (rows, nz)."""
         rows, nz = A.shape
         first = np.array([np.flatnonzero(row)[0] if row.any() else 0 for row in A], dtype=int)
         last = np.array([np.flatnonzero(row)[-1] if row.any() else 0 for row in A], dtype=int)

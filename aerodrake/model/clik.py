@@ -83,7 +83,12 @@ class InverseKinematics:
         return ClikCommand(velocity, u, bool(np.any(u != wanted)))
 
     def predict(self, tick: MpcInputs, velocity: np.ndarray) -> np.ndarray:
-        """(N + 1, 3) m, p_E now and at each stage if base and joints moved at `velocity`."""
+        """(N + 1, 3) m, p_E now and at each stage if base and joints moved at `velocity`.
+
+        Args:
+            tick: What it is about.
+            velocity: (3 + n,) m/s and rad/s.
+        """
         return tick.end_effector.p_E + np.outer(self._stages_s, tick.end_effector.J_s @ velocity)
 
     def _tracking(self, tick: MpcInputs) -> np.ndarray:

@@ -35,7 +35,7 @@ class Condensing(NamedTuple):
 
     @classmethod
     def make(cls, outputs: StageOutputs, ticks: np.ndarray, H_input: np.ndarray) -> Condensing:
-        """For stages that last `ticks` (N,), and the cost of inputs (m, N, N)."""
+        """For stages that last `ticks` (N,), and H_input (m, N, N), the cost of inputs."""
         G, ticks = outputs.responses, ticks.astype(float)
         products = np.einsum("fki,k,gkj->fgij", G, ticks, G, optimize=True)
         of_axis = [np.flatnonzero(outputs.axis == a) for a in range(len(H_input))]
@@ -118,7 +118,7 @@ def gradient(form: Condensing, C: np.ndarray, c: np.ndarray, free: np.ndarray) -
 
 @compiled
 def driven(form: Condensing, free: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """(F, N), y under the inputs z (m N,), from y without (F, N)."""
+    """(F, N), y under the inputs z (m N,), from `free` (F, N), y without."""
     N = free.shape[1]
     y = free.copy()
     for f in range(len(form.axis)):

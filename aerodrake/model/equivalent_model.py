@@ -141,7 +141,7 @@ class EquivalentModel:
 
     @cached_property
     def hidden(self) -> np.ndarray:
-        """Indices of what nobody measures; none in the models with K_B alone."""
+        """(k,) indices in x of what nobody measures; k = 0 in the models with K_B alone."""
         names = [name for name in HIDDEN_STATES if name in self.axis_states]
         return np.array([i for name in names for i in self.base_state(name)], dtype=int)
 
@@ -192,10 +192,21 @@ class EquivalentModel:
         return self.A[self.base_velocity], self.B[self.base_velocity]
 
     def next_velocity(self, x: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """(3,) m/s, the base's velocity one period later, under u (3 + n,) and no Delta."""
+        """(3,) m/s, the base's velocity one period later without Delta.
+
+        Args:
+            x: (nx,) the state.
+            u: (3 + n,) m/s^2 and rad/s^2.
+        """
         A, B = self._velocity_rows
         return A @ x + B @ u
 
     def predict(self, x: np.ndarray, u: np.ndarray, delta: np.ndarray) -> np.ndarray:
-        """(nx,) the state one period later, under u (3 + n,) and Delta (3,) m/s."""
+        """(nx,) the state one period later.
+
+        Args:
+            x: (nx,) the state.
+            u: (3 + n,) m/s^2 and rad/s^2.
+            delta: (3,) m/s, Delta.
+        """
         return self.A @ x + self.B @ u + self.C @ delta

@@ -17,10 +17,17 @@ from aerodrake.model.vehicle import GRAVITY
 from aerodrake.scenario import Flight
 
 UP = np.array([0.0, 0.0, 1.0])
+"""(3,), in the world."""
 
 
 class PositionGains(NamedTuple):
-    """Per axis: (3,) 1/s^2 of position, 1/s of velocity, 1/s^3 of the integral."""
+    """Per axis of the world.
+
+    Attributes:
+        position: (3,) 1/s^2, k_p.
+        velocity: (3,) 1/s, k_v.
+        integral: (3,) 1/s^3, k_i.
+    """
 
     position: np.ndarray
     velocity: np.ndarray
@@ -34,7 +41,12 @@ class PositionGains(NamedTuple):
 
 
 class AttitudeGains(NamedTuple):
-    """Per axis of the base: (3,) 1/s^2 of attitude, 1/s of the rate."""
+    """Per axis of the base.
+
+    Attributes:
+        attitude: (3,) 1/s^2, k_R.
+        rate: (3,) 1/s, k_omega.
+    """
 
     attitude: np.ndarray
     rate: np.ndarray
@@ -78,7 +90,7 @@ def position_law(
 
 @compiled
 def desired_thrust(u_v: np.ndarray, max_tilt: float) -> np.ndarray:
-    """(3,) m/s^2, the specific thrust u_v + g, tilted by at most `max_tilt` rad.
+    """(3,) m/s^2, the specific thrust u_v (3,) + g, tilted by at most `max_tilt` rad.
 
     Height goes before horizontal acceleration, and thrust never points down.
     """
@@ -91,7 +103,7 @@ def desired_thrust(u_v: np.ndarray, max_tilt: float) -> np.ndarray:
 
 @compiled
 def desired_attitude(thrust: np.ndarray, yaw: float = 0.0) -> np.ndarray:
-    """(3, 3), the attitude whose z axis is along `thrust` and whose yaw angle is `yaw` rad."""
+    """(3, 3), the attitude with its z axis along `thrust` (3,) and a yaw angle of `yaw` rad."""
     z = thrust / np.sqrt(np.sum(thrust * thrust))
     left = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
     x = cross(left, z)
@@ -101,7 +113,7 @@ def desired_attitude(thrust: np.ndarray, yaw: float = 0.0) -> np.ndarray:
 
 @compiled
 def attitude_error(R: np.ndarray, R_d: np.ndarray) -> np.ndarray:
-    """(3,) e_R = vee(R_d' R - R' R_d) / 2 in the base frame (Lee et al. 2010)."""
+    """(3,) e_R = vee(R_d' R - R' R_d) / 2 in the base frame (Lee et al. 2010); R, R_d: (3, 3)."""
     return vee(R_d.T @ R)
 
 

@@ -26,7 +26,7 @@ def initial_memory(p_B: np.ndarray, h_omega: np.ndarray, thrust: np.ndarray) -> 
 
 @compiled
 def memory_parts(x: np.ndarray) -> tuple[np.ndarray, ...]:
-    """The parts of a memory (30 + k,), as `initial_memory` has them, in their shapes; views."""
+    """The parts of a memory x (30 + k,), as `initial_memory` has them, in their shapes; views."""
     return (
         x[:9].reshape(3, 3),
         x[9:15].reshape(2, 3),

@@ -49,6 +49,7 @@ class Thrust(NamedTuple):
 
 
 NO_THRUST = Thrust(np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
+"""Where nobody tells of any."""
 
 
 class Places(NamedTuple):
@@ -76,7 +77,13 @@ class Places(NamedTuple):
 def thrust_along(
     quaternion: np.ndarray, omega_W: np.ndarray, specific_thrust: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(b, r) of a `Thrust` along the base's axis, at an attitude (4,) and rates (3,) rad/s."""
+    """(b, r) of a `Thrust` along the base's axis, (3,) m/s^2 and (3,) m/s^3.
+
+    Args:
+        quaternion: (4,), of the base.
+        omega_W: (3,) rad/s, its rates in the world.
+        specific_thrust: m/s^2, collective thrust over mass.
+    """
     R_B = rotation_matrix(quaternion)
     axis = np.array([R_B[0, 2], R_B[1, 2], R_B[2, 2]])
     b, r = specific_thrust * axis, specific_thrust * cross(omega_W, axis)

@@ -55,7 +55,7 @@ class InnerLoop(NamedTuple):
 
     @classmethod
     def make(cls, config: Flight, rotor: Rotor, vehicle: Vehicle, period: float) -> InnerLoop:
-        """Of the scenario's gains and this vehicle.
+        """Of the scenario's gains and this vehicle; `period` in s.
 
         Raises:
             BadInput: if its rotors cannot lift it without tilting it.
@@ -88,8 +88,8 @@ def inner_loop(
 
     Args:
         loop: Its constants.
-        x, believed, state: As `outer_loop` has them.
-        position, u_v, a_B: From it.
+        x, believed, state: (30 + k,), (6,) and (13 + 2 n,), as `outer_loop` has them.
+        position, u_v, a_B: (12,), (3,) m/s^2 and (3,) m/s^2, from it.
         effort: (6,) or more, N m about the base's origin and N, in the world, that it
             takes to give it a_B and no angular acceleration.
 

@@ -41,7 +41,7 @@ class JointPid(NamedTuple):
 
     @classmethod
     def make(cls, arm: Arm, vehicle: Vehicle, dt: float) -> JointPid:
-        """Gains that give each joint's inertia the bandwidth and damping of `arm`."""
+        """Gains that give each joint's inertia the bandwidth and damping of `arm`; dt in s."""
         k_p = vehicle.joint_inertia * arm.bandwidth_rad_s**2
         k_d = vehicle.joint_inertia * 2 * arm.damping * arm.bandwidth_rad_s
         k_i = k_p * arm.integral_rad_s

@@ -104,7 +104,7 @@ class Kinematics:
         return p_EB, J_B
 
     def arm_axis(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(t (3,), its Jacobian (3, n)) in the base frame: direction of the tool's axis at q."""
+        """(t (3,), its Jacobian (3, n)) in the base frame, of the tool's axis at q (n,) rad."""
         plant, world = self._plant, self._plant.world_frame()
         plant.SetPositions(self._context, q)
         t = self._tool.CalcRotationMatrixInWorld(self._context).multiply(TOOL_AXIS)

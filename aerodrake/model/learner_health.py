@@ -42,6 +42,7 @@ HEALTH_SIZE = 12
 
 
 NONE = np.zeros(3)
+"""(3,) m/s, Delta where nothing is used."""
 
 
 class Cause(IntEnum):
@@ -96,7 +97,7 @@ class Health:
 
     @classmethod
     def from_vector(cls, x: np.ndarray) -> Health:
-        """The reverse of `to_vector`."""
+        """Of x (`HEALTH_SIZE`,), the reverse of `to_vector`."""
         return cls(Cause(int(x[0])), x[1], x[2], x[3:6].copy(), x[6:9].copy(), *x[9:])
 
     def to_vector(self) -> np.ndarray:
@@ -190,9 +191,13 @@ class LearnerJudge:
         return self._too_far_off(health) > DOUBTFUL
 
     def inspect(self, theta: np.ndarray, delta: np.ndarray) -> Cause:
-        """What is wrong with a last layer (3, m) and the Delta (3,) m/s it gives; `OK` if nothing.
+        """What is wrong with a last layer and the Delta it gives; `OK` if nothing.
 
         Without `judge_s` all that is finite will do.
+
+        Args:
+            theta: (3, m) m/s, the last layer.
+            delta: (3,) m/s, Delta.
         """
         if not (np.isfinite(theta).all() and np.isfinite(delta).all()):
             return Cause.NOT_FINITE
@@ -227,7 +232,7 @@ class LearnerJudge:
         return replace(health, cause=Cause.OK, held_s=0.0, share=share, benefit=benefit)
 
     def used(self, health: Health, delta: np.ndarray) -> np.ndarray:
-        """(3,) m/s, what is used where the network says `delta`."""
+        """(3,) m/s, what is used where the network says `delta` (3,) m/s."""
         if health.cause == Cause.OK:
             return health.share * delta
         fade_s = FADE * self.config.judge_s

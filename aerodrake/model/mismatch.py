@@ -10,7 +10,9 @@ from aerodrake.urdf import read_urdf
 from aerodrake.world import Mismatch
 
 EXACT = Mismatch()
+"""That of a plant that is as its files have it."""
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+"""Of inertia, as URDF calls them."""
 
 
 def is_exact(mismatch: Mismatch) -> bool:

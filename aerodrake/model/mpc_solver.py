@@ -31,8 +31,8 @@ class MpcSolver:
 
         Args:
             program: Of the formulation.
-            active: The bounds that held the program of the tick before, as `QpResult` has
-                them; None where none did.
+            active: (nz + rows,), the bounds that held the program of the tick before, as
+                `QpResult` has them; None where none did.
             budget: If given, there is time for so many iterations of OSQP, and nothing else.
         """
         g, lower, upper = program.g, program.lower, program.upper

@@ -36,7 +36,7 @@ class OuterLoop(NamedTuple):
 
     @classmethod
     def make(cls, config: Flight, rotor: Rotor, vehicle: Vehicle, period: float) -> OuterLoop:
-        """Of the scenario's gains and this vehicle."""
+        """Of the scenario's gains and this vehicle; `period` in s."""
         return cls(
             gains=PositionGains.make(config),
             eso=ExtendedStateObserver.make(2, config.position_eso_rad_s, period),

@@ -12,6 +12,7 @@ from pydrake.multibody.tree import SpatialInertia
 from aerodrake.model.vehicle import TOOL_FRAME
 
 STEEL_KG_M3 = 7850.0
+"""Density, from which the payload has its size."""
 STEEL_COLOR = (0.55, 0.57, 0.60, 1.0)
 PAYLOAD_BODY = "payload"
 

@@ -41,5 +41,5 @@ class Prediction:
             self.Phi[k], self.Gamma[k], self.Psi[k] = Phi, Gamma, Psi
 
     def free(self, x_0: np.ndarray, delta: np.ndarray) -> np.ndarray:
-        """(N, nx), the states if all inputs are zero."""
+        """(N, nx), the states from x_0 (nx,) under `delta` (3,) m/s, if all inputs are zero."""
         return self.Phi @ x_0 + self.Psi @ delta

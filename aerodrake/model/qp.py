@@ -156,7 +156,12 @@ class CondensedQp:
         )
 
     def accepted(self, free: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> QpResult | None:
-        """The unconstrained minimiser (nz,) as the answer, if it keeps all bounds."""
+        """The unconstrained minimiser as the answer; None if it does not keep all bounds.
+
+        Args:
+            free: (nz,), the minimiser.
+            lower, upper: (rows,).
+        """
         if not is_within(self._banded, free, lower, upper):
             return None
         return QpResult(free.clip(-1, 1), QpStatus.UNCONSTRAINED, 0, self._unbound)
@@ -217,7 +222,7 @@ class CondensedQp:
 
 @compiled
 def is_within(A: BandedRows, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
-    """Whether z (nz,) keeps all bounds; not if any of this is no number."""
+    """Whether z (nz,) keeps its box, and A z `lower` and `upper` (rows,); not if one is nan."""
     for x in z:
         if not abs(x) <= 1 + FEASIBILITY:
             return False
@@ -232,7 +237,7 @@ def is_within(A: BandedRows, z: np.ndarray, lower: np.ndarray, upper: np.ndarray
 def screened(
     lower: np.ndarray, upper: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(lower, upper), each (rows,), infinite where no value within +- `reach` can be beyond."""
+    """(lower, upper), infinite where no value within +- `reach` is beyond; all four (rows,)."""
     return np.where(lower <= -reach, -np.inf, lower), np.where(upper >= reach, np.inf, upper)
 
 
@@ -240,7 +245,13 @@ def screened(
 def violations(
     z: np.ndarray, of_rows: np.ndarray, lower: np.ndarray, upper: np.ndarray
 ) -> np.ndarray:
-    """(nz + rows,), 1 where z or its rows exceed an upper bound, -1 a lower one, else 0."""
+    """(nz + rows,), 1 where z or its rows exceed an upper bound, -1 a lower one, else 0.
+
+    Args:
+        z: (nz,), in a box of +-1.
+        of_rows: (rows,), A z.
+        lower, upper: (rows,), its bounds.
+    """
     found = np.zeros(len(z) + len(of_rows), dtype=np.int64)
     for i in range(len(z)):
         if abs(z[i]) > 1 + FEASIBILITY:

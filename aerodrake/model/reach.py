@@ -9,6 +9,7 @@ from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.vehicle import Vehicle
 
 STARTS = 32
+"""Configurations from which the farthest one is searched."""
 
 
 def farthest_reach(vehicle: Vehicle) -> float:

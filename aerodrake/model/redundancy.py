@@ -108,7 +108,7 @@ def motions(carried: np.ndarray) -> tuple[np.ndarray, int]:
 
 @compiled
 def turned_cost(C: np.ndarray, Q: np.ndarray) -> np.ndarray:
-    """(F, F), C of outputs whose joints' speeds and places are those of the motions Q (n, n)."""
+    """(F, F), C (F, F) of outputs whose joints are turned to the motions Q (n, n)."""
     n = len(Q)
     m = n + 3
     turned = C.copy()

@@ -79,7 +79,7 @@ class HoverCurve(ReferenceCurve):
 class MovingTargetCurve(ReferenceCurve):
     """p = target + height z + velocity t: the paper's second experiment.
 
-    It does not begin at `start`: catching up is what it asks for. How far the
+    It does not begin at `start` (3,) m: catching up is what it asks for. How far the
     target will go is not known, hence its infinite diameter.
     """
 
@@ -97,8 +97,8 @@ class MovingTargetCurve(ReferenceCurve):
 class WaypointCurve(ReferenceCurve):
     """The smooth path through the points of a file.
 
-    Its points are where the file says, whatever `start` is; the endpoints hold
-    outside its times.
+    Its points are where the file says, whatever `start` (3,) m is; the endpoints
+    hold outside its times.
 
     Raises:
         BadInput: if the file cannot be used.
@@ -111,6 +111,7 @@ class WaypointCurve(ReferenceCurve):
 
     @cached_property
     def diameter_m(self) -> float:
+        """d_g, in m, of samples between the first and the last point."""
         segments = len(self._times) - 1
         samples = segments * max(4, 4096 // segments)
         row = np.linspace(0, segments, samples + 1)
@@ -158,7 +159,8 @@ class ClosedCurve(ReferenceCurve):
 class CloverCurve(ClosedCurve):
     """r = a cos(2 theta) about a centre at `start` - [a, 0, 0], from the tip of the +x petal.
 
-    The paper gives neither size nor speed; theta rises by 2 pi / lap_s.
+    That tip is at `start` (3,) m. The paper gives neither size nor speed; theta
+    rises by 2 pi / lap_s.
     """
 
     def __init__(self, config: Clover, start: np.ndarray):
@@ -189,7 +191,7 @@ def _clover(a: float, rate: float, s: np.ndarray) -> Motion:
 
 
 class FigureEightCurve(ClosedCurve):
-    """Gerono's lemniscate [L/2 sin(phi), W/2 sin(2 phi)], from its crossing.
+    """Gerono's lemniscate [L/2 sin(phi), W/2 sin(2 phi)], from its crossing at `start` (3,) m.
 
     Its length L is along world x; its width W along world y tilted about x.
     """
@@ -218,7 +220,7 @@ class FigureEightCurve(ClosedCurve):
 
 
 class LissajousCurve(ClosedCurve):
-    """A_i [sin(2 pi s / T_i + phi_i) - sin(phi_i)] on each world axis i.
+    """A_i [sin(2 pi s / T_i + phi_i) - sin(phi_i)] on each world axis i, from `start` (3,) m.
 
     Its lap is the least common period of the axes that move. Where that is
     longer than `MAX_LAP_S` there is none, and the diameter is that of the
@@ -234,6 +236,7 @@ class LissajousCurve(ClosedCurve):
 
     @cached_property
     def diameter_m(self) -> float:
+        """d_g, in m, of samples over a lap, or over `MAX_LAP_S`."""
         span, step = self._lap_s or MAX_LAP_S, self._period.min() / 1024
         times = np.arange(-step, span + step, step)  # Beyond the ends: a maximum may lie there.
         return path_diameter(lambda s: self.shape(s)[0], times)

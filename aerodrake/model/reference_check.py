@@ -47,7 +47,7 @@ class Envelope(NamedTuple):
 
 @compiled
 def judged(envelope: Envelope, row: np.ndarray) -> int:
-    """What is the matter with [p_Ed, p_Ed'] (6,) m and m/s by itself: a `ReferenceVerdict`."""
+    """What is the matter with a row (6,), p_Ed m and p_Ed' m/s, alone: a `ReferenceVerdict`."""
     if not np.all(np.isfinite(row)):
         return 1
     away = row[:3] - envelope.start

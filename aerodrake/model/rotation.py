@@ -24,7 +24,7 @@ def rotation_matrix(quaternion: np.ndarray) -> np.ndarray:
 
 @compiled
 def roll_pitch_yaw(R: np.ndarray) -> np.ndarray:
-    """(3,) rad of a rotation matrix (3, 3), pitch within +- 90 deg: R = R_z R_y R_x."""
+    """(3,) rad of a rotation matrix R (3, 3), pitch within +- 90 deg: R = R_z R_y R_x."""
     level = np.sqrt(R[2, 1] * R[2, 1] + R[2, 2] * R[2, 2])
     return np.array(
         [
@@ -37,10 +37,11 @@ def roll_pitch_yaw(R: np.ndarray) -> np.ndarray:
 
 @compiled
 def rpy_rates(R: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """(3,) rad/s, how fast roll, pitch and yaw of R (3, 3) change at omega (3,) rad/s.
+    """(3,) rad/s, how fast roll, pitch and yaw of R change at omega.
 
     Args:
-        omega: In the frame that R leads to; pitch is to be within +- 90 deg.
+        R: (3, 3), rotation matrix.
+        omega: (3,) rad/s, in the frame that R leads to; pitch is to be within +- 90 deg.
     """
     # Along the level axis ahead, and the one to its left, about which pitch turns.
     level = np.sqrt(R[0, 0] * R[0, 0] + R[1, 0] * R[1, 0])
@@ -52,7 +53,7 @@ def rpy_rates(R: np.ndarray, omega: np.ndarray) -> np.ndarray:
 
 @compiled
 def quaternion_of(rpy: np.ndarray) -> np.ndarray:
-    """(4,) of roll, pitch and yaw (3,) rad: R = R_z R_y R_x."""
+    """(4,) of rpy (3,) rad, roll, pitch and yaw: R = R_z R_y R_x."""
     c, s = np.cos(rpy / 2), np.sin(rpy / 2)
     return np.array(
         [
@@ -66,7 +67,7 @@ def quaternion_of(rpy: np.ndarray) -> np.ndarray:
 
 @compiled
 def conjugate(quaternion: np.ndarray) -> np.ndarray:
-    """(4,) the rotation back, of one of length 1."""
+    """(4,) the rotation back, of a quaternion (4,) of length 1."""
     w, x, y, z = quaternion
     return np.array([w, -x, -y, -z])
 
@@ -86,7 +87,7 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 @compiled
 def turned(quaternion: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """(4,) of length 1: the attitude turned by a rotation vector (3,) rad in its own frame."""
+    """(4,) of length 1: a quaternion (4,) turned by a rotation vector (3,) rad in its own frame."""
     angle = length(vector)
     # sin(angle / 2) / angle, which is 1 / 2 where they vanish.
     factor = np.sin(angle / 2) / angle if angle > 1e-12 else 0.5
@@ -108,13 +109,13 @@ def rotation_vector(quaternion: np.ndarray) -> np.ndarray:
 
 @compiled
 def vee(R: np.ndarray) -> np.ndarray:
-    """(3,) of the skew part (R - R') / 2; of a rotation, its axis times the sine of its angle."""
+    """(3,) of (R - R') / 2 of R (3, 3); of a rotation, its axis times the sine of its angle."""
     return 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
 
 
 @compiled
 def turn(R: np.ndarray) -> np.ndarray:
-    """(3,) rad, the rotation vector of a rotation matrix (3, 3) of less than half a turn."""
+    """(3,) rad, the rotation vector of a rotation matrix R (3, 3) of less than half a turn."""
     v = vee(R)
     sine = np.sqrt(np.sum(v * v))
     if sine == 0:
@@ -124,7 +125,7 @@ def turn(R: np.ndarray) -> np.ndarray:
 
 @compiled
 def apply(R: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """(3,) R v, of a matrix (3, 3). At this size R @ v takes longer."""
+    """(3,) R v, of R (3, 3) and v (3,). At this size R @ v takes longer."""
     return np.array(
         [
             R[0, 0] * v[0] + R[0, 1] * v[1] + R[0, 2] * v[2],
@@ -136,7 +137,7 @@ def apply(R: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 @compiled
 def length(v: np.ndarray) -> float:
-    """Of a vector of any size."""
+    """Of a vector v (m,) of any size, in its unit."""
     total = 0.0
     for x in v:
         total += x * x
@@ -145,7 +146,7 @@ def length(v: np.ndarray) -> float:
 
 @compiled
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(3,) a x b."""
+    """(3,) a x b, of a (3,) and b (3,)."""
     return np.array(
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     )

@@ -27,7 +27,13 @@ class RotorLag(NamedTuple):
 def advance(
     lag: RotorLag, thrust: np.ndarray, command: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(thrust at the end, mean thrust), each (k,) N, from thrust (k,) N at the start."""
+    """(thrust at the end, mean thrust) of a period, each (k,) N.
+
+    Args:
+        lag: Of the rotors.
+        thrust: (k,) N, at the start.
+        command: (k,) N, held.
+    """
     end, mean = np.empty_like(thrust), np.empty_like(thrust)
     for i in range(len(thrust)):
         tau = lag.up if command[i] > thrust[i] else lag.down

@@ -11,6 +11,7 @@ from pydrake.multibody.tree import RigidBody
 from aerodrake.errors import BadInput
 
 ROTOR_PREFIX = "rotor_"
+"""Of the names of the frames in the URDF that are rotors."""
 
 
 @dataclass(frozen=True)

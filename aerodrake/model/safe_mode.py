@@ -62,8 +62,8 @@ def safe_acceleration(motion: SafeMotion, mode: float, x: np.ndarray, u: np.ndar
     Args:
         motion: Where they go.
         mode: A `SafeMode`.
-        x: (2 (3 + n) + 1,) their positions and velocities, and the time.
-        u: (3 + n,) what the MPC asks for.
+        x: (7 + 2 n,) their positions and velocities, in m, rad, m/s and rad/s, and the time, s.
+        u: (3 + n,) m/s^2 and rad/s^2, what the MPC asks for.
     """
     if mode < 0.5:  # NOMINAL.
         return u

@@ -19,7 +19,15 @@ POSITION, ATTITUDE, JOINTS = range(3)
 
 
 class Deviations(NamedTuple):
-    """Standard deviations of the noise: m, m/s, rad, rad/s, and rad of each joint."""
+    """Standard deviations of the noise.
+
+    Attributes:
+        position: m.
+        velocity: m/s.
+        attitude: rad.
+        rate: rad/s.
+        joint: rad, of each.
+    """
 
     position: float
     velocity: float
@@ -63,7 +71,7 @@ def noise_size(joints: int) -> int:
 
 @compiled
 def sampled(arm: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """(13 + 2 n,) the arm of one state (13 + 2 n,) and the base of another one."""
+    """(13 + 2 n,) the arm of the state `arm` and the base of the state `base`, (13 + 2 n,) each."""
     found = base.copy()
     _, _, q, _, _, qdot = parts(found)
     _, _, q[:], _, _, qdot[:] = parts(arm)
@@ -96,7 +104,7 @@ def disturbed(sigma: Deviations, x: np.ndarray, noise: np.ndarray) -> np.ndarray
 
 @compiled
 def group_of(g: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and velocities of a group, by its number, of a sample (13 + 2 n,); views."""
+    """Values and velocities of a group, by its number, of a sample x (13 + 2 n,); views."""
     quaternion, p_B, q, omega_W, v_B, qdot = parts(x)
     if g == POSITION:
         return p_B, v_B

@@ -91,7 +91,7 @@ class SampleCheck(NamedTuple):
 
     @classmethod
     def make(cls, config: Filter, sensors: Sensors, dt: float) -> SampleCheck:
-        """For the noise that the filter expects, or that of the sensors if it is more."""
+        """For the noise that the filter expects, or that of the sensors if it is more; dt in s."""
         noise = np.maximum(
             [config.position_noise_m, config.attitude_noise_rad, config.joint_noise_rad],
             [sensors.position_noise_m, sensors.attitude_noise_rad, sensors.joint_noise_rad],
@@ -104,7 +104,7 @@ class SampleCheck(NamedTuple):
 
 
 def initial_memory(sample: np.ndarray, stamp: float) -> np.ndarray:
-    """(2 m + 6,) of samples (m,): all is well with one of that time.
+    """(2 m + 6,) of a sample (m,): all is well with it, of the time `stamp` s.
 
     [the sample that came last, of each group the one that was believed last, the
     groups' times (3), how far each should have gone since its numbers changed (3)].

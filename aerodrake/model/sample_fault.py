@@ -10,6 +10,7 @@ from aerodrake.model.sample import GROUPS, group_columns
 from aerodrake.model.vehicle_state import VehicleState
 
 DIAGONAL = np.ones(3) / np.sqrt(3)
+"""(3,), of length 1: the direction in which positions and attitudes are off."""
 
 
 def faulty(

@@ -94,7 +94,7 @@ def advanced(segment: np.ndarray, time: float) -> np.ndarray:
 def integrate(
     p: np.ndarray, v: np.ndarray, u: np.ndarray, t: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(position, velocity) a time t after (p, v) under a constant acceleration u: exact."""
+    """(p, v) a time t s later under a constant acceleration u: exact; p, v and u (m,)."""
     return p + v * t + u * (t * t / 2), v + u * t
 
 
@@ -106,6 +106,11 @@ def admissible(
 
     Held over dt from (p, v), it leaves velocity within its limit, and slow
     enough that the acceleration limit can stop it before a position limit.
+
+    Args:
+        limits: That it keeps.
+        p, v, u: (m,) each, in the units of `limits`.
+        dt: s.
     """
     found = np.empty(len(u))
     for i in range(len(u)):

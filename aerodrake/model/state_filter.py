@@ -61,7 +61,7 @@ class StateFilter(NamedTuple):
 
     @classmethod
     def make(cls, config: Filter, dt: float) -> StateFilter:
-        """For noise of samples and disturbances, and lateness, of the scenario."""
+        """For noise of samples and disturbances, and lateness, of the scenario; dt in s."""
         r, q = config.joint_noise_rad**2, JOINT_WALK_RAD**2
         P = (q + np.sqrt(q**2 + 4 * q * r)) / 2
         return cls(
@@ -196,7 +196,13 @@ def arm_follows(gains: StateFilter, estimate: np.ndarray, setpoint: np.ndarray) 
 
 @compiled
 def correct_motion(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray) -> None:
-    """Corrects position, velocity and d of an estimate (19 + 2 n,) at a sample's own time."""
+    """Corrects position, velocity and d of an estimate at a sample's own time.
+
+    Args:
+        gains: Of which those of `motion`.
+        estimate: (19 + 2 n,), changed in place.
+        sample: (13 + 2 n,)
+    """
     d, L = estimate[:3], gains.motion
     _, p_B, _, _, v_B, _ = parts(estimate[6:])
     _, p_m, _, _, v_m, _ = parts(sample)
@@ -209,7 +215,13 @@ def correct_motion(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray)
 
 @compiled
 def correct_rotation(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray) -> None:
-    """Corrects attitude, its rate and delta of an estimate (19 + 2 n,) at a sample's own time."""
+    """Corrects attitude, its rate and delta of an estimate at a sample's own time.
+
+    Args:
+        gains: Of which those of `rotation`.
+        estimate: (19 + 2 n,), changed in place.
+        sample: (13 + 2 n,)
+    """
     delta, M = estimate[3:6], gains.rotation
     quaternion, _, _, omega_W, _, _ = parts(estimate[6:])
     quaternion_m, _, _, omega_m, _, _ = parts(sample)
@@ -227,7 +239,7 @@ def correct_rotation(gains: StateFilter, estimate: np.ndarray, sample: np.ndarra
 
 @compiled
 def correct_joints(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray) -> None:
-    """Corrects the joints of an estimate (19 + 2 n,), which are those of the sample before.
+    """Corrects joints of an estimate (19 + 2 n,), as of the sample before, by a sample (13 + 2 n,).
 
     They have moved at the mean of both measured rates.
     """
@@ -241,7 +253,13 @@ def correct_joints(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray)
 
 @compiled
 def passed(sample: np.ndarray, predicted: np.ndarray, health: np.ndarray) -> np.ndarray:
-    """(13 + 2 n,) a sample as it is, but for the groups that are not believed."""
+    """(13 + 2 n,) a sample as it is, but for the groups that are not believed.
+
+    Args:
+        sample: (13 + 2 n,) as it came.
+        predicted: (13 + 2 n,) what such groups are taken from.
+        health: (6,) of the sample, as from `check`.
+    """
     found = sample.copy()
     for g in range(3):
         if health[3 + g] != Verdict.OK.value:
@@ -251,7 +269,7 @@ def passed(sample: np.ndarray, predicted: np.ndarray, health: np.ndarray) -> np.
 
 @compiled
 def replace_group(g: int, x: np.ndarray, by: np.ndarray) -> None:
-    """Puts a group of a state (13 + 2 n,) in the place of another's."""
+    """Puts a group of the state `by` in the place of that of the state x, (13 + 2 n,) each."""
     value, rate = group_of(g, x)
     value[:], rate[:] = group_of(g, by)
 

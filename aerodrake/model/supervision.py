@@ -56,9 +56,9 @@ class Condition(NamedTuple):
         name: Of it, as a cause.
         signal: What it looks at. One that is no number triggers.
         mode: What it asks for; NOMINAL for nothing but to be known.
-        trigger: It triggers at this value or above,
+        trigger: It triggers at this value, in the signal's unit, or above,
         trigger_s: for so long.
-        clear: It clears at this value or below,
+        clear: It clears at this value, alike, or below,
         clear_s: for so long; `NEVER` where a landing or a stop is for good.
         exit_reason: How a flight ends that it stops.
     """
@@ -117,7 +117,14 @@ def conditions(config: Supervisor) -> tuple[Condition, ...]:
 
 
 class Rules(NamedTuple):
-    """Conditions as arrays, a row for each, for `supervise`."""
+    """Conditions as arrays, a row for each of K, for `supervise`.
+
+    Attributes:
+        signal: (K,), what each looks at, by its number.
+        mode: (K,), a `SafeMode` each.
+        trigger, clear: (K,), in the signal's unit.
+        trigger_s, clear_s: (K,) s.
+    """
 
     signal: np.ndarray
     mode: np.ndarray

@@ -30,7 +30,7 @@ class ThrustAllocation(NamedTuple):
 
     @classmethod
     def of(cls, mixer: np.ndarray, minimum: float, maximum: float) -> ThrustAllocation:
-        """For a mixer (4, k) and limits in N."""
+        """For a mixer (4, k), and minimum and maximum in N."""
         return cls(mixer, np.ascontiguousarray(np.linalg.pinv(mixer).T), minimum, maximum)
 
     @classmethod

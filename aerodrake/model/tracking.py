@@ -94,7 +94,7 @@ def place_rows(J_c: np.ndarray, T: np.ndarray) -> np.ndarray:
 
 @compiled
 def rate_rows(J_c: np.ndarray, T: np.ndarray) -> np.ndarray:
-    """(3, F), r' per output, as `place_rows` has r."""
+    """(3, F), r' per output, as `place_rows` has r; J_c (3, 4 + n) and T (3, 3) s^2 as there."""
     m = J_c.shape[1] - 1
     rows = np.zeros((3, 2 * m + 6))
     rows[:, :3], rows[:, 3:m] = J_c[:, :3], J_c[:, 4:]
@@ -104,7 +104,13 @@ def rate_rows(J_c: np.ndarray, T: np.ndarray) -> np.ndarray:
 
 @compiled
 def limited_gain(gain: np.ndarray, error: np.ndarray, speed: float) -> np.ndarray:
-    """(3,) 1/s, the gain scaled down where it would correct `error` faster than `speed`."""
+    """(3,) 1/s, the gain scaled down where it would correct `error` faster than `speed`.
+
+    Args:
+        gain: (3,) 1/s.
+        error: (3,) m of a position, or 1 of a direction.
+        speed: m/s, or rad/s.
+    """
     correction = gain * error
     return gain * min(1.0, speed / max(np.sqrt(np.sum(correction * correction)), 1e-9))
 

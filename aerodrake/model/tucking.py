@@ -16,6 +16,7 @@ CLEARANCE_M = 0.1
 MARGIN_RAD = 0.05
 """What joints keep from their limits, where the working configuration does."""
 TOLERANCE_M = 1e-6
+"""By how much less is high enough."""
 STARTS = 16
 """Configurations to search from if the working one leads to none that is high enough."""
 
@@ -60,7 +61,7 @@ class GroundGeometry:
         return np.concatenate([np.empty(0), *heights])
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """(c, n) m/rad, of the heights."""
+        """(c, n) m/rad, of the heights at angles q (n,) rad."""
         self._set(q)
         return np.vstack(
             [

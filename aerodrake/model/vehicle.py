@@ -25,7 +25,9 @@ from aerodrake.urdf import SUFFIX
 from aerodrake.world import Mismatch
 
 BASE_FRAME = "base"
+"""The base's link in the URDF, whose frame is B."""
 TOOL_FRAME = "tool"
+"""The tool's frame in the URDF, whose origin is the end-effector, E."""
 TOOL_AXIS = np.array([0.0, 0.0, -1.0])
 """Where the tool points, in its frame: the direction in which it approaches things."""
 LIGHTEST, HEAVIEST = 1e-9, 1e9

@@ -11,12 +11,14 @@ from aerodrake.compiled import compiled
 from aerodrake.model.rotation import roll_pitch_yaw, rotation_matrix, rpy_rates
 
 BASE_POSITIONS = 7
+"""Numbers of the base in q: its quaternion and p_B."""
 BASE_VELOCITIES = 6
+"""And in v: omega_W and v_B."""
 
 
 @compiled
 def parts(x: np.ndarray) -> tuple[np.ndarray, ...]:
-    """(quaternion, p_B, q, omega_W, v_B, qdot) of a vector (13 + 2 n,), as `VehicleState` has them.
+    """(quaternion, p_B, q, omega_W, v_B, qdot) of x (13 + 2 n,), as `VehicleState` has them.
 
     For compiled equations; views, not copies.
     """
@@ -52,11 +54,11 @@ class VehicleState:
 
     @classmethod
     def from_vector(cls, x: np.ndarray) -> VehicleState:
-        """Takes apart [quaternion, p_B, q, omega_W, v_B, qdot]."""
+        """Takes apart x (13 + 2 n,) = [quaternion, p_B, q, omega_W, v_B, qdot]."""
         return cls(*parts(x))
 
     def to_vector(self) -> np.ndarray:
-        """The reverse of `from_vector`."""
+        """(13 + 2 n,), the reverse of `from_vector`."""
         return np.concatenate(
             [self.quaternion, self.p_B, self.q, self.omega_W, self.v_B, self.qdot]
         )

@@ -77,7 +77,7 @@ def next_mode(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float
 
 
 def allocate(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float) -> Weights:
-    """gamma and the weights, from the distances as in `next_mode` (paper, eq. 10, 11).
+    """gamma and the weights, from the distances in m, as in `next_mode` (paper, eq. 10, 11).
 
     With `config.kind` fixed the mode is told as ever, but nothing follows it:
     the weights are always those of `fixed_gamma` at d_o = d_h / 2.

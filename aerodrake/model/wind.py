@@ -53,7 +53,7 @@ def drag_on_base(quadratic: float, linear: float, air: np.ndarray, x: np.ndarray
     """(3,) N in the world.
 
     Args:
-        quadratic, linear: As above.
+        quadratic, linear: N s^2/m^2 and N s/m, as for `drag`.
         air: (3,) m/s, its velocity in the world.
         x: (13 + 2 n,) the vehicle's state, as `VehicleState` has it.
     """
