@@ -157,7 +157,7 @@ def _distance(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
 
 
 def _supervision(log: FlightLog, lasting: list[Span]) -> Picture:
-    rows = len({span.name for span in lasting})
+    rows = len({(span.mode is None, span.name) for span in lasting})
     with sheet("supervision", 0.9 + 0.2 * rows, left=1.9, top=0.3) as (figure, done):
         axes = figure.add_subplot(xlim=(log.time_s[0], log.time_s[-1]))
         draw_spans(axes, lasting)

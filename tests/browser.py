@@ -66,8 +66,10 @@ class Visit:
         for _ in range(PATIENCE):
             seen = pixels(frame)
             if np.ptp(seen, axis=2).max() > 0.5:
-                return seen
+                break
             self.page.wait_for_timeout(200)
+        # Out of sight, it need not be drawn all the while.
+        self.page.evaluate("scrollTo(0, document.documentElement.scrollHeight)")
         return seen
 
 

@@ -121,6 +121,16 @@ def test_saved_and_read_without_pickle(short_flight, tmp_path):
             np.testing.assert_array_equal(read[key], log[key])
 
 
+def test_loaded_it_is_read_no_more(short_flight, tmp_path):
+    _, log = short_flight
+    log.save(tmp_path / "log.npz")
+    how = {"exit_reason": "completed", "exit_cause": "", "wall_s": 1.0}
+    loaded = FlightLog.read(tmp_path / "log.npz", how).thinned(10).loaded()
+    assert loaded["p_E_m"] is loaded["p_E_m"]
+    np.testing.assert_array_equal(loaded["p_E_m"], log.thinned(10)["p_E_m"])
+    assert list(loaded.signals) == list(log.signals)
+
+
 @pytest.mark.parametrize("samples", [0, 1, ROWS_A_WRITE, 2 * ROWS_A_WRITE + 1])
 def test_saved_piece_by_piece(samples, tmp_path):
     """However an array lies in memory."""
