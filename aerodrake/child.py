@@ -96,21 +96,18 @@ class _Child:
             cause = cause_of_death(self._process.returncode)
             raise ProcessDied(f"its process died of {cause}") from None
         if self._calls == MOST_CALLS:
-            self._close()
+            self.kill()
         return outcome
 
     def kill(self) -> None:
         """Ends it, if it has not ended."""
         self._process.kill()
-        self._close()
-
-    def _close(self) -> None:
         self._process.wait()
         _children.discard(self)
 
 
 def main(pipe: Connection) -> None:
-    """Takes calls until there are enough, none comes, or nobody is there who would."""
+    """Takes calls until none comes any more, or nobody is there to call."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
 
@@ -121,7 +118,7 @@ def main(pipe: Connection) -> None:
         os._exit(1)  # Whoever called is gone.
 
     threading.Thread(target=read, daemon=True).start()
-    for _ in range(MOST_CALLS):
+    while True:
         try:
             call = calls.get(timeout=IDLE_S)
         except queue.Empty:

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import queue
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import (
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
 from contextlib import contextmanager
 from typing import Any
 
@@ -79,8 +86,8 @@ def _take(
     trial, deaths = running.pop(future)
     try:
         row, timing = future.result()
-    except CancelledError:
-        raise ProcessDied("what runs the trials has given them up") from None
+    except (CancelledError, BrokenExecutor) as error:
+        raise ProcessDied(f"what runs the trials has given up: {type(error).__name__}") from None
     except ProcessDied as error:
         if deaths + 1 < MOST_DEATHS:
             submit(trial, deaths + 1)

@@ -17,7 +17,7 @@ from aerodrake.sweep_outcomes import HEADLINES, Outcomes
 COLUMNS, MOST_PANELS = 3, 12
 PANEL_IN = (4.6, 3.4)
 POINTS: dict[str, Any] = {"linestyle": "", "marker": ".", "alpha": 0.6, "color": INK}
-ENDED: dict[str, Any] = {"linestyle": "", "marker": "x", "color": ACCENT, "clip_on": False}
+ENDED: dict[str, Any] = {"linestyle": "", "marker": "x", "color": ACCENT}
 TOP = 0.97
 """Where those that were not completed are, as a share of a panel's height."""
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
-import hashlib
 import json
 import os
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -15,18 +13,16 @@ from pathlib import Path
 from typing import Any
 
 from aerodrake.errors import BadInput
-from aerodrake.files import read_bounded, write_whole
+from aerodrake.files import write_whole
 from aerodrake.run_folder import run_folder
 from aerodrake.scenario_file import load_scenario, save_scenario
-from aerodrake.scenario_yaml import parse
+from aerodrake.sweep_match import PLAN, SCENARIO, check_same
 from aerodrake.sweep_plan import Plan
 
-SCENARIO, PLAN, ROWS, TIMINGS = "scenario.yaml", "sweep.json", "trials.jsonl", "timings.jsonl"
+ROWS, TIMINGS = "trials.jsonl", "timings.jsonl"
 SUMMARY, FIGURE = "sweep_summary.json", "sweep.png"
 FILES = (SCENARIO, PLAN, ROWS, TIMINGS, SUMMARY, FIGURE)
 """What a finished sweep leaves behind; an unfinished one has no summary."""
-
-MAX_BYTES = 10_000_000
 
 
 class SweepFolder:
@@ -82,7 +78,7 @@ def sweep_folder(target: Path, plan: Plan, resumes: bool) -> Iterator[SweepFolde
         with writing(target):
             if resumes:
                 _lock(target, locks)
-                _check_same(target, plan)
+                check_same(target, plan)
                 _reopen(target, plan)
             else:
                 _begin(target, plan, locks)
@@ -138,68 +134,8 @@ def _reopen(target: Path, plan: Plan) -> None:
         write_whole(target / PLAN, _plan_text(plan).encode())
 
 
-def _check_same(target: Path, plan: Plan) -> None:
-    """Whether the sweep in a folder is that of a plan, but for more trials."""
-    with tempfile.TemporaryDirectory() as temporary:
-        asked = Path(temporary)
-        save_scenario(plan.scenario, asked)
-        ours, theirs = (_described(folder) for folder in (target, asked))
-        theirs |= _flat(plan.as_mapping())
-        files = {p.relative_to(f) for f in (target, asked) for p in f.glob("inputs*/**/*")}
-        for file in sorted(files):
-            if not all((f / file).is_dir() for f in (target, asked)):
-                ours[str(file)], theirs[str(file)] = (_content(f / file) for f in (target, asked))
-    ours |= _flat(_read_plan(target))
-    if ours["trials"] < theirs["trials"]:
-        del ours["trials"], theirs["trials"]
-    for key in {**ours, **theirs}:
-        if ours.get(key) != theirs.get(key):
-            mine, asked_for = (_shown(values.get(key)) for values in (ours, theirs))
-            message = f"the sweep in {target} has {mine}, not {asked_for}"
-            raise BadInput("--resume", key, message)
-
-
-def _read_plan(target: Path) -> dict[str, Any]:
-    path = target / PLAN
-    if not path.is_file():
-        raise BadInput("--resume", "", f"{target} holds no sweep")
-    try:
-        plan = json.loads(read_bounded(path, MAX_BYTES))
-        if isinstance(plan["trials"], int) and isinstance(plan["vary"], dict):
-            return plan
-    except (ValueError, KeyError, TypeError):
-        pass
-    raise BadInput(path, "", "expected the plan of a sweep")
-
-
 def _plan_text(plan: Plan) -> str:
     return json.dumps(plan.as_mapping(), indent=2) + "\n"
-
-
-def _described(folder: Path) -> dict[str, Any]:
-    content = read_bounded(folder / SCENARIO, MAX_BYTES)
-    return _flat(parse(content.decode(), folder / SCENARIO))
-
-
-def _flat(data: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for key, value in data.items():
-        if isinstance(value, dict):
-            found |= _flat(value, f"{prefix}{key}.")
-        else:
-            found[f"{prefix}{key}"] = value
-    return found
-
-
-def _content(file: Path) -> str:
-    """Told by its SHA-256."""
-    if not file.is_file():
-        return "no such file"
-    return f"content {hashlib.sha256(file.read_bytes()).hexdigest()[:16]}"
-
-
-def _shown(value: Any) -> str:
-    return "none" if value is None else f"{value}"[:60]
 
 
 @contextmanager

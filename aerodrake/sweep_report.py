@@ -14,13 +14,17 @@ from aerodrake.interrupts import held_interrupts
 from aerodrake.scratch import scratch_folder
 from aerodrake.summary import rounded, to_json
 from aerodrake.sweep_figure import plot_sweep
-from aerodrake.sweep_folder import FIGURE, SCENARIO, SUMMARY, SweepFolder, writing
+from aerodrake.sweep_folder import FIGURE, SUMMARY, SweepFolder, writing
+from aerodrake.sweep_match import SCENARIO
 from aerodrake.sweep_outcomes import HEADLINES, Outcomes
 from aerodrake.sweep_plan import Plan
 
 QUANTILES = {"median_m": 50, "p90_m": 90, "p95_m": 95, "max_m": 100}
 
 WORST = 5
+
+NARROWEST = 38
+"""Column of names in the table."""
 
 
 def write_report(folder: SweepFolder) -> dict[str, Any]:
@@ -59,15 +63,11 @@ def figures(outcomes: Outcomes, plan: Plan, folder: Path) -> dict[str, Any]:
         plan: Of the sweep.
         folder: The sweep's.
     """
-    error = outcomes.error_m[outcomes.completed]
-    spread = {key: rounded(np.percentile(error, q)) for key, q in QUANTILES.items()}
     found = {name: outcomes.correlation(name) for name in outcomes.parameters}
     return {
         **plan.as_mapping(),
         "endings": dict(sorted(Counter(outcomes.endings).items())),
-        "error": {"key": outcomes.key, "mean_m": rounded(error.mean()), **spread}
-        if len(error)
-        else None,
+        "error": _spread(outcomes),
         "correlations": {
             name: {"spearman": rounded(pair[0]), "p_value": rounded(pair[1])} if pair else None
             for name, pair in found.items()
@@ -84,6 +84,15 @@ def figures(outcomes: Outcomes, plan: Plan, folder: Path) -> dict[str, Any]:
     }
 
 
+def _spread(outcomes: Outcomes) -> dict[str, Any] | None:
+    """Of the error over the flights that were completed; None if there are none."""
+    error = outcomes.error_m[outcomes.completed]
+    if not len(error):
+        return None
+    quantiles = {key: rounded(np.percentile(error, q)) for key, q in QUANTILES.items()}
+    return {"key": outcomes.key, "mean_m": rounded(error.mean()), **quantiles}
+
+
 def sweep_table(summary: Mapping[str, Any]) -> str:
     """The figures of a sweep, for a terminal.
 
@@ -94,18 +103,21 @@ def sweep_table(summary: Mapping[str, Any]) -> str:
     lines = [
         f"{summary['scenario']}, seed {summary['seed']}: {summary['trials']} trials, {endings}"
     ]
-    if error := summary["error"]:
+    error, found = summary["error"], summary["correlations"]
+    spreads = {name: f"  {name}: {summary['vary'][name]}" for name in found}
+    width = max([NARROWEST, *(len(spread) + 1 for spread in spreads.values())])
+    if error:
         titles = ("mean", "median", "90 %", "95 %", "max")
         values = [f"{1e3 * error[key]:.2f}" for key in ("mean_m", *QUANTILES)]
         label = f"end-effector error, {HEADLINES[error['key']]}, mm".replace(", mean,", ",")
-        lines += ["", " " * 38 + "".join(f"{title:>9}" for title in titles)]
-        lines += [f"{label:<38}" + "".join(f"{value:>9}" for value in values)]
-    if summary["correlations"]:
-        lines += ["", f"{'rank correlation with the error':<38}{'':9}{'p':>9}"]
-        for name, found in summary["correlations"].items():
-            spread = f"  {name}: {summary['vary'][name]}"
-            cells = f"{found['spearman']:>+9.2f}{found['p_value']:>9.0e}" if found else f"{'-':>9}"
-            lines.append(f"{spread:<38}{cells}")
+        lines += ["", " " * width + "".join(f"{title:>9}" for title in titles)]
+        lines += [f"{label:<{width}}" + "".join(f"{value:>9}" for value in values)]
+    if found:
+        lines += ["", f"{'rank correlation with the error':<{width}}{'':9}{'p':>9}"]
+    for name, spread in spreads.items():
+        pair = found[name]
+        cells = f"{pair['spearman']:>+9.2f}{pair['p_value']:>9.0e}" if pair else f"{'-':>9}"
+        lines.append(f"{spread:<{width}}{cells}")
     lines += ["", "worst, with what flies each alone"]
     for worst in summary["worst"]:
         error_m = worst["error_m"]

@@ -73,6 +73,7 @@ STOREYS = {
         "sweep",
         "sweep_figure",
         "sweep_folder",
+        "sweep_match",
         "sweep_outcomes",
         "sweep_plan",
         "sweep_report",

@@ -79,7 +79,8 @@ def main(arguments: argparse.Namespace) -> int:
     if is_cold():
         say("note: equations are compiled first; this takes a minute, once on a machine")
     jobs = arguments.jobs or os.cpu_count() or 1
-    engine = cluster(arguments.scheduler) if arguments.scheduler else processes(jobs)
+    address = arguments.scheduler
+    engine = processes(jobs) if address is None else cluster(address)
     with engine as executor, sweep_folder(target, plan, arguments.resume) as folder:
         endings: dict[str, int] = {}
         try:
