@@ -96,7 +96,7 @@ def read_rows(path: Path) -> Iterator[dict[str, Any]]:
         for number, line in enumerate(lines, 1):
             try:
                 row = json.loads(line)
-                if not isinstance(row["trial"], int):
+                if not (isinstance(row["trial"], int) and isinstance(row["exit_reason"], str)):
                     raise ValueError
             except (ValueError, KeyError, TypeError):
                 raise BadInput(path / ROWS, "", f"line {number}: expected a trial's row") from None

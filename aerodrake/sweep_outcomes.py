@@ -43,11 +43,11 @@ class Outcomes:
         """From the rows of a sweep's folder: the first headline that each completed flight has."""
         trials, endings = [], []
         errors: dict[str, list[float]] = {key: [] for key in HEADLINES}
-        for row in sorted(_brief(folder), key=lambda brief: brief[0]):
-            trials.append(row[0])
-            endings.append(row[1])
+        for trial, ending, error in sorted(_brief(folder), key=lambda brief: brief[0]):
+            trials.append(trial)
+            endings.append(ending)
             for key, values in errors.items():
-                value = row[2].get(key) if row[1] == "completed" else None
+                value = error[key] if ending == "completed" else None
                 values.append(np.nan if value is None else value)
         is_completed = np.array([ending == "completed" for ending in endings], dtype=bool)
         arrays = {key: np.array(values, dtype=float) for key, values in errors.items()}
@@ -83,10 +83,8 @@ class Outcomes:
 
 
 def _brief(folder: Path) -> list[tuple[int, str, dict[str, Any]]]:
-    """Of a hundred thousand rows no more than is needed."""
+    """Trial, ending and headline errors: of a hundred thousand rows no more than is needed."""
     return [
-        (row["trial"], row["exit_reason"], {k: row["error"][k] for k in HEADLINES})
-        if "error" in row
-        else (row["trial"], row["exit_reason"], {})
+        (row["trial"], row["exit_reason"], {k: row.get("error", {}).get(k) for k in HEADLINES})
         for row in read_rows(folder)
     ]

@@ -3,7 +3,7 @@
 import itertools
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from aerodrake.errors import BadInput
@@ -24,6 +24,7 @@ def vary(*keys: str) -> list[str]:
     return [f"{key}={DRAWN[key]}" for key in keys]
 
 
+@settings(max_examples=40)
 @given(
     st.permutations(list(DRAWN)),
     st.integers(0, 4),
@@ -66,6 +67,7 @@ def test_seeds_may_be_a_grid():
     assert [plan.trial(i).resolved().seed for i in range(3)] == [3, 4, 5]
 
 
+@settings(max_examples=40)
 @given(st.integers(0, 99_999))
 def test_what_is_drawn_is_what_is_flown_to_the_last_bit(index):
     trial = Plan.make(Scenario(), vary(*DRAWN), 100_000).trial(index)

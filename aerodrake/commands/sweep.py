@@ -64,6 +64,8 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.cluster import cluster
     from aerodrake.compiled import is_cold
+    from aerodrake.model.scenario_network import provenance_notes
+    from aerodrake.model.thrust_allocation import thrust_notes
     from aerodrake.sweep import processes, sweep
     from aerodrake.sweep_folder import FILES, sweep_folder
     from aerodrake.sweep_plan import Plan
@@ -74,7 +76,9 @@ def main(arguments: argparse.Namespace) -> int:
     plan.check()
     target = arguments.out or new_folder(f"{scenario.name}-sweep")
     say = (lambda line: None) if arguments.quiet else print
-    for note in warnings(scenario):
+    joints = len(scenario.vehicle.working_rad)
+    known = (*provenance_notes(scenario, joints), *thrust_notes(scenario))
+    for note in (*warnings(scenario), *known):
         say(f"note: {note}")
     if is_cold():
         say("note: equations are compiled first; this takes a minute, once on a machine")
