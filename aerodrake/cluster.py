@@ -36,7 +36,8 @@ def cluster(address: str) -> Iterator[Executor]:
     except ImportError:
         message = "expected the extra [cluster]: pip install 'aerodrake[cluster]'"
         raise BadInput(SCHEDULER, "", message) from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # It is told here, once.
+    for logger in ("distributed", "distributed.client"):  # What happens is told here, once.
+        logging.getLogger(logger).setLevel(logging.CRITICAL)
     try:
         get_address_host_port(address)  # A client that was made of a bad one does not end.
         client = Client(address, timeout=PATIENCE_S, set_as_default=False)

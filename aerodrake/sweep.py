@@ -19,7 +19,6 @@ from aerodrake.child import apart, end_children
 from aerodrake.compare import failure
 from aerodrake.errors import ProcessDied
 from aerodrake.sweep_folder import SweepFolder
-from aerodrake.sweep_plan import Plan
 from aerodrake.trial import Trial, fly_trial
 
 MOST_IN_FLIGHT = 1000
@@ -30,7 +29,6 @@ MOST_DEATHS = 3
 
 
 def sweep(
-    plan: Plan,
     folder: SweepFolder,
     executor: Executor,
     progress: Callable[[dict[str, Any]], None] = lambda row: None,
@@ -42,8 +40,7 @@ def sweep(
     memory is lost there; a trial whose child was killed is flown again, three times in all.
 
     Args:
-        plan: Of the folder.
-        folder: As from `sweep_folder`.
+        folder: As from `sweep_folder`; its plan is what is flown.
         executor: Any of `concurrent.futures`: `processes(jobs)`, that of a Dask cluster,
             `mpi4py.futures.MPIPoolExecutor`, ...
         progress: Called with each row that was written.
@@ -60,6 +57,7 @@ def sweep(
         running[future] = trial, deaths
         future.add_done_callback(ended.put)
 
+    plan = folder.plan
     missing = (plan.trial(i) for i in range(plan.trials) if i not in folder.flown)
     try:
         for trial in missing:

@@ -12,13 +12,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from aerodrake.report import ACCENT, INK, STYLE, write_png
-from aerodrake.sweep_outcomes import HEADLINES, Outcomes
+from aerodrake.scenario_yaml import dump_line
+from aerodrake.sweep_outcomes import HEADLINES, Outcomes, are_numbers
 
 COLUMNS, MOST_PANELS = 3, 12
 PANEL_IN = (4.6, 3.4)
 POINTS: dict[str, Any] = {"linestyle": "", "marker": ".", "alpha": 0.6, "color": INK}
 ENDED: dict[str, Any] = {"linestyle": "", "marker": "x", "color": ACCENT}
-TOP = 0.97
+MOST_PLACES = 8
+"""Numbers that are drawn side by side."""
+TOP = 0.95
 """Where those that were not completed are, as a share of a panel's height."""
 
 
@@ -43,6 +46,9 @@ def plot_sweep(outcomes: Outcomes, title: str, path: Path) -> None:
             _draw_parameter(axes, outcomes, name)
         for axes in panels[1 + len(names) :]:
             axes.set_axis_off()
+        if names and not outcomes.completed.all():
+            panels[0].plot([], [], label="not completed", **ENDED)
+            figure.legend(loc="outside lower center")
         write_png(figure, path)
 
 
@@ -61,32 +67,27 @@ def _draw_distribution(axes: Axes, outcomes: Outcomes) -> None:
 
 
 def _draw_parameter(axes: Axes, outcomes: Outcomes, name: str) -> None:
-    """Error against a key's values; words side by side, with their medians."""
-    found, values = outcomes.correlation(name), outcomes.parameters[name]
+    """Error against a key's values; few of them, and words, side by side with their medians."""
+    values, done = outcomes.parameters[name], outcomes.completed
     axes.set_xlabel(name, parse_math=False)
     axes.set_ylabel(_label(outcomes))
-    if all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
+    if are_numbers(values) and len({*values}) > MOST_PLACES:
         x = np.array(values, dtype=float)
     else:
-        words = sorted({str(value) for value in values})
-        x = np.array([words.index(str(value)) for value in values], dtype=float)
+        places = {dump_line(v): v for v in values}
+        words = sorted(places, key=places.get) if are_numbers(values) else sorted(places)
+        x = np.array([words.index(dump_line(value)) for value in values], dtype=float)
         axes.set_xticks(range(len(words)), [word[:20] for word in words], parse_math=False)
         for place in range(len(words)):
-            here = outcomes.error_m[(x == place) & outcomes.completed]
+            here = outcomes.error_m[(x == place) & done]
             if len(here):
                 axes.plot(place, 1e3 * np.median(here), "_", color=ACCENT, markersize=24)
-    done = outcomes.completed
     axes.plot(x[done], 1e3 * outcomes.error_m[done], **POINTS)
-    if not done.all():
-        axes.plot(x[~done], np.full(np.count_nonzero(~done), TOP), transform=_top(axes), **ENDED)
-        axes.plot([], [], label="not completed", **ENDED)
-        axes.legend(loc="upper left")
-    if found:
+    ended = x[~done]
+    axes.plot(ended, np.full(len(ended), TOP), transform=axes.get_xaxis_transform(), **ENDED)
+    axes.margins(y=0.15)
+    if found := outcomes.correlation(name):
         axes.set_title(f"rank correlation {found[0]:+.2f}", fontsize=9, color=INK)
-
-
-def _top(axes: Axes) -> Any:
-    return axes.get_xaxis_transform()
 
 
 def _label(outcomes: Outcomes) -> str:

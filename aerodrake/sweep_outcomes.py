@@ -12,6 +12,7 @@ from scipy.stats import spearmanr
 
 from aerodrake.sweep_folder import read_rows
 from aerodrake.sweep_plan import Plan
+from aerodrake.trial import FAILURES
 
 HEADLINES = {"lap_mean_m": "one lap", "settled_mean_m": "after 15 s", "mean_m": "mean"}
 """By key of a row's `error`, in the order in which they are preferred."""
@@ -70,16 +71,24 @@ class Outcomes:
     def correlation(self, name: str) -> tuple[float, float] | None:
         """Spearman's rank correlation of a key with the error, and its p-value.
 
+        Of all flights: those that were not completed have the worst rank.
         None if the key's values are no numbers, or they or the errors are all the same.
         """
         values = self.parameters[name]
-        if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
+        if not are_numbers(values):
             return None
-        x, y = np.array(values, dtype=float)[self.completed], self.error_m[self.completed]
-        if len(x) < FEWEST or np.ptp(x) == 0 or np.ptp(y) == 0:
+        flown = np.array([ending not in FAILURES for ending in self.endings], dtype=bool)
+        x, y = np.array(values, dtype=float)[flown], self.error_m[flown]
+        y = np.where(np.isfinite(y), y, np.inf)
+        if len(x) < FEWEST or min(len(np.unique(x)), len(np.unique(y))) == 1:
             return None
         found = spearmanr(x, y)
         return float(found.statistic), float(found.pvalue)
+
+
+def are_numbers(values: Sequence[Any]) -> bool:
+    """Whether values of a key have an order and distances."""
+    return all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
 
 
 def _brief(folder: Path) -> list[tuple[int, str, dict[str, Any]]]:

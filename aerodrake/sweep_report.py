@@ -55,7 +55,8 @@ def figures(outcomes: Outcomes, plan: Plan, folder: Path) -> dict[str, Any]:
         error: Which key of a row's `error` it is; its distribution over the
             flights that were completed, in m.
         correlations: By key, Spearman's rank correlation with that error, and
-            its p-value; null where there is none.
+            its p-value; flights that were not completed have the worst rank.
+            Null where there is none.
         worst: Of the five worst trials: what flies each alone.
 
     Args:

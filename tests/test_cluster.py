@@ -77,7 +77,7 @@ def test_a_worker_that_is_killed_is_none_of_our_business(scheduler, plan, flown,
                 os.kill(pid, signal.SIGKILL)
                 killed.append(pid)
 
-        sweep(folder.plan, folder, executor, progress)
+        sweep(folder, executor, progress)
         while True:  # Its nanny has another one.
             time.sleep(0.05)
             if len(executor._client.scheduler_info()["workers"]) == 2:

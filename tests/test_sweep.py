@@ -85,7 +85,7 @@ def is_alive(pid: int) -> bool:
 
 def fly(plan: Plan, folder: Path, executor: Executor, progress=lambda row: None) -> None:
     with sweep_folder(folder, plan, resumes=False) as opened:
-        sweep(opened.plan, opened, executor, progress)
+        sweep(opened, executor, progress)
 
 
 def call(folder: Path, *more: str) -> subprocess.Popen:

@@ -67,6 +67,15 @@ def test_ranks_are_correlated_with_the_error_of_numbers_alone(tmp_path):
     assert ["residual.mode:", "choice(off,", "online)", "-"] in lines
 
 
+def test_flights_that_were_not_completed_have_the_worst_rank_and_failures_none(tmp_path):
+    vary = ["wind.gust_m_s[0]=linspace(0, 3, 12)"]
+    rows = [{"mean": 1e-3}] * 6 + [{"reason": "lost", "mean": 1.0}] * 3 + [{"reason": "failed"}] * 3
+    _, summary = write(tmp_path / "sweep", rows, vary)
+    expected = np.corrcoef(np.arange(9), [0] * 6 + [1] * 3)[0, 1]
+    found = summary["correlations"]["wind.gust_m_s[0]"]
+    assert found["spearman"] == pytest.approx(expected, abs=1e-11)
+
+
 @pytest.mark.parametrize(
     ("rows", "key"),
     [

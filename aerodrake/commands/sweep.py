@@ -14,7 +14,7 @@ from aerodrake.commands.options import (
     overrides,
     whole_number,
 )
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ProcessDied
 
 HELP = "fly a scenario many times, with other values of its keys"
 
@@ -103,8 +103,8 @@ def main(arguments: argparse.Namespace) -> int:
                         bar.set_postfix(endings, refresh=False)
                     bar.update()
 
-                sweep(folder.plan, folder, executor, progress)
-        except KeyboardInterrupt:
+                sweep(folder, executor, progress)
+        except (KeyboardInterrupt, ProcessDied):
             done = f"{len(folder.flown)} of {plan.trials} trials are in {target}"
             print(f"aerodrake: {done}; to go on: {_resume(arguments, target)}", file=sys.stderr)
             raise
