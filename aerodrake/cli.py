@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from aerodrake.commands import bench, compare, graph, identify, run, train
+from aerodrake.commands import bench, compare, graph, identify, run, sweep, train
 from aerodrake.errors import BadInput, ProcessDied
 from aerodrake.interrupts import termination_as_interrupt
 
@@ -16,6 +16,7 @@ COMMANDS = {
     "compare": compare,
     "identify": identify,
     "train": train,
+    "sweep": sweep,
     "graph": graph,
     "bench": bench,
 }

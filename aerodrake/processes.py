@@ -46,7 +46,7 @@ def run_parallel(
             future = next(iter(wait(running, return_when=FIRST_COMPLETED).done))
             error = future.exception()
             if isinstance(error, ProcessExpired):
-                error = ProcessDied(f"its process died of {_cause(error.exitcode)}")
+                error = ProcessDied(f"its process died of {cause_of_death(error.exitcode)}")
             yield running.pop(future), future.result() if error is None else error
     finally:
         pool.stop()
@@ -64,5 +64,6 @@ def _end_with_parent() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _cause(exit_code: int) -> str:
+def cause_of_death(exit_code: int) -> str:
+    """How a process ended that was not to end: the signal, or the exit code."""
     return signal.Signals(-exit_code).name if exit_code < 0 else f"exit code {exit_code}"

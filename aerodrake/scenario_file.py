@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import re
 from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
@@ -49,13 +50,27 @@ def load_scenario(name_or_path: str, overrides: Iterable[tuple[str, str]] = ()) 
         found = "" if data else ", got an empty file"
         raise ScenarioError(path, "", f"expected a mapping of scenario keys to values{found}")
     scenario = map_files(build(Scenario, data, path), lambda file: path.parent.resolve() / file)
-    source = str(path)
+    scenario = dataclasses.replace(scenario, name=scenario.name or _name(path), source=str(path))
+    return override(scenario, overrides)
+
+
+def override(scenario: Scenario, overrides: Iterable[tuple[str, str]]) -> Scenario:
+    """A scenario with keys changed, checked.
+
+    Args:
+        scenario: As from `load_scenario`.
+        overrides: As it takes them.
+
+    Raises:
+        ScenarioError: if a key or value is invalid, or they do not fit each other.
+    """
+    source, name = scenario.source, scenario.name
     for option, assignment in overrides:
-        scenario = _override(scenario, option, assignment)
+        scenario = set_key(scenario, option, assignment)
         source += f" {option} {assignment.removeprefix(option.removeprefix('--') + '=')}"
     scenario = map_files(scenario, Path.absolute)
     check(scenario, source)
-    return dataclasses.replace(scenario, name=scenario.name or _name(path), source=source)
+    return dataclasses.replace(scenario, name=scenario.name or name, source=source)
 
 
 def save_scenario(scenario: Scenario, folder: Path) -> Path:
@@ -106,7 +121,17 @@ def _read(path: Path) -> str:
         raise ScenarioError(path, "", f"expected UTF-8 text; byte {error.start} is none") from None
 
 
-def _override(scenario: Scenario, option: str, assignment: str) -> Scenario:
+def set_key(scenario: Scenario, option: str, assignment: str) -> Scenario:
+    """A scenario with one key changed, which is valid by itself; whether it fits, nobody checks.
+
+    Args:
+        scenario: Any.
+        option: Named in errors.
+        assignment: `dotted.key=value`; `key[0]` is the first element of a list.
+
+    Raises:
+        ScenarioError: if there is no such key, or the value is not valid.
+    """
     key, equals, text = assignment.partition("=")
     if not equals or not key:
         raise ScenarioError(option, "", f"expected dotted.key=value, got '{assignment}'")
@@ -126,7 +151,15 @@ def _override(scenario: Scenario, option: str, assignment: str) -> Scenario:
     is_union = key.partition(".")[0].partition("[")[0] in UNIONS
     if is_union and leaf == "kind" and node.get("kind") != value:
         node.clear()  # Another kind has keys of its own.
-    node[leaf] = value
+    element = re.fullmatch(r"(\w+)\[([0-9]{1,4})\]", leaf)
+    if element and isinstance(node.get(element[1]), list):
+        values, index = node[element[1]], int(element[2])
+        if index >= len(values):
+            place = key.removesuffix(f"[{element[2]}]")
+            raise ScenarioError(option, place, f"has {len(values)} elements, got [{index}]")
+        values[index] = value
+    else:
+        node[leaf] = value
     return build(Scenario, data, option)
 
 

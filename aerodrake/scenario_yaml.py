@@ -8,6 +8,7 @@ number refuses it and shows it as it was written.
 
 from __future__ import annotations
 
+import json
 import re
 from typing import Any, NoReturn
 
@@ -61,6 +62,23 @@ def parse(text: str, source: object, key: str = "") -> Any:
 def dump(data: Any) -> str:
     """The reverse of `parse`, in YAML that means the same by either version."""
     return yaml.dump(data, Dumper=_Dumper, default_flow_style=None, allow_unicode=True)
+
+
+def dump_line(value: Any) -> str:
+    """One plain value as `parse` reads it back, to the last bit; a word without quotes if it can.
+
+    In a list even a comma would end a word that has none.
+    """
+    if isinstance(value, str) and re.fullmatch(r"[\w./:+-]+", value) and _reads_back(value):
+        return value
+    return json.dumps(value, ensure_ascii=False)  # YAML as well.
+
+
+def _reads_back(word: str) -> bool:
+    try:
+        return parse(f"[{word}]", "") == [word]
+    except ScenarioError:
+        return False
 
 
 class _Loader(yaml.SafeLoader):

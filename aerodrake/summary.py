@@ -94,6 +94,17 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
     }
 
 
+WALL_TIMES = ("wall_s", "real_time_factor")
+MPC_WALL_TIMES = ("median_ms", "p99_ms", "overruns")
+
+
+def repeatable(summary: dict[str, Any]) -> dict[str, Any]:
+    """The figures of a flight without wall times: the same whenever and wherever it is flown."""
+    figures = {key: value for key, value in summary.items() if key not in WALL_TIMES}
+    mpc = {key: value for key, value in summary["mpc"].items() if key not in MPC_WALL_TIMES}
+    return {**figures, "mpc": mpc}
+
+
 def to_json(summary: dict[str, Any]) -> str:
     """Figures as strict JSON (no NaN), with their keys in order."""
     return json.dumps(summary, indent=2, allow_nan=False) + "\n"

@@ -310,7 +310,7 @@ def test_a_quiet_process_says_nothing_at_all(tmp_path):
     "argv",
     [
         ["--help"],
-        *([c, "--help"] for c in ("run", "compare", "train", "graph", "bench")),
+        *([c, "--help"] for c in ("run", "compare", "train", "sweep", "graph", "bench")),
         ["--version"],
         ["fly"],
     ],
@@ -335,6 +335,7 @@ def test_version_and_help(capsys):
         (["run", "--help"], "--set KEY=VALUE"),
         (["compare", "--help"], "--jobs N"),
         (["train", "--help"], "--quick"),
+        (["sweep", "--help"], "--vary KEY=DIST"),
         (["graph", "--help"], "closed_loop, station, coordinator or a system"),
         (["bench", "--help"], "--json FILE"),
     ):

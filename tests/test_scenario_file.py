@@ -11,7 +11,7 @@ from aerodrake.errors import ScenarioError
 from aerodrake.fault_kinds import Push, SampleNan
 from aerodrake.model.waypoints import read_waypoints
 from aerodrake.reference_kinds import Clover, FixedAxis, OrientationOff, Waypoints
-from aerodrake.scenario import Model, Scenario
+from aerodrake.scenario import Model, Mpc, Scenario
 from aerodrake.scenario_file import (
     MAX_FILE_BYTES,
     load_scenario,
@@ -209,6 +209,14 @@ def test_overrides_apply_in_order(write):
     assert scenario.model == Model(k_b=(4, 5, 6))
 
 
+def test_elements_of_lists_are_overridden_by_their_place(write):
+    path = write("wind: {velocity_m_s: [1, 2, 3]}\n")
+    changes = ["wind.velocity_m_s[2]=0.5", "mpc.k_e[0]=7", "wind.velocity_m_s[0]=4"]
+    scenario = load_scenario(path, [("--set", change) for change in changes])
+    assert scenario.wind.velocity_m_s == (4, 2, 0.5)
+    assert scenario.mpc.k_e == (7, *Mpc().k_e[1:])
+
+
 def test_overriding_a_choice_called_kind_keeps_its_section(write):
     """Only another kind of reference has keys of its own."""
     path = write("model: {kind: paper, k_b: [4, 5, 6]}\n")
@@ -257,6 +265,10 @@ def test_naming_the_same_kind_again_keeps_its_keys(write):
         ("source=x", "source: unknown key"),
         ("mpc..horizon=3", "mpc.: unknown section"),
         ("faults[0].start_s=3", "faults[0]: unknown section"),
+        ("mpc.k_e[3]=1", "mpc.k_e: has 3 elements, got [3]"),
+        ("mpc.k_e[0]=x", "mpc.k_e[0]: expected a number in"),
+        ("mpc.k_e[-1]=1", "mpc.k_e[-1]: unknown key"),
+        ("mpc.horizon[0]=1", "mpc.horizon[0]: unknown key"),
         ("kind=3", "kind: unknown key"),
         ("vehicle.rotor.min_thrust_n=30", "vehicle.rotor.min_thrust_n: expected less than"),
     ],

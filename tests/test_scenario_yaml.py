@@ -8,7 +8,7 @@ import yaml
 from hypothesis import given
 
 from aerodrake.errors import ScenarioError
-from aerodrake.scenario_yaml import MAX_DEPTH, MAX_VALUES, dump, parse
+from aerodrake.scenario_yaml import MAX_DEPTH, MAX_VALUES, dump, dump_line, parse
 
 
 @pytest.mark.parametrize(
@@ -80,3 +80,21 @@ def test_what_is_written_is_read_again_by_either_version(value):
     text = dump(value)
     assert parse(text, "f.yaml") == value
     assert yaml.safe_load(text) == value
+
+
+numbers = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**17), 10**17)
+words = st.text().filter(str.isprintable) | st.sampled_from(["off", "1e3", "0x1", "true", "~"])
+
+
+@given(numbers | words | st.booleans() | st.lists(numbers))
+def test_a_value_on_one_line_is_read_again_to_the_last_bit(value):
+    """By itself, as with --set, and among others."""
+    line = dump_line(value)
+    assert "\n" not in line
+    for again in (parse(line, "here"), parse(f"[{line}, 1]", "here")[0]):
+        assert again == value and type(again) is type(value)
+
+
+def test_words_go_without_quotes_if_they_can():
+    assert dump_line("package://aerodrake/a.urdf") == "package://aerodrake/a.urdf"
+    assert (dump_line("clik"), dump_line("true"), dump_line("a, b")) == ("clik", '"true"', '"a, b"')

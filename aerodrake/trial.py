@@ -1,0 +1,107 @@
+"""One flight of a sweep, and the row that tells of it."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import socket
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from aerodrake.compare import failure
+from aerodrake.errors import BadInput, ScenarioError
+from aerodrake.scenario import Scenario
+from aerodrake.scenario_file import override
+from aerodrake.scenario_yaml import dump_line
+from aerodrake.simulate import Flight
+from aerodrake.summary import repeatable, summarize
+from aerodrake.threads import single_thread
+
+FAILURES = ("failed", "refused")
+"""What a row's `exit_reason` is where there was no flight: its process died or raised, or the
+values do not make a scenario."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One flight of a sweep: what `aerodrake run SCENARIO` flies with these options.
+
+    Attributes:
+        index: Of the trial, from 0.
+        seed: Of its scenario.
+        parameters: The values of the keys that the sweep varies, by key.
+        scenario: What all trials have in common.
+    """
+
+    index: int
+    seed: int
+    parameters: Mapping[str, Any]
+    scenario: Scenario
+
+    def overrides(self) -> list[tuple[str, str]]:
+        """The options and assignments, as `load_scenario` takes them."""
+        keys = [f"{key}={dump_line(v)}" for key, v in self.parameters.items() if key != "seed"]
+        return [*(("--set", assignment) for assignment in keys), ("--seed", f"seed={self.seed}")]
+
+    def resolved(self) -> Scenario:
+        """The scenario that is flown.
+
+        Raises:
+            ScenarioError: if the values do not make one.
+        """
+        return override(self.scenario, self.overrides())
+
+    def command(self, scenario: Path) -> str:
+        """What flies this trial alone, for a shell.
+
+        Args:
+            scenario: The sweep's `scenario.yaml`.
+        """
+        words = ["aerodrake", "run", str(scenario)]
+        for option, assignment in self.overrides():
+            words += [
+                option,
+                assignment.removeprefix("seed=") if option == "--seed" else assignment,
+            ]
+        return shlex.join(words)
+
+    def head(self) -> dict[str, Any]:
+        """What a row begins with, however the flight ends."""
+        return {"trial": self.index, "seed": self.seed, "parameters": dict(self.parameters)}
+
+
+def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Flies a trial.
+
+    Returns:
+        Its row: index, seed and parameters, then the figures of `summary.json` that
+        are the same whenever it is flown, or `exit_reason` and `exit_cause` alone
+        where there was no flight. And its timing: `trial`, `wall_s`, `host`, `process`.
+    """
+    start = time.perf_counter()
+    try:
+        scenario = trial.resolved()
+        with single_thread():
+            figures = repeatable(summarize(scenario, Flight(scenario).fly()))
+        ending = {k: v for k, v in figures.items() if k not in ("scenario", "seed", "version")}
+    except ScenarioError as error:
+        # Without the source, which is where the sweep's folder happens to be.
+        ending = refusal(error)
+    except Exception as error:  # A row, whatever it is: the others are flown all the same.
+        ending = failure(error)
+    timing = {
+        "trial": trial.index,
+        "wall_s": round(time.perf_counter() - start, 6),
+        "host": socket.gethostname(),
+        "process": os.getpid(),
+    }
+    return {**trial.head(), **ending}, timing
+
+
+def refusal(error: BadInput) -> dict[str, str]:
+    """What stands for the figures of a trial whose values do not make a scenario."""
+    said = str(type(error)("", *error.args[1:]))
+    return {"exit_reason": "refused", "exit_cause": said}
