@@ -81,7 +81,7 @@ def draw_error(axes: Axes, log: FlightLog) -> None:
 
 
 def draw_angle(axes: Axes, time_s: np.ndarray, angle: np.ndarray) -> None:
-    """(T,) rad between the tool's axis and its wanted direction, over (T,) s."""
+    """The `angle` (T,) rad from the tool to where it should point, over `time_s` (T,) s."""
     axes.plot(time_s, np.degrees(angle), color=ACCENT)
     axes.set_ylim(bottom=0)
     axes.set_ylabel("tool's angle / deg")

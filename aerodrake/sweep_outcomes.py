@@ -26,9 +26,9 @@ class Outcomes:
     """What the rows of a sweep say, one element a trial, in their order.
 
     Attributes:
-        trials: Their indices.
+        trials: (T,) their indices.
         endings: How each flight ended.
-        error_m: The headline error of each; nan where the flight was not completed.
+        error_m: (T,) m, the headline error of each; nan where the flight was not completed.
         parameters: The values of each key that is varied.
         key: Of a row's `error`: which of them it is.
     """
@@ -60,7 +60,7 @@ class Outcomes:
 
     @property
     def completed(self) -> np.ndarray:
-        """Which of them have an error, as a mask."""
+        """(T,) which of them have an error."""
         return np.isfinite(self.error_m)
 
     def worst(self, most: int) -> list[int]:
