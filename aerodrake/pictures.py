@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from markupsafe import Markup
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -35,18 +34,18 @@ class Picture(NamedTuple):
     Attributes:
         title: Its heading.
         caption: What it shows, for those who cannot see it, too.
-        svg: The element.
+        svg: The element, of which nothing is to be escaped.
     """
 
     title: str
     caption: str
-    svg: Markup
+    svg: str
 
 
 @contextmanager
 def sheet(
     name: str, height: float, left: float = LEFT, top: float = TOP
-) -> Iterator[tuple[Figure, list[Markup]]]:
+) -> Iterator[tuple[Figure, list[str]]]:
     """Yields an empty figure and a list, which the finished element joins.
 
     Args:
@@ -63,9 +62,9 @@ def sheet(
             top=1 - top / height,
             hspace=GAP / ROW,
         )
-        done: list[Markup] = []
+        done: list[str] = []
         yield figure, done
-        done.append(Markup(to_svg(figure, name)))
+        done.append(to_svg(figure, name))
 
 
 def timeline(name: str, title: str, caption: str, log: FlightLog, *draws: Draw) -> Picture:

@@ -138,7 +138,7 @@ def test_interrupted_in_flight_it_writes_what_it_has(number, times, tmp_path):
     summary = json.loads((tmp_path / "results" / "summary.json").read_text())
     assert summary["exit_reason"] == "interrupted" and 1 <= summary["simulated_s"] < 3000
     check(tmp_path)
-    assert len(list((tmp_path / "results").iterdir())) == 5
+    assert len(list((tmp_path / "results").iterdir())) == 6
 
 
 def test_interrupted_a_comparison_leaves_nothing_and_nobody(tmp_path):
