@@ -11,7 +11,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from aerodrake.report import ACCENT, INK, STYLE, write_png
+from aerodrake.figures import ACCENT, INK, STYLE, write_png
 from aerodrake.scenario_yaml import dump_line
 from aerodrake.sweep_outcomes import HEADLINES, Outcomes, are_numbers
 
