@@ -18,6 +18,7 @@ def fly_into(
     flight: Flight,
     title: str,
     progress: Callable[[float], None] = lambda simulated_s: None,
+    rate: float = 0.0,
 ) -> tuple[dict[str, Any], FlightLog]:
     """Flies; writes `summary.json`, `log.npz`, `scenario.yaml` and `tracking.png`.
 
@@ -26,11 +27,12 @@ def fly_into(
         flight: Ready to fly.
         title: Of the figure.
         progress: Called with the simulated time in s as it advances.
+        rate: Of simulated over wall time; 0 for as fast as it can.
 
     Returns:
         What `summary.json` and `log.npz` hold.
     """
-    log = flight.fly(progress)
+    log = flight.fly(progress, rate)
     summary = summarize(flight.scenario, log)
     (folder / "summary.json").write_text(to_json(summary), encoding="utf-8")
     save_scenario(flight.scenario, folder)

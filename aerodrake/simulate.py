@@ -24,9 +24,11 @@ from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import parts
 from aerodrake.recording import Recording
+from aerodrake.remote_coordinator import make_remote_coordinator
 from aerodrake.scenario import Scenario
 from aerodrake.station import add_closed_loop, make_context
 from aerodrake.threads import single_thread
+from aerodrake.wire import Link, Phase
 
 MONITOR_PERIOD_S = 0.1
 LOG_SAMPLES = 1000
@@ -39,6 +41,10 @@ LOST_ERROR_M = 1.0
 class Flight:
     """A scenario's closed loop with logs on its ports, ready to fly.
 
+    Args:
+        scenario: What is flown.
+        link: The station's end of the wire to a coordinator elsewhere, if it is not here.
+
     Attributes:
         scenario: What is flown.
         closed_loop: Its diagram: station, coordinator and log; out `true_state`, and of the
@@ -46,11 +52,13 @@ class Flight:
         curve: Its reference.
     """
 
-    def __init__(self, scenario: Scenario):
+    def __init__(self, scenario: Scenario, link: Link | None = None):
         self.scenario = scenario
+        self._link = link
         builder = DiagramBuilder()
+        remote = make_remote_coordinator(scenario, link) if link else None
         # Beside station and coordinator, since each diagram around them costs at every step.
-        ports = add_closed_loop(builder, scenario)
+        ports = add_closed_loop(builder, scenario, remote)
         sizes = {name: ports[name].size() for name in PORTS}
         # Side by side in one sink: each sink would be an event of its own.
         samples = builder.AddNamedSystem("samples", Multiplexer(list(sizes.values())))
@@ -68,7 +76,9 @@ class Flight:
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
         coordinator = self.closed_loop.GetSubsystemByName("coordinator")
-        self._controller = coordinator.GetSubsystemByName(scenario.controller)
+        self._controller = coordinator.GetSubsystemByName(
+            "receiver" if link else scenario.controller
+        )
         self._vehicle = Vehicle.load(scenario)
         self._kinematics = Kinematics(self._vehicle.robot)
         self.curve = make_reference(scenario.reference, self._vehicle.p_E)
@@ -77,11 +87,17 @@ class Flight:
             context = make_context(self.closed_loop, scenario.seed)
             Simulator(self.closed_loop, context).AdvanceTo(scenario.rates.mpc_period_s)
 
-    def fly(self, progress: Callable[[float], None] = lambda simulated_s: None) -> FlightLog:
+    def fly(
+        self, progress: Callable[[float], None] = lambda simulated_s: None, rate: float = 0.0
+    ) -> FlightLog:
         """Flies from trim to the scenario's end, or until the vehicle is lost, or stops.
+
+        With a coordinator elsewhere it waits in trim until that is there.
 
         Args:
             progress: Called with the simulated time in s as it advances.
+            rate: Of simulated over wall time, where the wall clock is to be followed; 0 for as
+                fast as it can.
         """
         scenario = self.scenario
         context = make_context(self.closed_loop, scenario.seed)
@@ -92,6 +108,10 @@ class Flight:
         monitor = _Monitor(self, context)
         recording = Recording(self._columns)
         reason = cause = ""
+        if self._link:
+            self._link.wait(lambda: progress(0.0))
+            self._link.phase = Phase.FLYING
+        simulator.set_target_realtime_rate(rate)
         start = time.perf_counter()
         with single_thread():
             try:
@@ -113,6 +133,10 @@ class Flight:
                 if not cause:
                     raise
                 reason, cause = "lost", f"{cause}; {error}".splitlines()[0]
+            finally:
+                if self._link:
+                    self._link.phase = Phase.OVER
+                    self._link.tell(context.get_time(), {})
         wall_s = time.perf_counter() - start
         self._record(recording, context)
         time_s = np.round(recording.times - scenario.settle_s, 9)

@@ -157,10 +157,18 @@ def make_station(scenario: Scenario) -> Diagram:
     return _named(builder.Build(), "station")
 
 
-def add_closed_loop(builder: DiagramBuilder, scenario: Scenario) -> dict[str, OutputPort]:
-    """Adds station and coordinator, which flies it; returns all outputs of both by name."""
+def add_closed_loop(
+    builder: DiagramBuilder, scenario: Scenario, coordinator: Diagram | None = None
+) -> dict[str, OutputPort]:
+    """Adds station and coordinator, which flies it; returns all outputs of both by name.
+
+    Args:
+        builder: To which they are added.
+        scenario: Of both.
+        coordinator: With the ports of the scenario's own, in the place of which it flies.
+    """
     station = builder.AddSystem(make_station(scenario))
-    coordinator = builder.AddSystem(make_coordinator(scenario))
+    coordinator = builder.AddSystem(coordinator or make_coordinator(scenario))
     for port in SEAM:
         builder.Connect(station.GetOutputPort(port), coordinator.GetInputPort(port))
     for port in ("base_setpoint", "joint_setpoint"):

@@ -32,6 +32,7 @@ STOREYS = {
         "scenario_yaml",
         "scratch",
         "threads",
+        "wire",
         "urdf",
     ),
     1: ("model",),
@@ -39,6 +40,7 @@ STOREYS = {
     3: (
         "station",
         "coordinator",
+        "remote_coordinator",
         "physics",
         "bare_plant",
         "open_loop",
@@ -48,6 +50,7 @@ STOREYS = {
     ),
     4: (
         "simulate",
+        "companion",
         "flight_log",
         "events",
         "supervision_plot",

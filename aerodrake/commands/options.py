@@ -15,6 +15,10 @@ FLIGHT_BAR = (
 """Format of a progress bar over simulated time."""
 
 
+LCM_URL = "udpm://239.255.76.67:7667?ttl=0"
+"""LCM's own address, on this machine alone; ttl=1 reaches the others on its network."""
+
+
 def add_scenario(command: argparse.ArgumentParser, default: str = "") -> None:
     """The scenario, and what overrides its keys."""
     place = "a packaged name, or the path of a YAML file"

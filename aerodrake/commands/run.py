@@ -6,6 +6,7 @@ import argparse
 
 from aerodrake.commands.options import (
     FLIGHT_BAR,
+    LCM_URL,
     add_output,
     add_scenario,
     new_folder,
@@ -20,6 +21,14 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add_scenario(command)
     command.add_argument("--seed", metavar="N", help="overrides the scenario's seed")
     command.add_argument("--duration", metavar="S", help="reference time to fly, in s")
+    command.add_argument(
+        "--lcm",
+        nargs="?",
+        const=LCM_URL,
+        metavar="URL",
+        help="fly in real time, by an `aerodrake coordinator` of another process, over LCM at URL; "
+        f"default: {LCM_URL}",
+    )
     add_output(command, "runs/SCENARIO-TIME; an earlier run there is replaced as a whole")
 
 
@@ -52,7 +61,15 @@ def main(arguments: argparse.Namespace) -> int:
             say(f"note: {note}")
         if is_cold():
             say("note: equations are compiled first; this takes a minute, once on a machine")
-        flight = Flight(scenario)
+        link = None
+        if arguments.lcm:
+            from aerodrake.remote_coordinator import make_station_link
+            from aerodrake.wire import make_lcm
+
+            link = make_station_link(scenario, make_lcm(arguments.lcm))
+        flight = Flight(scenario, link)
+        if link:
+            say(f"note: waits in trim for a coordinator at {arguments.lcm}")
         with (
             held_interrupts() as check,
             run_folder(target) as folder,
@@ -70,7 +87,7 @@ def main(arguments: argparse.Namespace) -> int:
                 check()  # An interrupt ends the flight, not what is made of it.
 
             title = f"{scenario.name}, seed {scenario.seed}"
-            summary, log = fly_into(folder, flight, title, progress)
+            summary, log = fly_into(folder, flight, title, progress, rate=1.0 if link else 0.0)
             bar.close()
             write_replay(log, scenario, folder / "replay.html")
     say(table(summary, scenario.reference.kind))
