@@ -13,6 +13,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
 from aerodrake.coordinator import make_coordinator
+from aerodrake.model.sample_check import ABSURD, UNIT_LENGTH
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.remote_coordinator import make_layouts
 from aerodrake.scenario import Scenario
@@ -85,22 +86,27 @@ class Companion:
         with single_thread():
             Simulator(self._coordinator, warm).AdvanceTo(scenario.rates.mpc_period_s)
 
-    def serve(self, check: Callable[[], None]) -> Service:
+    def serve(self, progress: Callable[[float], None]) -> Service:
         """Waits for a station and serves it until it says that its flight is over, or is dead.
 
         Args:
-            check: Called every 50 ms or more often; it may raise.
+            progress: Called every 50 ms or more often, with the station's time in s; it may
+                raise.
         """
         heard = time.monotonic()
         lost_s = self.scenario.supervisor.attitude_lost_s
         with single_thread():
             while self.link.phase is not Phase.OVER:
+                asked = time.monotonic()  # What came while this process was held up counts.
                 if self.answer(PATIENCE_MS):
                     heard = time.monotonic()
-                elif self.link.phase is Phase.FLYING and time.monotonic() - heard > lost_s:
-                    self.service.fault = f"the station has been silent for {lost_s:g} s"
+                elif self.link.phase is Phase.FLYING and asked - heard > lost_s:
+                    since = f"since {self.service.flown_s:.2f} s"
+                    self.service.fault = (
+                        f"the station has been silent for {lost_s:g} s, {since}"
+                    )
                     break
-                check()
+                progress(self.service.flown_s)
         return self.service
 
     def answer(self, patience_ms: int = 0) -> bool:
@@ -114,7 +120,7 @@ class Companion:
         for message in messages:
             if message.phase is Phase.WAITING and self.link.phase is Phase.WAITING:
                 self.link.tell(0.0, {})
-            elif message.phase is Phase.FLYING and message.time > self._time:
+            elif message.phase is Phase.FLYING and self._is_believed(message):
                 self._take_in(message)
                 if self._is_tick(message.time):
                     self._tell(message.time)
@@ -124,6 +130,12 @@ class Companion:
             elif message.phase is Phase.OVER and self.link.phase is Phase.FLYING:
                 self.link.phase = Phase.OVER
         return bool(messages)
+
+    def _is_believed(self, message: Message) -> bool:
+        """Whether a sample is new, and of a vehicle: what no filter passes, Drake dies of."""
+        length = np.linalg.norm(message.parts["state"][:4])
+        is_sane = all((np.abs(numbers) < ABSURD).all() for numbers in message.parts.values())
+        return is_sane and abs(length - 1) < UNIT_LENGTH and self._time < message.time < ABSURD
 
     def _take_in(self, message: Message) -> None:
         """Advances to a sample's time and makes all that is due there see it."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from aerodrake.commands.options import LCM_URL, add_scenario, overrides
+from aerodrake.commands.options import FLIGHT_BAR, LCM_URL, add_scenario, overrides
 
 HELP = "coordinate the flight of a station in another process, over LCM"
 
@@ -18,6 +18,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     """Serves one flight of a station, as `aerodrake run SCENARIO --lcm` is one, in wall time."""
+    from tqdm import tqdm
+
     from aerodrake.scenario_file import load_scenario
 
     scenario = load_scenario(arguments.scenario, overrides(arguments))
@@ -33,9 +35,23 @@ def main(arguments: argparse.Namespace) -> int:
     if is_cold():
         say("note: equations are compiled first; this takes a minute, once on a machine")
     companion = Companion(scenario, lcm)
-    say(f"waits for a station at {arguments.lcm}")
-    with held_interrupts() as check:
-        service = companion.serve(check)
+    say(f"note: waits for a station at {arguments.lcm}")
+    with (
+        held_interrupts() as check,
+        tqdm(
+            total=scenario.settle_s + scenario.duration,
+            desc=scenario.name,
+            unit="s",
+            disable=arguments.quiet,
+            bar_format=FLIGHT_BAR,
+        ) as bar,
+    ):
+
+        def progress(flown_s: float) -> None:
+            bar.update(flown_s - bar.n)
+            check()
+
+        service = companion.serve(progress)
     say(service.line())
     if service.fault:
         raise ProcessDied(service.fault)
