@@ -102,9 +102,7 @@ class Companion:
                     heard = time.monotonic()
                 elif self.link.phase is Phase.FLYING and asked - heard > lost_s:
                     since = f"since {self.service.flown_s:.2f} s"
-                    self.service.fault = (
-                        f"the station has been silent for {lost_s:g} s, {since}"
-                    )
+                    self.service.fault = f"the station has been silent for {lost_s:g} s, {since}"
                     break
                 progress(self.service.flown_s)
         return self.service

@@ -77,9 +77,7 @@ def make_remote_coordinator(scenario: Scenario, link: Link) -> Diagram:
 
     connect(receiver, "u", "status", "reference_verdict", "learner_health")
     connect(supervisor, "mode")
-    builder.Connect(
-        setpoint_integrator.GetOutputPort("segment"), sender.GetInputPort("followed")
-    )
+    builder.Connect(setpoint_integrator.GetOutputPort("segment"), sender.GetInputPort("followed"))
     for port in SEAM:
         builder.ExportInput(sender.GetInputPort(port), port)
         if supervisor.HasInputPort(port):

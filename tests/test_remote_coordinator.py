@@ -111,7 +111,9 @@ def test_a_dead_coordinator_is_a_landing(clover):
     scenario = load_scenario("clover", [*SHORT, ("--set", "supervisor.plan_lost_s=0.3")])
     over = fly_over(Lockstep(2, lambda channel, i: channel == COORDINATOR and i > 60), scenario)
     assert (over.exit_reason, over.exit_cause.split()[0]) == ("descend", "plan_lost")
-    triggers = [e["cause"] for e in summarize(scenario, over)["events"] if e["event"] == "triggered"]
+    triggers = [
+        e["cause"] for e in summarize(scenario, over)["events"] if e["event"] == "triggered"
+    ]
     assert triggers[:2] == ["plan_outage", "plan_lost"]
     assert over["v_Bd_m_s"][-1, 2] == pytest.approx(-scenario.supervisor.descend_m_s, rel=0.05)
 

@@ -80,9 +80,7 @@ def test_messages_of_another_robot_are_none(other):
 
 @pytest.mark.parametrize("phase", [-1.0, 3.0, 0.5, np.nan, np.inf, 1e300])
 def test_a_phase_that_there_is_not(phase):
-    signal = lcmt_drake_signal.decode(
-        LAYOUT.encode(Message(0.0, Phase.FLYING, ZEROS))
-    )
+    signal = lcmt_drake_signal.decode(LAYOUT.encode(Message(0.0, Phase.FLYING, ZEROS)))
     signal.val = [phase, *signal.val[1:]]
     assert LAYOUT.decode(signal.encode()) is None
 
