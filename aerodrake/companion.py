@@ -69,12 +69,18 @@ class Companion:
     Args:
         scenario: What the station flies.
         lcm: What messages go over.
+        say: As `Link` has it.
     """
 
-    def __init__(self, scenario: Scenario, lcm: DrakeLcmInterface):
+    def __init__(
+        self,
+        scenario: Scenario,
+        lcm: DrakeLcmInterface,
+        say: Callable[[str], None] = lambda note: None,
+    ):
         self.scenario = scenario
         self._coordinator = make_coordinator(scenario)
-        self.link = Link(lcm, *make_layouts(self._coordinator, scenario), is_station=False)
+        self.link = Link(lcm, *make_layouts(self._coordinator, scenario), False, say)
         self._controller = self._coordinator.GetSubsystemByName(scenario.controller)
         self._context = make_context(self._coordinator, scenario.seed)
         self._simulator = Simulator(self._coordinator, self._context)

@@ -1,6 +1,21 @@
-"""What stands in the coordinator's place where that is in another process, and the wire there."""
+"""What stands in the coordinator's place where that is in another process.
+
+    event                           period, offset (defaults)     kind
+    sender                          10 ms, after 0.25 ms          publish
+    receiver                         1 ms, after 0.375 ms         discrete
+    receiver, setpoint_integrator   20 ms                         discrete
+    supervisor                      10 ms                         discrete
+
+A sample goes out when all that is due at its instant is done. The answer is there some
+milliseconds later, after the low-level controllers have run: each message has the plan of
+the next ticks with it, and so they already had what the one before foresaw. That makes up
+for the time on the way: clover's lap, 0.020 mm without a wire, is at 0.019 mm with a
+latency of 2 to 17 ms, and would be at 0.031 mm if setpoints just went on.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from pydrake.lcm import DrakeLcmInterface
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
@@ -35,9 +50,11 @@ def make_layouts(coordinator: Diagram, scenario: Scenario) -> tuple[Layout, Layo
     )
 
 
-def make_station_link(scenario: Scenario, lcm: DrakeLcmInterface) -> Link:
-    """The station's end of the wire over `lcm`."""
-    return Link(lcm, *make_layouts(make_coordinator(scenario), scenario), is_station=True)
+def make_station_link(
+    scenario: Scenario, lcm: DrakeLcmInterface, say: Callable[[str], None] = lambda note: None
+) -> Link:
+    """The station's end of the wire over `lcm`; `say` as `Link` has it."""
+    return Link(lcm, *make_layouts(make_coordinator(scenario), scenario), True, say)
 
 
 def make_remote_coordinator(scenario: Scenario, link: Link) -> Diagram:

@@ -5,8 +5,9 @@ wind, sensors and the low-level controllers. The *coordinator* is what runs on a
 reference, kinematics, pointing (if asked for), weight allocator, residual estimator,
 MPC (or CLIK), setpoint integrator, and the supervisor, which says in which mode it
 works. They meet in nine signals: those of `SEAM` one way, `base_setpoint` and
-`joint_setpoint` the other. `physics`, `sensors`, `wind` and `guidance` have pages of their
-own. What a scenario's `faults` inject stands between systems, and only where it has some.
+`joint_setpoint` the other. Either may be in another process: `remote_coordinator` says how
+they meet there. `physics`, `sensors`, `wind` and `guidance` have pages of their own. What a
+scenario's `faults` inject stands between systems, and only where it has some.
 
     event                           period, offset (defaults)     kind
     plant, rotors,

@@ -111,12 +111,19 @@ class Link:
         station: Layout of the station's messages.
         coordinator: Layout of the coordinator's.
         is_station: Whose end it is.
+        say: Is told, once, when messages come that are refused.
     """
 
     def __init__(
-        self, lcm: DrakeLcmInterface, station: Layout, coordinator: Layout, is_station: bool
+        self,
+        lcm: DrakeLcmInterface,
+        station: Layout,
+        coordinator: Layout,
+        is_station: bool,
+        say: Callable[[str], None] = lambda note: None,
     ):
         self.lcm = lcm
+        self._say = say
         self.phase = Phase.WAITING
         self.refused = 0
         self.tells, self.hears = (station, coordinator) if is_station else (coordinator, station)
@@ -157,6 +164,8 @@ class Link:
         while self._came:
             message = self.hears.decode(self._came.popleft())
             if message is None:
+                if not self.refused:
+                    self._say("note: messages come that are of another robot, or none of ours")
                 self.refused += 1
             else:
                 messages.append(message)

@@ -308,7 +308,7 @@ def test_a_quiet_process_says_nothing_at_all(tmp_path):
     "argv",
     [
         ["--help"],
-        *([c, "--help"] for c in ("run", "compare", "train", "graph", "bench")),
+        *([c, "--help"] for c in ("run", "coordinator", "compare", "train", "graph", "bench")),
         ["--version"],
         ["fly"],
     ],
@@ -331,6 +331,7 @@ def test_version_and_help(capsys):
         (["--version"], f"aerodrake {version('aerodrake')}\n"),
         (["--help"], "fly a scenario"),
         (["run", "--help"], "--set KEY=VALUE"),
+        (["coordinator", "--help"], "--lcm URL"),
         (["compare", "--help"], "--jobs N"),
         (["train", "--help"], "--quick"),
         (["graph", "--help"], "closed_loop, station, coordinator or a system"),

@@ -106,12 +106,16 @@ def test_two_ends(ends):
     assert answer.parts["plan"].tolist() == [1, 1]
 
 
-def test_what_is_refused_is_counted_and_harms_nothing(ends):
-    station, coordinator = ends
+def test_what_is_refused_is_counted_and_said_once_and_harms_nothing():
+    lcm, notes = DrakeLcm("memq://"), []
+    layouts = LAYOUT, Layout({"plan": 2})
+    station = Link(lcm, *layouts, is_station=True, say=notes.append)
+    coordinator = Link(lcm, *layouts, is_station=False)
     for data in (b"", b"hello", LAYOUT.encode(Message(0, Phase(0), ZEROS))):
         station.lcm.Publish(COORDINATOR, data)
     coordinator.tell(0.0, {})
     assert len(station.hear()) == 1 and station.refused == 3
+    assert notes == ["note: messages come that are of another robot, or none of ours"]
 
 
 def test_of_a_flood_the_newest_is_heard(ends):

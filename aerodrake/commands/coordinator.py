@@ -34,7 +34,7 @@ def main(arguments: argparse.Namespace) -> int:
     lcm = make_lcm(arguments.lcm)
     if is_cold():
         say("note: equations are compiled first; this takes a minute, once on a machine")
-    companion = Companion(scenario, lcm)
+    companion = Companion(scenario, lcm, say)
     say(f"note: waits for a station at {arguments.lcm}")
     with (
         held_interrupts() as check,

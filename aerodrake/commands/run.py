@@ -66,7 +66,7 @@ def main(arguments: argparse.Namespace) -> int:
             from aerodrake.remote_coordinator import make_station_link
             from aerodrake.wire import make_lcm
 
-            link = make_station_link(scenario, make_lcm(arguments.lcm))
+            link = make_station_link(scenario, make_lcm(arguments.lcm), say)
         flight = Flight(scenario, link)
         if link:
             say(f"note: waits in trim for a coordinator at {arguments.lcm}")
