@@ -38,7 +38,7 @@ class Service:
         fault: Why it ended before the station said so; empty if it did not.
     """
 
-    tick_ms: list[float] = field(default_factory=list)
+    tick_ms: list[float]
     answer_ms: list[float] = field(default_factory=list)
     missed: int = 0
     overruns: int = 0
@@ -47,11 +47,11 @@ class Service:
 
     def line(self) -> str:
         """What a person is told of it."""
-        if not self.tick_ms:
+        if not self.answer_ms:
             return "no flight"
         median, p99 = np.percentile(self.answer_ms, [50, 99])
         return (
-            f"{self.flown_s:.2f} s, {len(self.tick_ms)} ticks, {self.missed} missed, "
+            f"{self.flown_s:.2f} s, {len(self.answer_ms)} ticks, {self.missed} missed, "
             f"{self.overruns} overruns; answered in {median:.1f} ms, "
             f"99 % within {p99:.1f} ms, {max(self.answer_ms):.1f} ms at most"
         )
@@ -84,7 +84,8 @@ class Companion:
         self._controller = self._coordinator.GetSubsystemByName(scenario.controller)
         self._context = make_context(self._coordinator, scenario.seed)
         self._simulator = Simulator(self._coordinator, self._context)
-        self.service = Service()
+        self.service = Service(self._controller.tick_ms)
+        self._timed = 0  # Ticks whose time has been told.
         self._time = -math.inf  # s, of the sample that was taken in last.
         # What is compiled is loaded now, lest the first ticks wait for it.
         warm = make_context(self._coordinator, scenario.seed)
@@ -107,24 +108,28 @@ class Companion:
                 if self.answer(PATIENCE_MS):
                     heard = time.monotonic()
                 elif self.link.phase is Phase.FLYING and asked - heard > lost_s:
-                    since = f"since {self.service.flown_s:.2f} s"
-                    self.service.fault = f"the station has been silent for {lost_s:g} s, {since}"
+                    self.service.fault = (
+                        f"no sample of the station for {lost_s:g} s, "
+                        f"since {self.service.flown_s:.2f} s"
+                    )
                     break
                 progress(self.service.flown_s)
         return self.service
 
     def answer(self, patience_ms: int = 0) -> bool:
-        """Takes in what came, and answers it; returns whether anything did.
+        """Takes in what came, and answers it; returns whether there was a sample.
 
         Args:
             patience_ms: How long to wait for it.
         """
         messages = self.link.hear(patience_ms)
         start = time.perf_counter()
+        is_sampled = False
         for message in messages:
             if message.phase is Phase.WAITING and self.link.phase is Phase.WAITING:
                 self.link.tell(0.0, {})
             elif message.phase is Phase.FLYING and self._is_believed(message):
+                is_sampled = True
                 self._take_in(message)
                 if self._is_tick(message.time):
                     self._tell(message.time)
@@ -133,7 +138,7 @@ class Companion:
                     self.service.overruns += took_s > self.scenario.rates.mpc_period_s
             elif message.phase is Phase.OVER and self.link.phase is Phase.FLYING:
                 self.link.phase = Phase.OVER
-        return bool(messages)
+        return is_sampled
 
     def _is_believed(self, message: Message) -> bool:
         """Whether a sample is new, and of a vehicle: what no filter passes, Drake dies of."""
@@ -158,14 +163,16 @@ class Companion:
 
     def _tell(self, tick: float) -> None:
         """Sends what the coordinator has to say after a tick."""
-        told = self.link.tells.sizes
+        told, took_ms = self.link.tells.sizes, self._controller.tick_ms
         parts = {
             name: self._coordinator.GetOutputPort(name).Eval(self._context)[:size]
             for name, size in told.items()
             if name != "tick_ms"
         }
-        self.service.tick_ms = self._controller.tick_ms
-        self.link.tell(tick, {**parts, "tick_ms": np.array(self.service.tick_ms[-1:] or [0.0])})
+        # A tick that is missed here, by fault, has no time either.
+        parts["tick_ms"] = np.array(took_ms[self._timed :][-1:] or [np.nan])
+        self._timed = len(took_ms)
+        self.link.tell(tick, parts)
 
     def _fix(self, context: Context, parts: Mapping[str, np.ndarray]) -> None:
         """Puts numbers at the coordinator's inputs; at those that are not told, zeros."""

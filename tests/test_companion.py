@@ -67,7 +67,7 @@ def test_each_tick_is_answered_once(bench):
         [0, 0.02, 0.04, 0.06, 0.08]
     )
     service = bench.companion.service
-    assert (len(service.tick_ms), service.missed, service.flown_s) == (5, 0, 0.08)
+    assert (len(service.answer_ms), service.missed, service.flown_s) == (5, 0, 0.08)
     assert service.line().startswith("0.08 s, 5 ticks, 0 missed, ")
 
 
@@ -171,7 +171,7 @@ def test_a_station_that_falls_silent_is_dead(vehicle):
     bench = Bench(Scenario(supervisor=Supervisor(attitude_lost_s=0.05)), vehicle)
     bench.answers(0.0, 0.01)
     service = bench.companion.serve(lambda flown_s: None)
-    assert service.fault == "the station has been silent for 0.05 s, since 0.01 s"
+    assert service.fault == "no sample of the station for 0.05 s, since 0.01 s"
 
 
 def test_waiting_can_be_interrupted(bench):

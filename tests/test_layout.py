@@ -20,6 +20,7 @@ STOREYS = {
         "errors",
         "files",
         "fingerprint",
+        "garbage",
         "inputs",
         "reference_kinds",
         "schema",

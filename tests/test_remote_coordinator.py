@@ -134,3 +134,13 @@ def test_a_coordinator_that_is_started_again_takes_the_flight_over(clover):
     assert over.exit_reason == "completed"
     assert over.error_m.max() < 0.1 and over.error_m[-1] < 0.005
     assert lcm.companion.service.flown_s == pytest.approx(2.49)
+
+
+def test_a_tick_that_the_mpc_misses_is_missed_over_the_wire_too():
+    faults = "[{kind: mpc_missed, start_s: 0.5, duration_s: 0.055}]"
+    scenario = load_scenario("clover", [*SHORT, ("--set", f"faults={faults}")])
+    figures = [
+        summarize(scenario, log)["mpc"]
+        for log in (Flight(scenario).fly(), fly_over(Lockstep(3), scenario))
+    ]
+    assert [f["missed"] for f in figures] == [3, 3]

@@ -27,6 +27,7 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.companion import Companion
     from aerodrake.compiled import is_cold
     from aerodrake.errors import ProcessDied
+    from aerodrake.garbage import frozen_garbage
     from aerodrake.interrupts import held_interrupts
     from aerodrake.wire import make_lcm
 
@@ -37,6 +38,7 @@ def main(arguments: argparse.Namespace) -> int:
     companion = Companion(scenario, lcm, say)
     say(f"note: waits for a station at {arguments.lcm}")
     with (
+        frozen_garbage(),
         held_interrupts() as check,
         tqdm(
             total=scenario.settle_s + scenario.duration,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import nullcontext
 
 from aerodrake.commands.options import (
     FLIGHT_BAR,
@@ -63,6 +64,7 @@ def main(arguments: argparse.Namespace) -> int:
             say("note: equations are compiled first; this takes a minute, once on a machine")
         link = None
         if arguments.lcm:
+            from aerodrake.garbage import frozen_garbage
             from aerodrake.remote_coordinator import make_station_link
             from aerodrake.wire import make_lcm
 
@@ -71,6 +73,7 @@ def main(arguments: argparse.Namespace) -> int:
         if link:
             say(f"note: waits in trim for a coordinator at {arguments.lcm}")
         with (
+            frozen_garbage() if link else nullcontext(),
             held_interrupts() as check,
             run_folder(target) as folder,
             tqdm(

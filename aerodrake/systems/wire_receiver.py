@@ -31,8 +31,8 @@ class WireReceiver(LeafSystem):
         `period`, that of the coordinator's ticks; and `poll_period`, after `poll_offset`.
 
     Attributes:
-        tick_ms: Wall time of the coordinator's computation at each tick that it answered. An
-            instrument beside the Context: it never feeds back.
+        tick_ms: Wall time of the coordinator's computation at each tick that it answered, if it
+            had one. An instrument beside the Context: it never feeds back.
 
     Args:
         link: This end of the wire. The parts it hears include `segment` (3 (3 + n) + 1) and
@@ -85,11 +85,12 @@ class WireReceiver(LeafSystem):
                     discrete.set_value(self._x[name], numbers)
                 discrete.set_value(self._x_row, [0.0])
                 discrete.set_value(self._x_answered, [1.0])
-                self.tick_ms.append(message.parts["tick_ms"][0])
+                if np.isfinite(message.parts["tick_ms"][0]):
+                    self.tick_ms.append(message.parts["tick_ms"][0])
 
     def _answers(self, message: Message, tick: float) -> bool:
         """Whether it is an answer to the tick of that time, and one to be followed."""
-        asked = message.parts["segment"], message.parts["plan"], message.parts["tick_ms"]
+        asked = message.parts["segment"], message.parts["plan"]
         return (
             message.phase is Phase.FLYING
             and abs(message.time - tick) < self._period / 2
