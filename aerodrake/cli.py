@@ -7,12 +7,13 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from aerodrake.commands import bench, compare, graph, identify, run, sweep, train
+from aerodrake.commands import bench, compare, coordinator, graph, identify, run, sweep, train
 from aerodrake.errors import BadInput, ProcessDied
 from aerodrake.interrupts import termination_as_interrupt
 
 COMMANDS = {
     "run": run,
+    "coordinator": coordinator,
     "compare": compare,
     "identify": identify,
     "train": train,

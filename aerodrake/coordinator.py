@@ -45,10 +45,12 @@ from aerodrake.systems.weight_allocator import WeightAllocator
 def make_coordinator(scenario: Scenario, replacements: Replacements | None = None) -> Diagram:
     """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
-    Inputs: those of `SEAM`.
+    Inputs: those of `SEAM`; and `followed` (3 (3 + n) + 1), the segment that setpoints are on
+    where the station has the last word on it, unconnected where it does as it is told.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment`, which tells both
     until the next tick (3 (3 + n) + 1); `reference` (6) and `reference_verdict` (1), as it
-    is followed; `weights` (5), `u` (3 + n), `prediction` (3 (N + 1)), `status` (3), `delta` (3),
+    is followed; `weights` (5), `u` (3 + n) and `plan` (P (3 + n)), what it is to be from the last
+    tick on; `prediction` (3 (N + 1)), `status` (3), `delta` (3),
     `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2); `mode` (1),
     `cause` (1) and `conditions` (K), of the supervisor.
 
@@ -84,20 +86,9 @@ def make_coordinator(scenario: Scenario, replacements: Replacements | None = Non
         else ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, limits, vehicle)),
     )
     setpoint_integrator = builder.AddNamedSystem(
-        "setpoint_integrator",
-        SetpointIntegrator(
-            limits,
-            SafeMotion.make(scenario.supervisor, vehicle),
-            np.concatenate([vehicle.p_B, vehicle.working]),
-            period,
-        ),
+        "setpoint_integrator", make_setpoint_integrator(scenario, vehicle)
     )
-    supervisor = builder.AddNamedSystem(
-        "supervisor",
-        Supervisor(
-            conditions(scenario.supervisor), vehicle, scenario.rates.sensor_period_s, period
-        ),
-    )
+    supervisor = builder.AddNamedSystem("supervisor", make_supervisor(scenario, vehicle))
 
     def connect(source: Any, source_port: str, target: Any, target_port: str = "") -> None:
         builder.Connect(
@@ -151,11 +142,12 @@ def make_coordinator(scenario: Scenario, replacements: Replacements | None = Non
         builder.ConnectInput(port, supervisor.GetInputPort(port))
     for port in ("sample_health", "rotor_effectiveness"):
         builder.ExportInput(supervisor.GetInputPort(port), port)
+    builder.ExportInput(setpoint_integrator.GetInputPort("followed"), "followed")
     for system, ports in (
         (setpoint_integrator, ("base_setpoint", "joint_setpoint", "segment")),
         (guidance, ("reference", "reference_verdict")),
         (supervisor, ("mode", "cause", "conditions")),
-        (controller, ("u", "prediction", "status", "weights", "delta")),
+        (controller, ("u", "plan", "prediction", "status", "weights", "delta")),
         (residual_estimator, ("prediction_error", "nominal_prediction_error", "learner_health")),
     ):
         for port in ports:
@@ -163,3 +155,23 @@ def make_coordinator(scenario: Scenario, replacements: Replacements | None = Non
     diagram = builder.Build()
     diagram.set_name("coordinator")
     return diagram
+
+
+def make_setpoint_integrator(scenario: Scenario, vehicle: Vehicle) -> SetpointIntegrator:
+    """That of the coordinator, from trim."""
+    return SetpointIntegrator(
+        SetpointLimits.make(scenario.mpc, vehicle),
+        SafeMotion.make(scenario.supervisor, vehicle),
+        np.concatenate([vehicle.p_B, vehicle.working]),
+        scenario.rates.mpc_period_s,
+    )
+
+
+def make_supervisor(scenario: Scenario, vehicle: Vehicle) -> Supervisor:
+    """That of the coordinator."""
+    return Supervisor(
+        conditions(scenario.supervisor),
+        vehicle,
+        scenario.rates.sensor_period_s,
+        scenario.rates.mpc_period_s,
+    )

@@ -20,6 +20,7 @@ def fly_into(
     flight: Flight,
     title: str,
     progress: Callable[[float], None] = lambda simulated_s: None,
+    rate: float = 0.0,
     attach: Callable[[Flight, Simulator], None] = lambda flight, simulator: None,
 ) -> tuple[dict[str, Any], FlightLog]:
     """Flies; writes `summary.json`, `log.npz`, `scenario.yaml` and `tracking.png`.
@@ -28,12 +29,12 @@ def fly_into(
         folder: An empty one.
         flight: Ready to fly.
         title: Of the figure.
-        progress, attach: As `Flight.fly` has them.
+        progress, rate, attach: As `Flight.fly` has them.
 
     Returns:
         What `summary.json` and `log.npz` hold.
     """
-    log = flight.fly(progress, attach)
+    log = flight.fly(progress, rate, attach)
     summary = summarize(flight.scenario, log)
     (folder / "summary.json").write_text(to_json(summary), encoding="utf-8")
     save_scenario(flight.scenario, folder)

@@ -24,7 +24,7 @@ TRACE_EVERY = 3
 
 
 class LiveView:
-    """Shows a flight in Meshcat, no faster than at a rate.
+    """Shows a flight in Meshcat.
 
     It only looks: the flight's numbers are the same as without it.
 
@@ -33,7 +33,7 @@ class LiveView:
 
     Args:
         scenario: What will be flown.
-        rate: Simulated time over wall time, above 0; 1 is real time.
+        rate: Simulated time over wall time at which it will fly, above 0; 1 is real time.
     """
 
     def __init__(self, scenario: Scenario, rate: float):
@@ -52,7 +52,6 @@ class LiveView:
         self._draw_reference()
         self._show()
         simulator.set_monitor(self._monitor)
-        simulator.set_target_realtime_rate(self._rate)
 
     def line(self) -> str:
         """What is to be known at a glance: error, mode, gamma, and the supervisor's mode."""

@@ -24,10 +24,12 @@ from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import parts
 from aerodrake.recording import Recording
+from aerodrake.remote_coordinator import make_remote_coordinator
 from aerodrake.replacements import Replacements
 from aerodrake.scenario import Scenario
 from aerodrake.station import add_closed_loop, make_context
 from aerodrake.threads import single_thread
+from aerodrake.wire import Link, Phase
 
 MONITOR_PERIOD_S = 0.1
 LOG_SAMPLES = 1000
@@ -51,13 +53,21 @@ class Flight:
     Args:
         scenario: What is flown.
         replacements: Of systems of its diagram; None for none.
+        link: The station's end of the wire to a coordinator elsewhere, if it is not here.
     """
 
-    def __init__(self, scenario: Scenario, replacements: Replacements | None = None):
+    def __init__(
+        self,
+        scenario: Scenario,
+        replacements: Replacements | None = None,
+        link: Link | None = None,
+    ):
         self.scenario = scenario
+        self._link = link
         builder = DiagramBuilder()
+        remote = make_remote_coordinator(scenario, link) if link else None
         # Beside station and coordinator, since each diagram around them costs at every step.
-        ports = add_closed_loop(builder, scenario, replacements)
+        ports = add_closed_loop(builder, scenario, replacements, remote)
         sizes = {name: ports[name].size() for name in PORTS}
         # Side by side in one sink: each sink would be an event of its own.
         samples = builder.AddNamedSystem("samples", Multiplexer(list(sizes.values())))
@@ -74,7 +84,7 @@ class Flight:
             builder.ExportOutput(ports[name], name)
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
-        self._tick_ms = _tick_ms(self.closed_loop, scenario.controller)
+        self._tick_ms = _tick_ms(self.closed_loop, "receiver" if link else scenario.controller)
         self._vehicle = Vehicle.load(scenario)
         self._kinematics = Kinematics(self._vehicle.robot)
         self.curve = make_reference(scenario.reference, self._vehicle.p_E)
@@ -86,14 +96,19 @@ class Flight:
     def fly(
         self,
         progress: Callable[[float], None] = lambda simulated_s: None,
+        rate: float = 0.0,
         attach: Callable[[Flight, Simulator], None] = lambda flight, simulator: None,
     ) -> FlightLog:
         """Flies from trim to the scenario's end, or until the vehicle is lost, or stops.
 
+        With a coordinator elsewhere it waits in trim until that is there.
+
         Args:
             progress: Called with the simulated time in s as it advances.
+            rate: Of simulated over wall time, where the wall clock is to be followed; 0 for as
+                fast as it can.
             attach: Called with the flight and its Simulator before that flies: for who
-                watches it, or how fast it is to be.
+                watches it.
         """
         scenario = self.scenario
         context = make_context(self.closed_loop, scenario.seed)
@@ -105,6 +120,10 @@ class Flight:
         monitor = _Monitor(self, context)
         recording = Recording(self._columns)
         reason = cause = ""
+        if self._link:
+            self._link.wait(lambda: progress(0.0))
+            self._link.phase = Phase.FLYING
+        simulator.set_target_realtime_rate(rate)
         start = time.perf_counter()
         with single_thread():
             try:
@@ -126,6 +145,10 @@ class Flight:
                 if not cause:
                     raise
                 reason, cause = "lost", f"{cause}; {error}".splitlines()[0]
+            finally:
+                if self._link:
+                    self._link.phase = Phase.OVER
+                    self._link.tell(context.get_time(), {})
         wall_s = time.perf_counter() - start
         self._record(recording, context)
         time_s = np.round(recording.times - scenario.settle_s, 9)

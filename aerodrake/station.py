@@ -5,8 +5,9 @@ wind, sensors and the low-level controllers. The *coordinator* is what runs on a
 reference, kinematics, pointing (if asked for), weight allocator, residual estimator,
 MPC (or CLIK), setpoint integrator, and the supervisor, which says in which mode it
 works. They meet in nine signals: those of `SEAM` one way, `base_setpoint` and
-`joint_setpoint` the other. `physics`, `sensors`, `wind` and `guidance` have pages of their
-own. What a scenario's `faults` inject stands between systems, and only where it has some.
+`joint_setpoint` the other. Either may be in another process: `remote_coordinator` says how
+they meet there. `physics`, `sensors`, `wind` and `guidance` have pages of their own. What a
+scenario's `faults` inject stands between systems, and only where it has some.
 
     event                           period, offset (defaults)     kind
     plant, rotors,
@@ -165,9 +166,18 @@ def make_station(scenario: Scenario, replacements: Replacements | None = None) -
 
 
 def add_closed_loop(
-    builder: DiagramBuilder, scenario: Scenario, replacements: Replacements | None = None
+    builder: DiagramBuilder,
+    scenario: Scenario,
+    replacements: Replacements | None = None,
+    coordinator: Diagram | None = None,
 ) -> dict[str, OutputPort]:
     """Adds station and coordinator, which flies it; returns all outputs of both by name.
+
+    Args:
+        builder: To which they are added.
+        scenario: Of both.
+        replacements: Of systems in them; None for none.
+        coordinator: One that flies in the place of the scenario's, such as the end of a wire to it.
 
     Raises:
         BadInput: if a system that is to be replaced is in neither.
@@ -175,7 +185,10 @@ def add_closed_loop(
     replacements = replacements or Replacements()
     station, coordinator = (
         builder.AddSystem(replacements.instead_of(side.get_name(), side))
-        for side in (make_station(scenario, replacements), make_coordinator(scenario, replacements))
+        for side in (
+            make_station(scenario, replacements),
+            coordinator or make_coordinator(scenario, replacements),
+        )
     )
     replacements.check_met()
     for port in SEAM:

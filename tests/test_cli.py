@@ -310,7 +310,10 @@ def test_a_quiet_process_says_nothing_at_all(tmp_path):
     "argv",
     [
         ["--help"],
-        *([c, "--help"] for c in ("run", "compare", "train", "sweep", "graph", "bench")),
+        *(
+            [c, "--help"]
+            for c in ("run", "coordinator", "compare", "train", "sweep", "graph", "bench")
+        ),
         ["--version"],
         ["fly"],
     ],
@@ -333,6 +336,7 @@ def test_version_and_help(capsys):
         (["--version"], f"aerodrake {version('aerodrake')}\n"),
         (["--help"], "fly a scenario"),
         (["run", "--help"], "--set KEY=VALUE"),
+        (["coordinator", "--help"], "--lcm URL"),
         (["compare", "--help"], "--jobs N"),
         (["train", "--help"], "--quick"),
         (["sweep", "--help"], "--vary KEY=DIST"),

@@ -24,7 +24,7 @@ def test_there_are_scripts():
     assert len(SCRIPTS) >= 4
 
 
-LONG = ("fly_clover", "search_weights")
+LONG = ("fly_clover", "fly_over_lcm", "search_weights")
 """Tested by themselves below."""
 
 
@@ -82,3 +82,14 @@ def test_the_search_of_weights_charges_a_metre_for_a_lap_not_flown(scenario):
     cost = script["cost"]
     cost.__globals__["PATHS"] = ((FigureEight(), 0.1),)
     assert cost([replace(scenario, settle_s=0.0)], script["START"], np.zeros(5)) == 1.0
+
+
+def test_two_processes_fly(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    main = runpy.run_path(str(DIAGRAMS / "fly_over_lcm.py"), run_name="imported")["main"]
+    patient = ("--set", "supervisor.plan_ticks=1000", "--set", "supervisor.plan_lost_s=1000")
+    patient += ("--set", "supervisor.attitude_lost_s=60")
+    url = f"udpm://239.255.76.67:{20_000 + os.getpid() % 10_000}?ttl=0"
+    main("hover", "--lcm", url, "--set", "duration=0.5", "--set", "settle_s=0.1", *patient)
+    said = capfd.readouterr().out
+    assert "completed" in said and "tracking.png" in said

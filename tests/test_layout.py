@@ -22,6 +22,7 @@ STOREYS = {
         "errors",
         "files",
         "fingerprint",
+        "garbage",
         "inputs",
         "reference_kinds",
         "schema",
@@ -34,6 +35,7 @@ STOREYS = {
         "scenario_yaml",
         "scratch",
         "threads",
+        "wire",
         "urdf",
     ),
     1: ("model",),
@@ -41,6 +43,7 @@ STOREYS = {
     3: (
         "station",
         "coordinator",
+        "remote_coordinator",
         "physics",
         "bare_plant",
         "open_loop",
@@ -51,6 +54,7 @@ STOREYS = {
     ),
     4: (
         "simulate",
+        "companion",
         "flight_log",
         "events",
         "supervision_plot",

@@ -21,7 +21,7 @@ def watched(short_flight):
     scenario, _ = short_flight
     view = LiveView(scenario, RATE)
     lines = []
-    log = Flight(scenario).fly(lambda simulated_s: lines.append(view.line()), view.attach)
+    log = Flight(scenario).fly(lambda simulated_s: lines.append(view.line()), RATE, view.attach)
     return view, lines, log
 
 

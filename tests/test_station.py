@@ -13,7 +13,7 @@ from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import TOOL_FRAME, add_robot
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.reference_kinds import MovingTarget
-from aerodrake.scenario import Scenario, Supervisor
+from aerodrake.scenario import Mpc, Scenario, Supervisor
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_context, make_coordinator, make_station
 from aerodrake.world import Mismatch, Payload, Sensors, Wind
@@ -46,6 +46,7 @@ COORDINATOR_OUTPUTS = SETPOINTS | {
     "reference_verdict": 1,
     "weights": 5,
     "u": 3 + JOINTS,
+    "plan": Mpc().span_ticks * (3 + JOINTS),
     "prediction": 3 * (N + 1),
     "status": 3,
     "delta": 3,
@@ -81,6 +82,8 @@ def test_ports(station, closed_loop, scenario):
     heard = {"state": STATE, "external_acceleration": 3, "specific_thrust": 1}
     heard |= {"disturbance": 6, "saturated": 1}
     heard |= {"sample_health": 6, "rotor_effectiveness": ROTORS}
+    # It can be told which setpoints are followed, but in the closed loop it knows.
+    heard |= {"followed": 3 * (3 + JOINTS) + 1}
     assert ports(coordinator) == (heard, COORDINATOR_OUTPUTS)
     assert scenario.mpc.horizon == N
     assert ports(closed_loop) == ({}, STATION_OUTPUTS | COORDINATOR_OUTPUTS)

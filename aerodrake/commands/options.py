@@ -18,6 +18,10 @@ LIVE_BAR = "{desc} {n:.1f}/{total:.1f} s{postfix} |{bar}|"
 """Of one that tells how the flight goes; it fits into 80 columns."""
 
 
+LCM_URL = "udpm://239.255.76.67:7667?ttl=0"
+"""LCM's own address, on this machine alone; ttl=1 reaches the others on its network."""
+
+
 def add_scenario(command: argparse.ArgumentParser, default: str = "") -> None:
     """The scenario, and what overrides its keys."""
     place = "a packaged name, or the path of a YAML file"

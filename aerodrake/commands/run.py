@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import nullcontext
 
 from aerodrake.commands.options import (
     FLIGHT_BAR,
+    LCM_URL,
     LIVE_BAR,
     add_output,
     add_scenario,
@@ -32,6 +34,14 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         type=positive_number(1000.0),
         metavar="R",
         help="with --live: simulated time over wall time; default: 1",
+    )
+    command.add_argument(
+        "--lcm",
+        nargs="?",
+        const=LCM_URL,
+        metavar="URL",
+        help="fly in real time, by an `aerodrake coordinator` of another process, over LCM at URL; "
+        f"default: {LCM_URL}",
     )
     add_output(command, "runs/SCENARIO-TIME; an earlier run there is replaced as a whole")
 
@@ -68,14 +78,24 @@ def main(arguments: argparse.Namespace) -> int:
             say(f"note: {note}")
         if is_cold():
             say("note: equations are compiled first; this takes a minute, once on a machine")
-        view = None
+        link = view = None
+        if arguments.lcm:
+            from aerodrake.garbage import frozen_garbage
+            from aerodrake.remote_coordinator import make_station_link
+            from aerodrake.wire import make_lcm
+
+            link = make_station_link(scenario, make_lcm(arguments.lcm), say)
+        rate = arguments.rate or 1.0 if arguments.live or link else 0.0
         if arguments.live:
             from aerodrake.live import LiveView
 
-            view = LiveView(scenario, arguments.rate or 1.0)
+            view = LiveView(scenario, rate)
             print(f"watch it at {view.url}", file=sys.stderr)
-        flight = Flight(scenario)
+        flight = Flight(scenario, link=link)
+        if link:
+            say(f"note: waits in trim for a coordinator at {arguments.lcm}")
         with (
+            frozen_garbage() if link else nullcontext(),
             held_interrupts() as check,
             run_folder(target) as folder,
             tqdm(
@@ -95,7 +115,7 @@ def main(arguments: argparse.Namespace) -> int:
 
             attach = view.attach if view is not None else lambda flight, simulator: None
             title = f"{scenario.name}, seed {scenario.seed}"
-            summary, log = fly_into(folder, flight, title, progress, attach)
+            summary, log = fly_into(folder, flight, title, progress, rate, attach)
             bar.close()
             replay = replay_page(log, scenario)
             (folder / "replay.html").write_text(replay, encoding="utf-8")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from pydrake.systems.framework import Context, DiscreteValues
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from aerodrake.model.clik import InverseKinematics
 from aerodrake.model.qp import QpStatus
@@ -18,7 +18,8 @@ class ClikSystem(KinematicController):
     Ports:
         those of every `KinematicController`. `prediction` goes on at the wanted
         velocity; `status` is UNCONSTRAINED, SOLVED where a bound cut u, or
-        NON_FINITE where an input was not, and 0 iterations.
+        NON_FINITE where an input was not, and 0 iterations. `plan` (2 (3 + n)) is u, held
+        for one tick more.
     State, rate:
         theirs.
 
@@ -31,6 +32,12 @@ class ClikSystem(KinematicController):
     def __init__(self, inverse: InverseKinematics):
         super().__init__(inverse.model, inverse.mpc.horizon)
         self._inverse = inverse
+        self.DeclareVectorOutputPort(
+            "plan", 2 * (3 + inverse.model.joints), self._calc_plan, {self.xd_ticket()}
+        )
+
+    def _calc_plan(self, context: Context, output: BasicVector) -> None:
+        output.set_value(np.tile(context.get_discrete_state(self._x_u).value(), 2))
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         tick = self.tick_inputs(context)

@@ -51,6 +51,7 @@ class MpcSystem(KinematicController):
         self._x_plan = self.DeclareDiscreteState(
             np.zeros(sum(formulation.stage_ticks) * self._inputs)
         )
+        self.DeclareStateOutputPort("plan", self._x_plan)
         self._x_active = self.DeclareDiscreteState(sum(formulation.A.shape))
 
     def tick_inputs(self, context: Context) -> MpcInputs:

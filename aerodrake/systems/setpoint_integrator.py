@@ -15,6 +15,8 @@ class SetpointIntegrator(LeafSystem):
     Ports:
         in `u` (3 + n): accelerations, m/s^2 and rad/s^2, held between ticks.
         in `mode` (1): a `SafeMode`, heeded from tick to tick.
+        in `followed` (3 (3 + n) + 1): the segment that setpoints are on, where somebody else
+            has the last word on it; unconnected where it is this system's own.
         out `base_setpoint` (9): p_d, v_d, a_d.
         out `joint_setpoint` (3 n): q_d, q_d', q_d''.
         out `segment` (3 (3 + n) + 1): the polynomials that they follow until the next
@@ -41,6 +43,7 @@ class SetpointIntegrator(LeafSystem):
         m = self._axes = len(position)
         self._u = self.DeclareVectorInputPort("u", m)
         self._mode = self.DeclareVectorInputPort("mode", 1)
+        self._followed = self.DeclareVectorInputPort("followed", 3 * m + 1)
         self._x = self.DeclareDiscreteState(np.concatenate([position, np.zeros(m + 1)]))
         self._x_mode = self.DeclareDiscreteState(1)
         # Does not change with time: between ticks only polynomials are evaluated.
@@ -65,6 +68,7 @@ class SetpointIntegrator(LeafSystem):
         output.set_value(evaluate(segment, time, 3, self._axes))
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        x = advanced(self._segment.Eval(context), context.get_time())
+        followed = self._followed if self._followed.HasValue(context) else self._segment
+        x = advanced(followed.Eval(context), context.get_time())
         discrete.set_value(self._x, x)
         discrete.set_value(self._x_mode, self._mode.Eval(context))

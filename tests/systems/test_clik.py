@@ -68,9 +68,11 @@ def test_has_the_ports_and_the_rate_of_the_mpc(clik, parts):
         outputs = map(system.get_output_port, range(system.num_output_ports()))
         return [(port.get_name(), port.size()) for side in (inputs, outputs) for port in side]
 
-    # All but where the tool is to point, and what a solver can suffer from.
-    own = ("pointing", "fault")
-    assert ports(clik) == [port for port in ports(mpc) if port[0] not in own]
+    # All but where the tool is to point, and what a solver can suffer from; and it plans less.
+    own = ("pointing", "fault", "plan")
+    shared = [port for port in ports(mpc) if port[0] not in own]
+    m = 3 + clik.GetInputPort("joint_setpoint").size() // 3
+    assert ports(clik) == [*shared, ("plan", 2 * m)]
     assert not clik.HasAnyDirectFeedthrough()
     timing = clik.GetUniquePeriodicDiscreteUpdateAttribute()
     assert (timing.period_sec(), timing.offset_sec()) == (0.02, 0)
@@ -85,6 +87,7 @@ def test_a_tick_is_that_of_the_equations(clik, parts, values):
     np.testing.assert_array_equal(
         prediction, inverse.predict(clik.tick_inputs(context), command.velocity).ravel()
     )
+    np.testing.assert_array_equal(clik.GetOutputPort("plan").Eval(context), [*u, *u])
     assert tuple(status) == (QpStatus.UNCONSTRAINED, 0, 0) and not command.is_bounded
     assert len(clik.tick_ms) == 1 and clik.tick_ms[0] > 0
 

@@ -100,7 +100,7 @@ def tick(mpc, context, values) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def plan(mpc, formulation, context) -> np.ndarray:
     """(T, 3 + n) accelerations at each tick of the horizon."""
     m = 3 + formulation.model.joints
-    plan = context.get_discrete_state(5).value().reshape(-1, m)
+    plan = mpc.GetOutputPort("plan").Eval(context).reshape(-1, m)
     assert len(plan) == sum(formulation.stage_ticks)
     return plan
 

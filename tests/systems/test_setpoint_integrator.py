@@ -228,10 +228,28 @@ def test_between_ticks_limits_are_not_looked_at(monkeypatch):
     np.testing.assert_allclose(looked, DT * np.array([0, 0, 1, 2, 3, 4]), atol=1e-8)
 
 
+def test_who_follows_another_begins_each_tick_where_that_is():
+    driver = Driver()
+    driver.command(np.full(SIZE, 0.5))
+    driver.advance(after_tick(1))
+    followed = np.concatenate([START + 0.2, np.full(SIZE, 0.1), np.full(SIZE, -0.3), [DT]])
+    driver.system.GetInputPort("followed").FixValue(driver.context, followed)
+    mine = driver.now.copy()
+    driver.command(np.zeros(SIZE))
+    p, v, _ = driver.advance(2 * DT - 1e-6)  # Only at the tick.
+    np.testing.assert_allclose(p, mine[0] + DT * mine[1], atol=1e-6)
+    p, v, u = driver.advance(after_tick(2))
+    np.testing.assert_allclose(p, START + 0.2 + 0.1 * DT - 0.3 * DT**2 / 2, atol=1e-8)
+    np.testing.assert_allclose(v, 0.1 - 0.3 * DT, atol=1e-8)
+    np.testing.assert_allclose(u, 0.0, atol=1e-12)
+
+
 def test_ports_rate_and_feedthrough():
     system = SetpointIntegrator(LIMITS, MOTION, START, DT)
     assert system.GetInputPort("u").size() == SIZE
-    assert system.num_input_ports() == 2
+    assert [system.get_input_port(i).get_name() for i in range(system.num_input_ports())] == [
+        *("u", "mode", "followed"),
+    ]
     assert system.GetOutputPort("base_setpoint").size() == 9
     assert system.GetOutputPort("joint_setpoint").size() == 3 * (SIZE - 3)
     for port in ("base_setpoint", "joint_setpoint"):

@@ -1,0 +1,60 @@
+"""`aerodrake coordinator SCENARIO`."""
+
+from __future__ import annotations
+
+import argparse
+
+from aerodrake.commands.options import FLIGHT_BAR, LCM_URL, add_scenario, overrides
+
+HELP = "coordinate the flight of a station in another process, over LCM"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Declares its arguments."""
+    add_scenario(command)
+    command.add_argument("--lcm", default=LCM_URL, metavar="URL", help=f"default: {LCM_URL}")
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Serves one flight of a station, as `aerodrake run SCENARIO --lcm` is one, in wall time."""
+    from tqdm import tqdm
+
+    from aerodrake.scenario_file import load_scenario
+
+    scenario = load_scenario(arguments.scenario, overrides(arguments))
+
+    from aerodrake.companion import Companion
+    from aerodrake.compiled import is_cold
+    from aerodrake.errors import ProcessDied
+    from aerodrake.garbage import frozen_garbage
+    from aerodrake.interrupts import held_interrupts
+    from aerodrake.wire import make_lcm
+
+    say = (lambda line: None) if arguments.quiet else print
+    lcm = make_lcm(arguments.lcm)
+    if is_cold():
+        say("note: equations are compiled first; this takes a minute, once on a machine")
+    companion = Companion(scenario, lcm, say)
+    say(f"note: waits for a station at {arguments.lcm}")
+    with (
+        frozen_garbage(),
+        held_interrupts() as check,
+        tqdm(
+            total=scenario.settle_s + scenario.duration,
+            desc=scenario.name,
+            unit="s",
+            disable=arguments.quiet,
+            bar_format=FLIGHT_BAR,
+        ) as bar,
+    ):
+
+        def progress(flown_s: float) -> None:
+            bar.update(flown_s - bar.n)
+            check()
+
+        service = companion.serve(progress)
+    say(service.line())
+    if service.fault:
+        raise ProcessDied(service.fault)
+    return 0

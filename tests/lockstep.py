@@ -1,0 +1,64 @@
+"""A wire in memory: station and coordinator in one process, on one clock, again and again alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from pydrake.lcm import DrakeLcm
+
+from aerodrake.companion import Companion
+from aerodrake.flight_log import FlightLog
+from aerodrake.remote_coordinator import make_station_link
+from aerodrake.scenario import Scenario
+from aerodrake.simulate import Flight
+from aerodrake.wire import COORDINATOR
+
+
+class Lockstep:
+    """What a station polls each plant step; a companion at its other end works then.
+
+    Args:
+        late: Polls from an answer until it arrives.
+        is_lost: Says of the i-th message of a channel whether it is.
+    """
+
+    def __init__(
+        self, late: int = 0, is_lost: Callable[[str, int], bool] = lambda channel, i: False
+    ):
+        self.companion: Companion | None = None
+        self._lcm = DrakeLcm("memq://")
+        self._late, self.is_lost = late, is_lost
+        self._polls = 0
+        self._sent: dict[str, int] = {}
+        self._held: list[tuple[int, bytes]] = []
+        self._is_busy = False
+
+    def Subscribe(self, channel, handler):
+        return self._lcm.Subscribe(channel, handler)
+
+    def Publish(self, channel, buffer):
+        i = self._sent[channel] = self._sent.get(channel, -1) + 1
+        if self.is_lost(channel, i):
+            return
+        if channel == COORDINATOR:
+            self._held.append((self._polls + self._late, buffer))
+        else:
+            self._lcm.Publish(channel, buffer)
+
+    def HandleSubscriptions(self, timeout_millis):
+        if not self._is_busy:
+            self._polls += 1
+            if self.companion is not None:
+                self._is_busy = True
+                self.companion.answer()
+                self._is_busy = False
+            while self._held and self._held[0][0] <= self._polls:
+                self._lcm.Publish(COORDINATOR, self._held.pop(0)[1])
+        return self._lcm.HandleSubscriptions(0)
+
+
+def fly_over(lcm: Lockstep, scenario: Scenario) -> FlightLog:
+    """A flight of which both ends are here, faster than real time."""
+    flight = Flight(scenario, link=make_station_link(scenario, lcm))
+    lcm.companion = Companion(scenario, lcm)
+    return flight.fly()
