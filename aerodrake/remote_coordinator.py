@@ -9,8 +9,8 @@
 A sample goes out when all that is due at its instant is done. The answer is there some
 milliseconds later, after the low-level controllers have run: each message has the plan of
 the next ticks with it, and so they already had what the one before foresaw. That makes up
-for the time on the way: clover's lap, 0.020 mm without a wire, is at 0.019 mm with a
-latency of 2 to 17 ms, and would be at 0.031 mm if setpoints just went on.
+for the time on the way: clover's lap, 0.020 mm without a wire, is at 0.019 mm or less with a
+latency of 2 to 15 ms, and would be at 0.031 mm if setpoints just went on.
 """
 
 from __future__ import annotations
