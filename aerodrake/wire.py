@@ -136,7 +136,7 @@ class Link:
 
         Args:
             time: s, as in `Message`.
-            parts: By name; those that it does not have are zero.
+            parts: (size,) numbers by name; those that it does not have are zero.
         """
         zeros = {name: np.zeros(size) for name, size in self.tells.sizes.items()}
         message = Message(time, self.phase, {**zeros, **parts})

@@ -80,7 +80,8 @@ def test_in_either_order_they_fly_and_leave_a_runs_folder(start, url, tmp_path, 
     assert (one.returncode, other.returncode) == (0, 0), outputs
     assert b" ticks, " in outputs["coordinator"][0]
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names == {"summary.json", "log.npz", "scenario.yaml", "tracking.png", "replay.html"}
+    pages = {"tracking.png", "replay.html", "report.html"}
+    assert names == {"summary.json", "log.npz", "scenario.yaml", *pages}
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["exit_reason"] == "completed"
     assert summary["wall_s"] > 0.99 * summary["simulated_s"] == 0.99

@@ -30,8 +30,8 @@ class KinematicController(LeafSystem):
         out `status` (3): a `QpStatus`, the solver's iterations, and how many ticks ago the
             last answer was.
         out `weights` (5), `delta` (3): those that the last tick was given.
-        out `plan` (P (3 + n)), which a subclass declares: u at the last tick, and as it is to
-            be at those after it, as far as that is known.
+        out `plan` (P (3 + n)): u at the last tick, and as it is to be at those after it, as far
+            as that is known. A subclass declares it.
     State:
         `u`, `prediction`, `status`, `weights` and `delta`, of the last tick.
     Rate:
