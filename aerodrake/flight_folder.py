@@ -9,7 +9,7 @@ from typing import Any
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.flight_log import FlightLog
-from aerodrake.report import plot_tracking
+from aerodrake.reports.flight_figure import plot_tracking
 from aerodrake.scenario_file import save_scenario
 from aerodrake.simulate import Flight
 from aerodrake.summary import summarize, to_json

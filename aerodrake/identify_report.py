@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.signal import lsim
 
-from aerodrake.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 from aerodrake.identify import AxisIdentification, Identification, Record
 from aerodrake.model.identification import LEVEL
+from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario_file import save_scenario
 from aerodrake.summary import rounded, to_json
 

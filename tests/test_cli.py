@@ -349,9 +349,9 @@ def test_version_and_help(capsys):
 
 
 def test_train_takes_the_scenario_and_options_it_is_given(tmp_path, monkeypatch, capsys):
-    from aerodrake import train
-    from aerodrake.evaluation import METHODS, Evaluation
-    from aerodrake.stages import Stage, paper_stages, quick_stages
+    from aerodrake.learning import train
+    from aerodrake.learning.evaluation import METHODS, Evaluation
+    from aerodrake.learning.stages import Stage, paper_stages, quick_stages
 
     asked = []
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from aerodrake.dataset import ARRAYS
+from aerodrake.learning.dataset import ARRAYS
 from aerodrake.model.checkpoint import load
 from aerodrake.scenario_file import load_scenario
 

@@ -7,7 +7,7 @@ import pytest
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
-from aerodrake.bench_arms import with_joints
+from aerodrake.bench.arms import with_joints
 from aerodrake.cli import main
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario_file import load_scenario

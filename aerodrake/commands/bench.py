@@ -35,8 +35,8 @@ def main(arguments: argparse.Namespace) -> int:
         raise BadInput("--json", "", f"expected a file in a folder that exists, got {file}")
     target = arguments.out or new_folder("bench")
 
-    from aerodrake.bench import FULL, QUICK, STEPS, bench
-    from aerodrake.bench_report import FILES, bench_table, missing_peers, plot_bench
+    from aerodrake.bench.report import FILES, bench_table, missing_peers, plot_bench
+    from aerodrake.bench.suite import FULL, QUICK, STEPS, bench
     from aerodrake.summary import to_json
 
     say = (lambda line: None) if arguments.quiet else print

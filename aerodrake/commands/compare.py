@@ -43,19 +43,19 @@ def main(arguments: argparse.Namespace) -> int:
     target = arguments.out or new_folder(f"{given.name}-comparison")
 
     from aerodrake.compare import OWN_VARIANT, compare, make_variant, make_variants, notes
-    from aerodrake.comparison_page import PAGE, Comparison, comparison_page
-    from aerodrake.comparison_report import FILES, plot_comparison
-    from aerodrake.comparison_table import comparison_table
     from aerodrake.compiled import is_cold
     from aerodrake.flight_log import FlightLog
-    from aerodrake.flight_table import headline
     from aerodrake.inputs import frozen
     from aerodrake.interrupts import held_interrupts
     from aerodrake.margins import find_margins
-    from aerodrake.margins_report import FILES as MARGINS_FILES
-    from aerodrake.margins_report import margins_table, write_margins
     from aerodrake.model.scenario_network import provenance_notes
     from aerodrake.model.thrust_allocation import thrust_notes
+    from aerodrake.reports.comparison_figure import FILES, plot_comparison
+    from aerodrake.reports.comparison_page import PAGE, Comparison, comparison_page
+    from aerodrake.reports.comparison_table import comparison_table
+    from aerodrake.reports.flight_table import headline
+    from aerodrake.reports.margins_report import FILES as MARGINS_FILES
+    from aerodrake.reports.margins_report import margins_table, write_margins
     from aerodrake.run_folder import run_folder
     from aerodrake.scenario_rules import warnings
     from aerodrake.scenario_yaml import dump

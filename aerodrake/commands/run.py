@@ -60,13 +60,13 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.compiled import is_cold
     from aerodrake.flight_folder import fly_into
-    from aerodrake.flight_table import table
     from aerodrake.inputs import frozen
     from aerodrake.interrupts import held_interrupts
     from aerodrake.model.scenario_network import provenance_notes
     from aerodrake.model.thrust_allocation import thrust_notes
-    from aerodrake.replay import replay_page
-    from aerodrake.report_page import report_page
+    from aerodrake.reports.flight_page import report_page
+    from aerodrake.reports.flight_table import table
+    from aerodrake.reports.replay import replay_page
     from aerodrake.run_folder import run_folder
     from aerodrake.simulate import Flight
 
@@ -87,7 +87,7 @@ def main(arguments: argparse.Namespace) -> int:
             link = make_station_link(scenario, make_lcm(arguments.lcm), say)
         rate = arguments.rate or 1.0 if arguments.live or link else 0.0
         if arguments.live:
-            from aerodrake.live import LiveView
+            from aerodrake.reports.live import LiveView
 
             view = LiveView(scenario, rate)
             print(f"watch it at {view.url}", file=sys.stderr)

@@ -62,15 +62,15 @@ def main(arguments: argparse.Namespace) -> int:
         raise BadInput("--resume", "", "expected the folder of a sweep by --out DIR")
     scenario = load_scenario(arguments.scenario, overrides(arguments))
 
-    from aerodrake.cluster import cluster
     from aerodrake.compiled import is_cold
     from aerodrake.model.scenario_network import provenance_notes
     from aerodrake.model.thrust_allocation import thrust_notes
-    from aerodrake.sweep import processes, sweep
-    from aerodrake.sweep_folder import FILES, sweep_folder
-    from aerodrake.sweep_plan import Plan
-    from aerodrake.sweep_report import sweep_table, write_report
-    from aerodrake.trial import FAILURES
+    from aerodrake.sweep.cluster import cluster
+    from aerodrake.sweep.folder import FILES, sweep_folder
+    from aerodrake.sweep.loop import processes, sweep
+    from aerodrake.sweep.plan import Plan
+    from aerodrake.sweep.report import sweep_table, write_report
+    from aerodrake.sweep.trial import FAILURES
 
     plan = Plan.make(scenario, arguments.vary, arguments.trials)
     plan.check()

@@ -29,10 +29,10 @@ def main(arguments: argparse.Namespace) -> int:
     scenario = load_scenario(arguments.scenario, overrides(arguments))
 
     from aerodrake.inputs import frozen
+    from aerodrake.learning.report import training_table
+    from aerodrake.learning.stages import paper_stages, quick_stages
+    from aerodrake.learning.train import train_scenario
     from aerodrake.model.training import Training
-    from aerodrake.stages import paper_stages, quick_stages
-    from aerodrake.train import train_scenario
-    from aerodrake.training_report import training_table
 
     kind = "train-quick" if arguments.quick else "train"
     target = arguments.out or Path("runs", f"{kind}-{scenario.name}")

@@ -10,8 +10,8 @@ import os
 import numpy as np
 import pytest
 
-from aerodrake.bench_exact import exact_minimiser
-from aerodrake.bench_ticks import OWN, program_arrays, record_ticks, replay
+from aerodrake.bench.exact import exact_minimiser
+from aerodrake.bench.ticks import OWN, program_arrays, record_ticks, replay
 from aerodrake.cli import main
 from aerodrake.scenario_file import load_scenario, packaged_scenarios
 

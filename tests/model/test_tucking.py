@@ -12,7 +12,7 @@ from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
-from aerodrake.bench_arms import with_joints
+from aerodrake.bench.arms import with_joints
 from aerodrake.files import locate
 from aerodrake.model.thrust_allocation import ThrustAllocation
 from aerodrake.model.tucking import CLEARANCE_M, TOLERANCE_M, GroundGeometry, tuck

@@ -1,0 +1,228 @@
+"""What a person sees of a bench: the table and the figure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from aerodrake.bench.peers import PEERS
+from aerodrake.bench.scaling import FITTED_FROM, PEER
+from aerodrake.bench.solvers import BOUNDED, SCENARIOS, installed_peers
+from aerodrake.reports.figures import ACCENT, REFERENCE, STYLE
+
+FILES = ("bench.json", "bench.png")
+"""What a bench leaves behind."""
+
+WIDTHS = (18, 9, 9, 9, 9, 9, 9, 12, 8, 8)
+
+Figures = Mapping[str, Any]
+
+
+def missing_peers() -> list[str]:
+    """One line for each solver that is not installed."""
+    return [
+        f"{name} is left out, for it is not installed: pip install aerodrake[bench]"
+        for name in PEERS
+        if name not in installed_peers()
+    ]
+
+
+def bench_table(figures: Figures) -> str:
+    """All figures, in text."""
+    return "\n\n".join(
+        [_solvers(figures), _settings(figures), _scaling(figures), _loop(figures), _whole(figures)]
+    )
+
+
+def _solvers(figures: Figures) -> str:
+    tick, peers = figures["tick"], figures["peers"]
+    rows = [
+        ("", "median", "p99", "worst", "solving", "bounded", "p99", "u_0 error", "ours/", "p99"),
+        ("solver", "ms", "ms", "ms", "ms", "ms", "ms", "m, rad/s^2", "theirs", "too"),
+        _solver("aerodrake", tick),
+        *(_solver(f"{n} {p['version'] or ''}", p) for n, p in peers.items()),
+    ]  # fmt: skip
+    shares = [f"{100 * s:.2f} % {n}" for n, s in tick["status_shares"].items() if s]
+    forming, overhead = tick["forming_median_ms"], tick["overhead_ms"]
+    return "\n".join(
+        [
+            f"MPC tick over {tick['ticks']} ticks of {', '.join(SCENARIOS)}: forming and solving",
+            *map(_line, rows),
+            f"answers: {', '.join(shares)}; forming {forming:.3f} ms of each median; "
+            f"system overhead {overhead:.3f} ms",
+            f"bounded: {tick['bounded']['ticks']} ticks of these and of {BOUNDED} with an active "
+            "bound",
+        ]
+    )
+
+
+def _solver(name: str, figures: Figures) -> list[str]:
+    if figures["median_ms"] is None:
+        return [name, "not installed"]
+    bounded = figures["bounded"]
+    return [
+        name,
+        *(_number(figures[f"{key}_ms"]) for key in ("median", "p99", "worst", "solving_median")),
+        *(_number(bounded[f"{key}_ms"]) for key in ("median", "p99")),
+        f"{figures['u0_error_max']:.1e}",
+        *(_number(figures.get(f"{key}_ratio"), 2) for key in ("median", "p99")),
+    ]
+
+
+def _settings(figures: Figures) -> str:
+    lines = [f"  {name}: {p['settings']}" for name, p in figures["peers"].items() if p["version"]]
+    return "\n".join(["settings of the peers", *lines])
+
+
+def _scaling(figures: Figures) -> str:
+    scaling = figures["scaling"]
+    horizon, joints = scaling["horizon"], scaling["joints"]
+    return "\n".join(
+        [
+            f"tick by horizon: ms ~ N^{scaling['horizon_exponent']:.2f} from N = {FITTED_FROM} on",
+            _row("N", [row["N"] for row in horizon], 0),
+            *_medians(horizon),
+            _row("joints", [row["joints"] for row in joints], 0),
+            *_medians(joints),
+        ]
+    )
+
+
+def _medians(rows: Sequence[Figures]) -> list[str]:
+    lines = [_row("median ms", [row["median_ms"] for row in rows])]
+    for name in rows[0]["peers_median_ms"]:
+        lines.append(_row(f"{name} ms", [row["peers_median_ms"][name] for row in rows]))
+    return lines
+
+
+def _loop(figures: Figures) -> str:
+    loop = figures["loop"]
+    return "\n".join(
+        [
+            f"closed loop over bare plant: {figures['closed_loop_over_plant']:.2f}; "
+            f"a flight at {figures['real_time_factor']:.1f} x real time; "
+            f"monitor and logs {100 * loop['monitor_and_log_share']:.1f} % of it",
+            "ms of wall time a simulated second",
+            _entry("bare plant", loop["plant_ms_per_s"]),
+            _entry("closed loop", loop["closed_loop_ms_per_s"]),
+            _entry("flight", loop["flight_ms_per_s"]),
+            "where the closed loop's goes, by a stopwatch around each Python system",
+            *(_entry(name, ms) for name, ms in loop["systems_ms_per_s"].items()),
+            _entry("framework", loop["framework_ms_per_s"]),
+        ]
+    )
+
+
+def _whole(figures: Figures) -> str:
+    memory, startup = figures["memory"], figures["startup"]
+    return "\n".join(
+        [
+            f"peak memory: {figures['peak_rss_mb']:.0f} MB for {memory['clover_s']:g} s of clover; "
+            f"{figures['rss_growth_mb']:+.1f} MB from 1 s of hover to {memory['hover_s']:g} s",
+            f"start-up: --help {startup['help_s']:.2f} s, "
+            f"run hover --duration 1 {startup['hover_s']:.2f} s",
+        ]
+    )
+
+
+def plot_bench(figures: Figures, path: Path) -> None:
+    """Writes the figure: the tick beside its peers, by horizon and joints, and the loop's parts.
+
+    Args:
+        figures: As from `bench`.
+        path: A PNG.
+    """
+    with rc_context(STYLE):
+        figure = Figure(figsize=(14, 8.5), layout="constrained")
+        grid = figure.add_gridspec(2, 2)
+        _draw_solvers(figure.add_subplot(grid[0, 0]), figures)
+        _draw_horizon(figure.add_subplot(grid[0, 1]), figures["scaling"])
+        _draw_loop(figure.add_subplot(grid[1, 0]), figures["loop"])
+        _draw_joints(figure.add_subplot(grid[1, 1]), figures["scaling"])
+        figure.savefig(path, dpi=110, metadata={"Software": None})
+
+
+def _draw_solvers(axes: Axes, figures: Figures) -> None:
+    solvers = {"aerodrake": figures["tick"], **figures["peers"]}
+    solvers = {name: f for name, f in solvers.items() if f["median_ms"] is not None}
+    for place, (name, solver) in enumerate(solvers.items()):
+        color = ACCENT if name == "aerodrake" else "#495057"
+        times = [solver["median_ms"], solver["p99_ms"]]
+        axes.plot(times, [place, place], color=color, marker="o", markevery=[0])
+        axes.plot(times[1:], [place], color=color, marker="|", markersize=14)
+    axes.set_yticks(range(len(solvers)), list(solvers))
+    axes.invert_yaxis()
+    axes.set_xscale("log")
+    axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5, 10])
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter("")
+    axes.set_title("MPC tick: from median to p99", fontsize=10, loc="left")
+    axes.set_xlabel("forming and solving / ms")
+
+
+def _draw_horizon(axes: Axes, scaling: Figures) -> None:
+    N = np.array([row["N"] for row in scaling["horizon"]])
+    times = np.array([row["median_ms"] for row in scaling["horizon"]])
+    forming = [row["forming_median_ms"] for row in scaling["horizon"]]
+    axes.loglog(N, times, marker="o", color=ACCENT, label="tick")
+    axes.loglog(N, forming, marker="o", color="#74c0fc", label="forming")
+    if PEER in scaling["horizon"][0]["peers_median_ms"]:
+        theirs = [row["peers_median_ms"][PEER] for row in scaling["horizon"]]
+        axes.loglog(N, theirs, marker="o", color="#495057", label=PEER)
+    fitted = N >= FITTED_FROM
+    start = times[fitted][0]
+    axes.loglog(N[fitted], start * (N[fitted] / FITTED_FROM) ** 2, **REFERENCE, label="N^2")
+    axes.set_xticks(N, list(map(str, N)), minor=False)
+    axes.minorticks_off()
+    axes.yaxis.set_major_formatter("{x:g}")
+    title = f"by horizon: N^{scaling['horizon_exponent']:.2f} from N = {FITTED_FROM} on"
+    axes.set_title(title, fontsize=10, loc="left", parse_math=False)
+    axes.set(xlabel="N", ylabel="median / ms")
+    axes.legend(loc="upper left")
+
+
+def _draw_loop(axes: Axes, loop: Figures) -> None:
+    parts = {"bare plant": loop["plant_ms_per_s"], **loop["systems_ms_per_s"]}
+    parts["framework"] = loop["framework_ms_per_s"]
+    colors = ["#495057", *[ACCENT] * (len(parts) - 2), "#adb5bd"]
+    axes.set_axisbelow(True)
+    axes.barh(range(len(parts)), list(parts.values()), 0.7, color=colors)
+    axes.set_yticks(range(len(parts)), list(parts))
+    axes.invert_yaxis()
+    axes.set_title("closed loop, part by part", fontsize=10, loc="left")
+    axes.set_xlabel("ms a simulated second")
+
+
+def _draw_joints(axes: Axes, scaling: Figures) -> None:
+    n = [row["joints"] for row in scaling["joints"]]
+    axes.plot(n, [row["median_ms"] for row in scaling["joints"]], marker="o", color=ACCENT)
+    if PEER in scaling["joints"][0]["peers_median_ms"]:
+        theirs = [row["peers_median_ms"][PEER] for row in scaling["joints"]]
+        axes.plot(n, theirs, marker="o", color="#495057")
+    axes.set_title("by joints", fontsize=10, loc="left")
+    axes.set(xlabel="joints", ylabel="median / ms", ylim=(0, None), xticks=n)
+
+
+def _number(value: float | None, digits: int = 3) -> str:
+    return "" if value is None else f"{value:.{digits}f}"
+
+
+def _line(cells: Sequence[str]) -> str:
+    text = f"{cells[0]:<{WIDTHS[0]}}"
+    return (
+        text + "".join(f"{c:>{w}}" for c, w in zip(cells[1:], WIDTHS[1:], strict=False))
+    ).rstrip()
+
+
+def _row(name: str, values: Sequence[float], digits: int = 3) -> str:
+    return f"  {name:<12}" + "".join(f"{value:>9.{digits}f}" for value in values)
+
+
+def _entry(name: str, ms: float) -> str:
+    return f"  {name:<26}{ms:>9.2f}"

@@ -1,0 +1,100 @@
+"""What the package costs: the MPC's tick, the loop around it, memory and start-up."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+from aerodrake.bench.loop import loop_figures
+from aerodrake.bench.processes import process_figures
+from aerodrake.bench.scaling import scaling_figures
+from aerodrake.bench.solvers import solver_figures
+from aerodrake.summary import rounded
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is measured. Times are simulated ones.
+
+    Attributes:
+        duration_s, settle_s: Of the recorded flights: reference time, and hover before it.
+        passes: Through recorded ticks.
+        scaling_s: Of the flights for each horizon and number of joints.
+        loop_s: That closed loop and bare plant are simulated.
+        repeats: Of that, in turn.
+        starts: Of commands that are timed.
+        clover_s, hover_s: Reference time of the flights whose memory is measured.
+    """
+
+    duration_s: float
+    settle_s: float
+    passes: int
+    scaling_s: float
+    loop_s: float
+    repeats: int
+    starts: int
+    clover_s: float
+    hover_s: float
+
+
+FULL = Effort(
+    duration_s=30.0,
+    settle_s=3.0,
+    passes=3,
+    scaling_s=1.0,
+    loop_s=10.0,
+    repeats=5,
+    starts=3,
+    clover_s=30.0,
+    hover_s=600.0,
+)
+QUICK = Effort(
+    duration_s=1.2,
+    settle_s=0.3,
+    passes=2,
+    scaling_s=0.3,
+    loop_s=2.0,
+    repeats=3,
+    starts=1,
+    clover_s=2.0,
+    hover_s=20.0,
+)
+STEPS = 15
+"""How often `bench` says what it does."""
+
+
+def bench(effort: Effort, progress: Callable[[str], None] = lambda step: None) -> dict[str, Any]:
+    """Measures everything, one thing after another, on one thread.
+
+    Keys: `tick` and `peers` as in `solver_figures`, `scaling` as in `scaling_figures`,
+    those of `loop_figures`, of which `tick` gets the `overhead_ms`, those of
+    `process_figures`, and the machine.
+
+    Args:
+        effort: `FULL` or `QUICK`.
+        progress: Called with each step's name as it begins.
+    """
+    load = os.getloadavg()[0]
+    figures = solver_figures(effort.duration_s, effort.settle_s, effort.passes, progress)
+    figures["scaling"] = scaling_figures(effort.scaling_s, effort.passes, progress)
+    loop = loop_figures(effort.loop_s, effort.repeats, progress)
+    figures["tick"]["overhead_ms"] = loop.pop("mpc_overhead_ms")
+    figures |= loop
+    figures |= process_figures(effort.clover_s, effort.hover_s, effort.starts, progress)
+    return {
+        "version": version("aerodrake"),
+        "is_quick": effort is QUICK,
+        "machine": {
+            "system": platform.platform(),
+            "cores": os.cpu_count(),
+            "load_before": rounded(load),
+            "python": platform.python_version(),
+            "drake": version("drake"),
+            "numpy": version("numpy"),
+        },
+        **figures,
+    }

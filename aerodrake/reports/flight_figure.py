@@ -1,0 +1,71 @@
+"""The figure of a flight, all on one sheet."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from aerodrake.events import spans
+from aerodrake.flight_log import FlightLog
+from aerodrake.reports.figures import INK, STYLE, write_png
+from aerodrake.reports.flight_panels import (
+    draw_allocation,
+    draw_angle,
+    draw_axis,
+    draw_base,
+    draw_error,
+    draw_paths,
+    draw_series,
+    draw_weights,
+)
+from aerodrake.reports.supervision_panels import draw_spans, shade_safe_modes
+from aerodrake.scenario import Scenario
+
+MOST_SAMPLES = 6000
+"""In a line of a figure: ten for each pixel. A minute's log is drawn as it is."""
+
+
+def plot_tracking(log: FlightLog, scenario: Scenario, title: str, path: Path) -> None:
+    """Writes the figure of one flight: paths, errors, allocation, base and joints.
+
+    And the tool's angle, faults and what the supervisor noticed, where there are some.
+    """
+    lasting = spans(scenario, log)
+    log = log.thinned(MOST_SAMPLES)
+    with rc_context(STYLE):
+        angle = log.tool_angle_rad
+        rows = 6 + (angle is not None) + bool(lasting)
+        figure = Figure(figsize=(13, 14 * rows / 6), dpi=120, layout="constrained")
+        figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
+        grid = figure.add_gridspec(rows, 2, width_ratios=[1.15, 1])
+        draw_paths(figure.add_subplot(grid[:3, 0], projection="3d"), log)
+        times: list[Axes] = []
+
+        def timeline(cell: Any) -> Axes:
+            axes = figure.add_subplot(cell, sharex=times[0] if times else None)
+            axes.set_xlim(log.time_s[0], log.time_s[-1])
+            times.append(axes)
+            return axes
+
+        for axis, name in enumerate("xyz"):
+            draw_axis(timeline(grid[axis, 1]), log, axis, name)
+        draw_error(timeline(grid[3, 0]), log)
+        draw_allocation(timeline(grid[4, 0]), log)
+        draw_weights(timeline(grid[5, 0]), log)
+        draw_base(timeline(grid[3, 1]), log)
+        draw_series(timeline(grid[4, 1]), log, "q_rad", np.degrees, "joint angles / deg")
+        draw_series(timeline(grid[5, 1]), log, "qdot_rad_s", np.degrees, "joint velocities / deg/s")
+        if angle is not None:
+            draw_angle(timeline(grid[6, :]), log.time_s, angle)
+        if lasting:
+            draw_spans(timeline(grid[-1, :]), lasting)
+        for axes in times:
+            shade_safe_modes(axes, log)
+        for axes in (times[5], times[-1]):
+            axes.set_xlabel("reference time / s")
+        write_png(figure, path)

@@ -1,0 +1,184 @@
+"""The panels of a flight's figures, each of one subject."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+
+from aerodrake.flight_log import FlightLog
+from aerodrake.model.setpoint import SetpointLimits
+from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.weight_allocation import Mode
+from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, widen
+from aerodrake.scenario import Scenario
+
+MOST_TICKS = 1500
+"""In a line of a figure."""
+
+MODE_COLORS = {
+    Mode.FLIGHT: "#9ecae1",
+    Mode.COORDINATED: "#c7e9c0",
+    Mode.HOVER: "#f2f0f7",
+    Mode.ADJUSTMENT: "#fdd0a2",
+}
+
+
+def draw_paths(axes: Any, log: FlightLog) -> None:
+    """End-effector, its reference and the base in space; `axes` are of three dimensions."""
+    flown = log.time_s >= 0
+    axes.plot(*log["p_E_m"][flown].T, color=ACCENT, linewidth=2.2, label="end-effector")
+    axes.plot(*log["p_Ed_m"][flown].T, **REFERENCE, label="reference")
+    axes.plot(*log["p_B_m"][flown].T, color=AXIS_COLORS[2], alpha=0.7, label="base")
+    axes.set(xlabel="x / m", ylabel="y / m", zlabel="z / m")
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        widen(axis, 0.5)
+    axes.set_aspect("equal")
+    axes.locator_params(nbins=5)
+    axes.legend(loc="upper left")
+
+
+def draw_plan(axes: Axes, log: FlightLog) -> None:
+    """The same from above, in the world's x and y."""
+    flown = log.time_s >= 0
+    p_E, p_Ed, p_B = (log[key][flown] for key in ("p_E_m", "p_Ed_m", "p_B_m"))
+    axes.plot(p_E[:, 0], p_E[:, 1], color=ACCENT, linewidth=2.2, label="end-effector")
+    axes.plot(p_Ed[:, 0], p_Ed[:, 1], **REFERENCE, label="reference")
+    axes.plot(p_B[:, 0], p_B[:, 1], color=AXIS_COLORS[2], alpha=0.7, label="base")
+    for axis in (axes.xaxis, axes.yaxis):
+        widen(axis, 0.5)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="x / m", ylabel="y / m")
+    axes.legend(loc="best")
+
+
+def draw_axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
+    """The end-effector and its reference along one world axis."""
+    axes.plot(log.time_s, log["p_E_m"][:, axis], color=ACCENT, linewidth=2.2, label="end-effector")
+    axes.plot(log.time_s, log["p_Ed_m"][:, axis], **REFERENCE, label="reference")
+    widen(axes.yaxis, 0.02)
+    axes.set_ylabel(f"{name} / m")
+    if axis == 0:
+        axes.legend(loc="best", ncols=2)
+
+
+def draw_error(axes: Axes, log: FlightLog) -> None:
+    """Distances of end-effector and base from where they are to be."""
+    flown = log.time_s >= 0
+    axes.semilogy(log.time_s[flown], 1e3 * log.error_m[flown], color=ACCENT, label="end-effector")
+    axes.semilogy(
+        log.time_s[flown],
+        1e3 * log.base_error_m[flown],
+        color=AXIS_COLORS[2],
+        alpha=0.7,
+        label="base",
+    )
+    axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-2))
+    axes.set_ylabel("error / mm")
+    axes.legend(loc="best", ncols=2)
+
+
+def draw_angle(axes: Axes, time_s: np.ndarray, angle: np.ndarray) -> None:
+    """The `angle` (T,) rad from the tool to where it should point, over `time_s` (T,) s."""
+    axes.plot(time_s, np.degrees(angle), color=ACCENT)
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel("tool's angle / deg")
+
+
+def draw_allocation(axes: Axes, log: FlightLog) -> None:
+    """gamma, with the modes shaded behind it."""
+    mode = log["mode"].astype(int)
+    edges = np.flatnonzero(np.diff(mode)) + 1
+    for start, end in zip([0, *edges], [*edges, len(mode) - 1], strict=True):
+        kind = Mode(mode[start])
+        axes.axvspan(log.time_s[start], log.time_s[end], color=MODE_COLORS[kind], linewidth=0)
+    for kind in sorted(set(mode)):
+        color = MODE_COLORS[Mode(kind)]
+        axes.fill_between([], [], facecolor=color, edgecolor=INK, label=Mode(kind).label)
+    axes.plot(log.time_s, log["gamma"], color=INK)
+    axes.set_ylim(-1.05, 1.05)
+    axes.set_ylabel("gamma, mode")
+    axes.legend(loc="lower right", ncols=4)
+
+
+def draw_weights(axes: Axes, log: FlightLog) -> None:
+    """The weights of the MPC's cost that the allocation sets."""
+    for key, color in zip(("w_q", "w_m", "w_d"), AXIS_COLORS, strict=True):
+        axes.semilogy(log.time_s, log[key], color=color, label=key)
+    axes.set_ylabel("weights")
+    axes.legend(loc="best", ncols=3)
+
+
+def draw_base(axes: Axes, log: FlightLog) -> None:
+    """How far the base is from where it started."""
+    for axis, (name, color) in enumerate(zip("xyz", AXIS_COLORS, strict=True)):
+        moved = log["p_B_m"][:, axis] - log["p_B_m"][0, axis]
+        axes.plot(log.time_s, moved, color=color, label=name)
+    widen(axes.yaxis, 0.01)
+    axes.set_ylabel("base moved / m")
+    axes.legend(loc="best", ncols=3)
+
+
+def draw_series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) -> None:
+    """Joints, one line each, of a key of the log in the unit that `convert` makes."""
+    rows = convert(log[key])
+    for joint, color in enumerate(colormaps["viridis"](np.linspace(0, 0.9, rows.shape[1]))):
+        axes.plot(log.time_s, rows[:, joint], color=color, label=f"q_{joint + 1}")
+    widen(axes.yaxis, 1.0)
+    axes.set_ylabel(label)
+    axes.legend(loc="best", ncols=3)
+
+
+def draw_distance(axes: Axes, log: FlightLog, scenario: Scenario, color: str = ACCENT) -> None:
+    """d_o: how far the end-effector is from the centre of its learning space."""
+    flown = log.time_s >= 0
+    d_o = np.linalg.norm(log.p_EB_m - Vehicle.load(scenario).p_O, axis=1)
+    axes.plot(log.time_s[flown], d_o[flown], color=color)
+    axes.set_ylabel("d_o / m")
+
+
+def draw_boundaries(axes: Axes, scenario: Scenario) -> None:
+    """d_h and d_edge, between which d_o moves gamma; after what is plotted of it."""
+    for boundary in ("d_h_m", "d_edge_m"):
+        axes.axhline(getattr(scenario.allocation, boundary), **REFERENCE)
+    axes.set_ylim(bottom=0)
+
+
+def draw_inputs(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
+    """The largest input of base and of joints, each by its own bound."""
+    limits = SetpointLimits.make(scenario.mpc, Vehicle.load(scenario)).acceleration
+    u = np.abs(np.hstack([log["a_Bd_m_s2"], log["qddot_d_rad_s2"]])) / limits
+    for label, columns, color in (
+        ("joints", slice(3, None), AXIS_COLORS[1]),
+        ("base", slice(3), AXIS_COLORS[2]),
+    ):
+        axes.plot(log.time_s, u[:, columns].max(axis=1), color=color, label=label)
+    axes.axhline(1.0, **REFERENCE)
+    axes.set_ylim(0, 1.1)
+    axes.set_ylabel("largest |u| / bound")
+    axes.legend(loc="best", ncols=2)
+
+
+def draw_thrust(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
+    """Thrust of each rotor as it acts, and its bounds."""
+    rows = log["thrust_n"]
+    for rotor, color in enumerate(colormaps["viridis"](np.linspace(0, 0.9, rows.shape[1]))):
+        axes.plot(log.time_s, rows[:, rotor], color=color, label=f"{rotor + 1}")
+    for bound in (scenario.vehicle.rotor.min_thrust_n, scenario.vehicle.rotor.max_thrust_n):
+        axes.axhline(bound, **REFERENCE)
+    axes.set_ylabel("rotor thrust / N")
+    axes.legend(loc="best", ncols=4)
+
+
+def draw_ticks(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
+    """Wall time of the tracking controller, tick by tick, below its period."""
+    ticks = log["tick_ms"]
+    # The slowest of those that fall together in a figure.
+    starts = np.arange(0, len(ticks), -(-len(ticks) // MOST_TICKS) or 1)
+    slowest = np.maximum.reduceat(ticks, starts) if len(ticks) else ticks
+    axes.semilogy(starts, slowest, color=ACCENT, linewidth=0.8, label="forming and solving")
+    axes.axhline(1e3 * scenario.rates.mpc_period_s, **REFERENCE, label="period")
+    axes.set(xlabel="tick", ylabel="wall time / ms")
+    axes.legend(loc="best", ncols=2)

@@ -1,0 +1,171 @@
+"""The pictures of one flight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from aerodrake.events import Span, spans
+from aerodrake.flight_log import FlightLog
+from aerodrake.reports.flight_panels import (
+    draw_allocation,
+    draw_angle,
+    draw_axis,
+    draw_base,
+    draw_boundaries,
+    draw_distance,
+    draw_error,
+    draw_inputs,
+    draw_paths,
+    draw_plan,
+    draw_series,
+    draw_thrust,
+    draw_ticks,
+    draw_weights,
+)
+from aerodrake.reports.pictures import MOST_SAMPLES, Picture, sheet, timeline
+from aerodrake.reports.residual_panels import draw_prediction, draw_residual
+from aerodrake.reports.supervision_panels import draw_spans, shade_safe_modes
+from aerodrake.scenario import Scenario
+
+
+def flight_pictures(log: FlightLog, scenario: Scenario) -> list[Picture]:
+    """All that there are, in the order in which they are to be seen.
+
+    Args:
+        log: Of the flight, with all its samples.
+        scenario: What was flown.
+    """
+    return [*_motion(log.thinned(MOST_SAMPLES), scenario), *_inside(log, scenario)]
+
+
+def residual_picture(log: FlightLog, scenario: Scenario, of: str = "") -> Picture:
+    """Delta, and what it is for.
+
+    Args:
+        log: Of the flight, with all its samples.
+        scenario: What was flown.
+        of: Whose it is, to be said in the title.
+    """
+    with sheet("residual", 6.2) as (figure, done):
+        panels = figure.subplots(4, 1, sharex=True)
+        draw_residual(panels[:3], log, scenario)
+        for name, axes in zip("xyz", panels, strict=False):
+            axes.set_ylabel(f"Delta_{name} / mm/s")
+        draw_prediction(panels[3], log.thinned(MOST_SAMPLES))
+        panels[3].set(xlabel="reference time / s", xlim=(max(log.time_s[0], -1.0), log.time_s[-1]))
+        figure.align_ylabels()
+    return Picture(
+        f"Residual{of}",
+        "Delta, the base velocity that the model lacks: as estimated, and as it should have been. "
+        "Below, the error with which one period is predicted, with it and without.",
+        *done,
+    )
+
+
+def _motion(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
+    """What vehicle and tool did."""
+    with sheet("path", 4.2) as (figure, done):
+        draw_paths(figure.add_axes((0.0, 0.04, 0.93, 0.96), projection="3d"), log)
+    yield Picture("Paths", "The end-effector, its reference and the base, in space.", *done)
+    with sheet("plan", 4.2) as (figure, done):
+        draw_plan(figure.add_subplot(), log)
+    yield Picture("Plan", "The same from above.", *done)
+    yield timeline(
+        "error",
+        "Errors",
+        "The end-effector from its reference, and the base from its setpoint; logarithmic.",
+        log,
+        partial(draw_error, log=log),
+    )
+    angle = log.tool_angle_rad
+    if angle is not None:
+        yield timeline(
+            "angle",
+            "Tool's angle",
+            "Between the tool's axis and the direction that it is to have.",
+            log,
+            partial(draw_angle, time_s=log.time_s, angle=angle),
+        )
+    yield timeline(
+        "position",
+        "Position against reference",
+        "The end-effector and its reference along each axis of the world.",
+        log,
+        *(partial(draw_axis, log=log, axis=axis, name=name) for axis, name in enumerate("xyz")),
+    )
+    yield timeline(
+        "base",
+        "Base and reach",
+        "How far the base moved; and d_o, how far the end-effector is from the centre of its "
+        "learning space, with d_h and d_edge.",
+        log,
+        partial(draw_base, log=log),
+        partial(_distance, log=log, scenario=scenario),
+    )
+    yield timeline(
+        "joints",
+        "Joints",
+        "Angles and velocities of the arm.",
+        log,
+        partial(draw_series, log=log, key="q_rad", convert=np.degrees, label="angles / deg"),
+        partial(
+            draw_series, log=log, key="qdot_rad_s", convert=np.degrees, label="velocities / deg/s"
+        ),
+    )
+
+
+def _inside(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
+    """What moved them: allocation, residual, inputs, solver and supervisor."""
+    thin = log.thinned(MOST_SAMPLES)
+    yield timeline(
+        "allocation",
+        "Weight allocation",
+        "gamma with its modes behind it, and the weights that follow from it; logarithmic.",
+        thin,
+        partial(draw_allocation, log=thin),
+        partial(draw_weights, log=thin),
+    )
+    yield residual_picture(log, scenario)
+    yield timeline(
+        "input",
+        "Inputs",
+        "The largest commanded acceleration of base and joints by its bound, and the rotors' "
+        "thrust between its bounds.",
+        thin,
+        partial(draw_inputs, log=thin, scenario=scenario),
+        partial(draw_thrust, log=thin, scenario=scenario),
+    )
+    with sheet("ticks", 2.1) as (figure, done):
+        draw_ticks(figure.add_subplot(), log, scenario)
+    yield Picture(
+        "Time per tick",
+        "Wall time that the controller took at each tick, beside its period; logarithmic.",
+        *done,
+    )
+    lasting = spans(scenario, log)
+    if lasting:
+        yield _supervision(thin, lasting)
+
+
+def _distance(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
+    draw_distance(axes, log, scenario)
+    draw_boundaries(axes, scenario)
+
+
+def _supervision(log: FlightLog, lasting: list[Span]) -> Picture:
+    rows = len({(span.mode is None, span.name) for span in lasting})
+    with sheet("supervision", 0.9 + 0.2 * rows, left=1.9, top=0.3) as (figure, done):
+        axes = figure.add_subplot(xlim=(log.time_s[0], log.time_s[-1]))
+        draw_spans(axes, lasting)
+        shade_safe_modes(axes, log)
+        axes.set_xlabel("reference time / s")
+    return Picture(
+        "Faults and supervisor",
+        "Faults as they were injected, and the conditions that the supervisor noticed, in the "
+        "colour of the safe mode that each asks for; where it was in one, all is shaded.",
+        *done,
+    )

@@ -1,0 +1,99 @@
+"""A flight that is watched while it flies: in Meshcat, and in one line of text."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context, EventStatus
+
+from aerodrake.model.safe_mode import SafeMode
+from aerodrake.model.vehicle_state import parts
+from aerodrake.model.weight_allocation import Mode
+from aerodrake.reports.scene import Scene
+from aerodrake.scenario import Scenario
+from aerodrake.simulate import Flight
+
+FRAMES_PER_S = 30.0
+"""Of wall time."""
+SHOWN_S = 120.0
+"""Of the trace, and of a reference that never ends."""
+TRACE_EVERY = 3
+"""Frames: a path is sent as a whole each time."""
+
+
+class LiveView:
+    """Shows a flight in Meshcat.
+
+    It only looks: the flight's numbers are the same as without it.
+
+    Attributes:
+        url: Where a browser sees it.
+
+    Args:
+        scenario: What will be flown.
+        rate: Simulated time over wall time at which it will fly, above 0; 1 is real time.
+    """
+
+    def __init__(self, scenario: Scenario, rate: float):
+        self._scenario = scenario
+        self._rate = rate
+        self._scene = Scene(scenario)
+        self.url = self._scene.meshcat.web_url()
+
+    def attach(self, flight: Flight, simulator: Simulator) -> None:
+        """Watches a flight that is about to begin, as `Flight.fly` has it."""
+        self._flight = flight
+        self._context = simulator.get_context()
+        self._coordinator = flight.closed_loop.GetSubsystemByName("coordinator")
+        self._frames = self._viewers = 0
+        self._trace: list[np.ndarray] = []
+        self._draw_reference()
+        self._show()
+        simulator.set_monitor(self._monitor)
+
+    def line(self) -> str:
+        """What is to be known at a glance: error, mode, gamma, and the supervisor's mode."""
+        state = self._flight.closed_loop.GetOutputPort("true_state").Eval(self._context)
+        p_Ed = self._flight.closed_loop.GetOutputPort("reference").Eval(self._context)[:3]
+        gamma, mode = self._port("weights")[:2]
+        safe_mode = SafeMode(int(self._port("mode")[0]))
+        error = math.dist(self._flight.p_E(state), p_Ed)
+        return (
+            f"error {1e3 * error:8.3f} mm  {Mode(int(mode)).label:<11}  gamma {gamma:+.2f}  "
+            f"{safe_mode.label}"
+        )
+
+    def _monitor(self, context: Context) -> EventStatus:
+        """At every step of the plant: a frame, if one is due."""
+        if context.get_time() * FRAMES_PER_S >= self._frames * self._rate:
+            self._show()
+        return EventStatus.DidNothing()
+
+    def _show(self) -> None:
+        state = self._flight.closed_loop.GetOutputPort("true_state").Eval(self._context)
+        quaternion, p_B, q, *_ = parts(state)
+        self._scene.pose(self._context.get_time(), np.concatenate([quaternion, p_B, q]))
+        self._scene.draw_learning_space()
+        viewers = self._scene.meshcat.GetNumActiveConnections()
+        if viewers > self._viewers:  # A new one looks at the origin.
+            self._scene.look_at(p_B)
+        self._viewers = viewers
+        if self._frames % TRACE_EVERY == 0:
+            self._trace.append(self._flight.p_E(state))
+            most = round(SHOWN_S * FRAMES_PER_S / TRACE_EVERY)
+            self._scene.draw_trace(np.array(self._trace[-most:]))
+            prediction = self._port("prediction").reshape(-1, 3)
+            if prediction.any():  # Before the first tick there is none.
+                self._scene.draw_prediction(prediction)
+        self._frames += 1
+
+    def _draw_reference(self) -> None:
+        time_s = np.arange(0.0, min(self._scenario.duration, SHOWN_S) + 1e-9, 0.02)
+        self._scene.draw_reference(self._flight.curve.evaluate(time_s)[0])
+
+    def _port(self, name: str) -> np.ndarray:
+        """An output of the coordinator, now."""
+        context = self._coordinator.GetMyContextFromRoot(self._context)
+        return self._coordinator.GetOutputPort(name).Eval(context)

@@ -1,0 +1,46 @@
+"""The flight as a recording that plays in a browser, offline."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from aerodrake.flight_log import FlightLog
+from aerodrake.reports.scene import Scene
+from aerodrake.scenario import Scenario
+
+FRAMES_PER_S = 30.0
+MOST_FRAMES = 1800
+"""Longer recordings have fewer frames a second, lest pages grow with the flight."""
+MOST_POINTS = 6000
+"""Of a path likewise."""
+
+
+def replay_page(log: FlightLog, scenario: Scenario) -> str:
+    """A self-contained HTML page: the vehicle, its reference and its trace.
+
+    Args:
+        log: The flight; its animation begins at reference time 0, or where
+            the flight ended if that was before.
+        scenario: Whose robot flew, with its payload.
+    """
+    scene = Scene(scenario)
+    time_s, parts = log.time_s, ("quaternion", "p_B_m", "q_rad")
+    finite = np.all([np.isfinite(log[part]).all(axis=1) for part in parts], axis=0)
+    end = time_s[finite][-1]
+    flown = np.flatnonzero(finite & (time_s >= min(0.0, end)))
+    stride = -(-len(flown) // MOST_POINTS)
+    shown = flown[(len(flown) - 1) % stride :: stride]
+    scene.draw_reference(log["p_Ed_m"][shown])
+    scene.draw_trace(log["p_E_m"][shown])
+    scene.look_at(log["p_B_m"][flown].mean(axis=0))
+
+    pace = min(FRAMES_PER_S, MOST_FRAMES / max(end, 1.0))
+    times = np.arange(0.0, max(end, 0.0) + 1e-9, 1 / pace)
+    rows = flown[np.minimum(np.searchsorted(time_s[flown], times - 1e-9), len(flown) - 1)]
+    positions = np.hstack([log[part][rows] for part in parts])
+    scene.meshcat.StartRecording(frames_per_second=pace)
+    for time, position in zip(times, positions, strict=True):
+        scene.pose(time, position)
+    scene.meshcat.StopRecording()
+    scene.meshcat.PublishRecording()
+    return scene.meshcat.StaticHtml()

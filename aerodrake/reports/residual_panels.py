@@ -1,0 +1,56 @@
+"""The panels of the residual Delta: as it was estimated, and as it should have been."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from aerodrake.flight_log import FlightLog
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.reports.figures import ACCENT, AXIS_COLORS, EDGE, widen
+from aerodrake.scenario import Scenario
+
+
+def draw_residual(panels: Sequence[Axes], log: FlightLog, scenario: Scenario) -> None:
+    """Delta along the three world axes, as estimated and true: one of `panels` each."""
+    times, estimated, true = residuals(log, scenario)
+    for axis, axes in enumerate(panels):
+        axes.plot(times, 1e3 * true[:, axis], color=EDGE, label="true")
+        axes.plot(times, 1e3 * estimated[:, axis], color=AXIS_COLORS[axis], label="estimated")
+        axes.margins(x=0, y=0.15)
+        widen(axes.yaxis, 1.0)
+        axes.legend(loc="upper right", ncols=2)
+
+
+def draw_prediction(axes: Axes, log: FlightLog) -> None:
+    """The error with which a period of base velocity is predicted, with and without Delta."""
+    for key, label, color in (
+        ("nominal_prediction_error_m_s", "without Delta", EDGE),
+        ("prediction_error_m_s", "with Delta", ACCENT),
+    ):
+        axes.plot(log.time_s, 1e3 * np.linalg.norm(log[key], axis=1), color=color, label=label)
+    widen(axes.yaxis, 1.0)
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel("error / mm/s")
+    axes.legend(loc="best", ncols=2)
+
+
+def residuals(log: FlightLog, scenario: Scenario) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(times (K,) s, estimated (K, 3) m/s, true (K, 3) m/s) of Delta, tick by tick.
+
+    At the tick k the estimator learns how the model's prediction of one period
+    fared, with c Delta_{k-1} and without it: the latter's error is what Delta
+    should have been, the difference of the two is what it was.
+    """
+    period = scenario.rates.mpc_period_s
+    model = EquivalentModel.of(scenario, log["q_rad"].shape[1])
+    gain = model.C[model.base_velocity].diagonal()
+    # Logs run several times a tick, and show the tick k from the sample after it on.
+    stride = round(period / scenario.rates.flight_period_s)
+    ticks = np.arange(3 * stride, len(log.time_s), stride)
+    ticks = ticks[log.time_s[ticks] >= 2 * period]
+    nominal = log["nominal_prediction_error_m_s"][ticks]
+    estimated = (log["prediction_error_m_s"][ticks] - nominal) / gain
+    return log.time_s[ticks] - 2 * period, estimated, -nominal / gain

@@ -1,0 +1,1 @@
+"""One scenario flown many times: Monte Carlo and grids, on processes or a cluster."""

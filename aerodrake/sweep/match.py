@@ -1,0 +1,89 @@
+"""Whether the sweep that a folder holds is the one that is asked for."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from aerodrake.errors import BadInput
+from aerodrake.files import read_bounded
+from aerodrake.scenario_file import save_scenario
+from aerodrake.scenario_yaml import parse
+from aerodrake.sweep.plan import Plan
+
+SCENARIO, PLAN = "scenario.yaml", "sweep.json"
+"""The files that tell what is flown; the scenario's own are beside them."""
+
+MAX_BYTES = 10_000_000
+
+
+def check_same(target: Path, plan: Plan) -> None:
+    """Whether the sweep in a folder is that of a plan, but for more trials.
+
+    Args:
+        target: The sweep's folder.
+        plan: What is asked for.
+
+    Raises:
+        BadInput: if it is none, or another one: with the first key that differs.
+        OSError: if it cannot be read.
+    """
+    ours = _flat(_read_plan(target))
+    with tempfile.TemporaryDirectory() as temporary:
+        asked = Path(temporary)
+        save_scenario(plan.scenario, asked)
+        ours = _described(target) | ours
+        theirs = _described(asked) | _flat(plan.as_mapping())
+        files = {p.relative_to(f) for f in (target, asked) for p in f.glob("inputs*/**/*")}
+        for file in sorted(files):
+            if not all((f / file).is_dir() for f in (target, asked)):
+                ours[str(file)], theirs[str(file)] = (_content(f / file) for f in (target, asked))
+    if ours["trials"] < theirs["trials"]:
+        del ours["trials"], theirs["trials"]
+    for key in {**ours, **theirs}:
+        if ours.get(key) != theirs.get(key):
+            mine, asked_for = (_shown(values.get(key)) for values in (ours, theirs))
+            message = f"the sweep in {target} has {mine}, not {asked_for}"
+            raise BadInput("--resume", key, message)
+
+
+def _read_plan(target: Path) -> dict[str, Any]:
+    path = target / PLAN
+    if not path.is_file():
+        raise BadInput("--resume", "", f"{target} holds no sweep")
+    try:
+        plan = json.loads(read_bounded(path, MAX_BYTES))
+        if isinstance(plan["trials"], int) and isinstance(plan["vary"], dict):
+            return plan
+    except (ValueError, KeyError, TypeError):
+        pass
+    raise BadInput(path, "", "expected the plan of a sweep")
+
+
+def _described(folder: Path) -> dict[str, Any]:
+    content = read_bounded(folder / SCENARIO, MAX_BYTES)
+    return _flat(parse(content.decode(), folder / SCENARIO))
+
+
+def _flat(data: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, value in data.items():
+        if isinstance(value, dict):
+            found |= _flat(value, f"{prefix}{key}.")
+        else:
+            found[f"{prefix}{key}"] = value
+    return found
+
+
+def _content(file: Path) -> str:
+    """Told by its SHA-256."""
+    if not file.is_file():
+        return "no such file"
+    return f"content {hashlib.sha256(file.read_bytes()).hexdigest()[:16]}"
+
+
+def _shown(value: Any) -> str:
+    return "none" if value is None else f"{value}"[:60]

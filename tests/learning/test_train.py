@@ -1,0 +1,174 @@
+import dataclasses
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from aerodrake.errors import BadInput, ProcessDied
+from aerodrake.learning import collection
+from aerodrake.learning.evaluation import METHODS
+from aerodrake.learning.stages import Stage, circle, weathers
+from aerodrake.learning.train import train_scenario
+from aerodrake.model.checkpoint import load
+from aerodrake.model.training import Training
+from aerodrake.scenario import Model
+from aerodrake.scenario_file import load_scenario
+
+STAGES = [
+    Stage("one", "training", 3.0, 5.0, 0.0, circle(0.1, 0.1, 0.3), turn_s=6.0),
+    Stage("two", "validation", 3.0, 6.0, 0.5, circle(0.1, -0.12, 0.3), turn_s=6.0),
+    *weathers(Stage("three", "held_out", 2.0, 4.0, 0.2), 0.0, 1)[::3],
+]
+TRAINING = Training(epochs=4, batch=64)
+
+
+def train(folder, scenario, stages=STAGES):
+    return train_scenario(scenario, stages, TRAINING, folder, jobs=2, quiet=True)
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return load_scenario("clover_paper")
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory, scenario):
+    folder = tmp_path_factory.mktemp("train") / "new" / "folder"
+    return folder, train(folder, scenario)
+
+
+def content(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture
+def grounded(monkeypatch):
+    """Nothing may be flown."""
+    monkeypatch.setattr(collection, "run_parallel", lambda function, items, jobs: iter([]))
+    return monkeypatch
+
+
+def test_everything_is_there(trained, scenario):
+    folder, evaluation = trained
+    assert {path.name for path in folder.iterdir()} == {
+        *("network.pt", "training.json", "training.png", "stages")
+    }
+    assert len(list((folder / "stages").iterdir())) == len(STAGES)
+    network, provenance = load(folder / "network.pt", 6)
+    assert provenance.flight_interface == "position"
+    assert (folder / "network.pt").stat().st_size < 100_000
+    log = json.loads((folder / "training.json").read_text())
+    assert len(log["training_loss"]) == len(log["validation_loss"]) == 4
+    assert log["rmse_m_s"]["three"].keys() == set(METHODS)
+    assert log["rmse_m_s"]["three_payload"] == dict(evaluation.rmse[1])
+
+
+def test_a_finished_stage_is_never_flown_twice(trained, scenario, grounded):
+    folder, _ = trained
+    before = content(folder)
+    train(folder, scenario)
+    assert content(folder) == before  # Trained again from the same files: bit for bit.
+
+
+def test_another_scenario_uses_none_of_them(trained, scenario, grounded):
+    other = dataclasses.replace(scenario, model=Model(kind="paper", k_b=(2.0, 2.0, 2.0)))
+    flown = []
+    grounded.setattr(
+        collection, "run_parallel", lambda function, items, jobs: flown.extend(items) or iter([])
+    )
+    with pytest.raises(KeyError):  # Since nothing was flown.
+        train(trained[0], other)
+    assert flown == STAGES
+
+
+@pytest.mark.parametrize("name", ["stages/one-*.npz", "network.pt"])
+def test_what_is_not_ours_is_refused_and_kept(trained, scenario, grounded, name):
+    folder, _ = trained
+    path = next(folder.glob(name))
+    good = path.read_bytes()
+    path.write_bytes(good[:1000])
+    before = content(folder)
+    try:
+        with pytest.raises(BadInput, match="of aerodrake"):
+            train(folder, scenario)
+        assert content(folder) == before
+    finally:
+        path.write_bytes(good)
+
+
+def test_a_folder_of_your_own_is_refused_and_left_as_it_is(tmp_path, scenario):
+    (tmp_path / "thesis.tex").write_text("x")
+    with pytest.raises(BadInput, match="not of an earlier training"):
+        train(tmp_path, scenario)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+    with pytest.raises(BadInput, match="cannot write"):
+        train(tmp_path / "thesis.tex", scenario)
+
+
+@pytest.mark.parametrize("left", [["network.pt"], ["network.pt", "training.json"]])
+def test_one_that_was_killed_while_it_wrote_goes_on(trained, scenario, grounded, tmp_path, left):
+    folder = tmp_path / "copy"
+    shutil.copytree(trained[0], folder)
+    for name in {"network.pt", "training.json", "training.png"} - {*left}:
+        (folder / name).unlink()
+    train(folder, scenario)
+    assert {path.name for path in folder.iterdir()} == {path.name for path in trained[0].iterdir()}
+
+
+def test_a_network_of_ones_own_is_not_replaced(trained, scenario, tmp_path, grounded):
+    shutil.copy(trained[0] / "network.pt", tmp_path)
+    with pytest.raises(BadInput, match="not of an earlier training"):
+        train(tmp_path, scenario)
+
+
+def test_a_process_that_died_is_named(tmp_path, scenario, grounded):
+    grounded.setattr(
+        collection,
+        "run_parallel",
+        lambda function, items, jobs: iter([(1, ProcessDied("its process died of SIGKILL"))]),
+    )
+    with pytest.raises(ProcessDied, match="^stage two: its process died of SIGKILL$"):
+        train(tmp_path, scenario)
+
+
+def test_the_integral_model_has_no_residual(tmp_path, scenario):
+    integral = dataclasses.replace(scenario, model=Model(kind="integral"))
+    with pytest.raises(BadInput, match="model.kind"):
+        train(tmp_path, integral)
+
+
+def test_a_stage_that_cannot_be_flown_is_named_and_those_flown_are_kept(tmp_path, scenario):
+    wild = dataclasses.replace(STAGES[0], name="wild", lap_s=0.3)
+    with pytest.raises(BadInput, match="stage wild could not be flown: the joints' limits"):
+        train(tmp_path, scenario, [*STAGES[:1], wild])
+    for path in (tmp_path / "stages").iterdir():
+        with np.load(path) as file:
+            assert set(file.files) == {"features", "targets", "metadata"}
+
+
+def test_samples_that_cannot_be_fitted_leave_the_network_that_was_there(
+    trained, scenario, tmp_path, grounded
+):
+    folder = tmp_path / "copy"
+    shutil.copytree(trained[0], folder)
+    (stage,) = (folder / "stages").glob("one-*.npz")
+    with np.load(stage) as file:
+        arrays = dict(file)
+    arrays["targets"][3, 0] = 1e300
+    with stage.open("wb") as file:
+        np.savez(file, **arrays)
+    before = content(folder)
+    with (
+        pytest.raises(BadInput, match="stages: expected samples to which a network can be fitted"),
+        np.errstate(all="ignore"),
+    ):
+        train(folder, scenario)
+    assert content(folder) == before
+
+
+def test_a_figure_of_ones_own_is_not_replaced(scenario, tmp_path, grounded):
+    (tmp_path / "training.png").write_text("mine")
+    with pytest.raises(BadInput, match="holds files that are not of an earlier training"):
+        train(tmp_path, scenario)
+    assert (tmp_path / "training.png").read_text() == "mine"

@@ -1,0 +1,199 @@
+"""`report.html` of a flight, as a person opens it."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+import yaml
+
+from aerodrake.cli import main
+from aerodrake.flight_log import FlightLog
+from aerodrake.reports.flight_page import report_page
+from aerodrake.reports.flight_table import table_rows
+from aerodrake.scenario_file import load_scenario
+from aerodrake.simulate import Flight
+from tests.browser import DESKTOP, PHONE, chromium, visit
+
+NAME = "<img src=x onerror=boom()> & \"'{{ 7 * 7 }}"
+"""Whatever it may be to HTML, scripts and templates, it is a name."""
+
+SCENARIO = {
+    "name": NAME,
+    "duration": 0.8,
+    "settle_s": 0.1,
+    "reference": {"kind": "clover", "start_s": 0.2},
+    "orientation": {"kind": "fixed", "axis": [0.0, 0.3, -1.0]},
+    "residual": {"mode": "online", "judge_s": 0.0},
+    "faults": [{"kind": "sample_nan", "start_s": 0.1, "duration_s": 0.4}],
+}
+
+IDS = "elements => elements.map(element => element.id)"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Of a short run with something of everything, by the command."""
+    home = tmp_path_factory.mktemp("report")
+    (home / "flight.yaml").write_text(yaml.safe_dump(SCENARIO))
+    main(["run", str(home / "flight.yaml"), "--quiet", "--out", str(home / "a run")])
+    return home / "a run"
+
+
+@pytest.fixture(scope="module")
+def path(folder):
+    return folder / "report.html"
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def desktop(browser, path):
+    with visit(browser, path, DESKTOP) as visited:
+        yield visited
+
+
+@pytest.fixture(scope="module")
+def phone(browser, path):
+    with visit(browser, path, PHONE, color_scheme="dark") as visited:
+        yield visited
+
+
+@pytest.fixture(scope="module")
+def summary(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+@pytest.mark.parametrize("visited", ["desktop", "phone"])
+def test_it_opens_in_silence_and_asks_for_nothing(visited, path, tmp_path, request):
+    """The replay plays, too: it is unpacked once it is near."""
+    visited = request.getfixturevalue(visited)
+    visited.show(visited.page.locator("#replay"))
+    visited.page.screenshot(path=tmp_path / "report.png", full_page=True)
+    assert visited.messages == []
+    assert [url for url in visited.requests if not url.startswith(("data:", "blob:"))] == [
+        path.as_uri()
+    ]
+
+
+def test_the_replay_draws(desktop):
+    seen = desktop.show(desktop.page.locator("#replay"))
+    assert min(seen.shape[:2]) > 300
+    # Sky and ground are shades of grey; propellers, arm and path are orange.
+    orange = (seen[..., 0] > 0.7) & (seen[..., 2] < 0.35)
+    assert np.count_nonzero(orange) > 100
+    assert len(np.unique(seen.reshape(-1, 3), axis=0)) > 1000
+
+
+def test_the_camera_is_taken_on_request(desktop):
+    """Until then, whoever scrolls past the replay goes on to do so."""
+    frame, button = desktop.page.locator("#replay"), desktop.page.locator("#take")
+    assert frame.evaluate("element => getComputedStyle(element).pointerEvents") == "none"
+    button.click()
+    assert frame.evaluate("element => getComputedStyle(element).pointerEvents") == "auto"
+    assert not button.is_visible()
+
+
+@pytest.mark.parametrize("visited", ["desktop", "phone"])
+def test_nothing_is_wider_than_the_page(visited, request):
+    page = request.getfixturevalue(visited).page
+    width = page.viewport_size["width"]
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    page.evaluate("scrollTo(1000, 0)")
+    assert page.evaluate("scrollX") == 0
+
+
+def test_figures_can_be_read_on_a_phone(phone):
+    """Their type is no smaller than 7 px there, exponents left out."""
+    sizes = phone.page.locator("figure svg text").evaluate_all(
+        "texts => texts.filter(text => !text.querySelector('tspan'))"
+        ".map(text => [parseFloat(getComputedStyle(text).fontSize), text.getScreenCTM()])"
+        ".map(([size, { a, b }]) => size * Math.hypot(a, b))"
+    )
+    assert len(sizes) > 100 and min(sizes) > 7
+
+
+def test_names_are_text(desktop, path):
+    page = desktop.page
+    assert page.locator("h1").text_content() == NAME
+    assert page.title().startswith(NAME)
+    assert page.locator("img").count() == 0
+    assert "<img" not in path.read_text()
+
+
+def test_it_shows_what_the_table_says(desktop, summary):
+    cells = desktop.page.locator("#figures-title + div td").all_text_contents()
+    for _, here, there in table_rows(summary, "clover"):
+        assert here in cells and there in cells
+    assert "12.20 mm" in cells  # The paper's.
+
+
+def test_it_shows_how_the_flight_ended_and_each_event(desktop, summary):
+    assert desktop.page.locator(".ending").text_content() == summary["exit_reason"]
+    rows = desktop.page.locator("#events-title + div tbody tr")
+    assert rows.count() == len(summary["events"]) > 0
+    assert rows.first.locator("th").text_content() == summary["events"][0]["cause"]
+
+
+def test_there_is_a_picture_of_each_subject(desktop):
+    titles = desktop.page.locator("figure h3").all_text_contents()
+    assert titles == [
+        "Paths", "Plan", "Errors", "Tool's angle", "Position against reference", "Base and reach",
+        "Joints", "Weight allocation", "Residual", "Inputs", "Time per tick",
+        "Faults and supervisor",
+    ]  # fmt: skip
+    for figure in desktop.page.locator("figure").all():
+        assert figure.locator("[role=img]").get_attribute("aria-label")
+        assert figure.locator("svg path").count() > 10
+
+
+def test_ids_are_unique_and_what_refers_to_them_finds_them(desktop, path):
+    ids = desktop.page.locator("[id]").evaluate_all(IDS)
+    assert len(ids) == len(set(ids)) > 100
+    text = path.read_text()
+    assert set(re.findall(r'(?:href|aria-labelledby)="#?([^"]+)"', text)) - {"data:,"} <= set(ids)
+    assert set(re.findall(r"url\(#([^)]+)\)", text)) <= set(ids)
+
+
+def test_the_chart_is_of_what_flew(desktop):
+    texts = desktop.page.locator(".chart text").all_text_contents()
+    for name in ("station", "coordinator", "mpc", "pointing", "sample_nan_0", "x_0"):
+        assert name in texts
+
+
+def test_it_says_how_to_fly_it_again(desktop, folder, summary):
+    page = desktop.page
+    command = page.locator("#again-title ~ pre").text_content().strip()
+    assert command == f"aerodrake run '{folder}/scenario.yaml'"
+    assert f"seed {summary['seed']}" in page.locator("#again-title ~ p").text_content()
+    resolved = page.locator("details pre").text_content()
+    assert resolved == (folder / "scenario.yaml").read_text()
+    assert summary["version"] in page.locator(".brand").text_content()
+
+
+def test_the_same_flight_gives_the_same_page(folder, summary):
+    scenario = load_scenario(str(folder / "scenario.yaml"))
+    log = FlightLog.read(folder / "log.npz", summary)
+    page = report_page(Flight(scenario), summary, log, "<p>replay</p>", folder, folder)
+    again = (folder / "report.html").read_text()
+    packed = re.compile(r'(<script type="application/gzip" id="packed">)[^<]*')
+    assert packed.sub(r"\1", page) == packed.sub(r"\1", again)
+
+
+@pytest.mark.parametrize("samples", [2, 12])
+@pytest.mark.filterwarnings("error")
+def test_flights_that_ended_early_have_one(samples, folder, summary):
+    """Before and just after reference time 0; and to numbers that are none."""
+    log = FlightLog.read(folder / "log.npz", summary)
+    signals = {key: log[key][:samples].copy() for key in log.signals}
+    for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
+        signals[key][-1] = np.nan
+    lost = FlightLog(signals, "lost", "tilt & <b>", 1.0)
+    ended = summary | {"exit_reason": "lost", "exit_cause": "tilt & <b>"}
+    flight = Flight(load_scenario(str(folder / "scenario.yaml")))
+    page = report_page(flight, ended, lost, "", folder, folder)
+    assert "tilt &amp; &lt;b&gt;" in page and "<iframe" not in page

@@ -1,0 +1,66 @@
+"""The panels of a flight's figures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from aerodrake.flight_log import FlightLog
+from aerodrake.reports.flight_panels import (
+    MOST_TICKS,
+    draw_boundaries,
+    draw_distance,
+    draw_inputs,
+    draw_ticks,
+)
+
+
+@pytest.fixture
+def axes():
+    return Figure().add_subplot()
+
+
+def lines(axes) -> dict[str, np.ndarray]:
+    """(points, 2) of each line by its label."""
+    return {line.get_label(): line.get_xydata() for line in axes.lines}
+
+
+@pytest.mark.parametrize("ticks", [0, 1, 100, MOST_TICKS + 1, 20 * MOST_TICKS + 7])
+def test_the_slowest_ticks_are_seen_however_many_there_are(ticks, axes, short_flight):
+    scenario, log = short_flight
+    times = 1.0 + np.arange(ticks) % 7 / 10
+    times[ticks // 2 : ticks // 2 + 1] = 55.0
+    draw_ticks(axes, replace(log, signals={**log.signals, "tick_ms": times}), scenario)
+    drawn = lines(axes)["forming and solving"]
+    assert len(drawn) <= MOST_TICKS
+    if ticks:
+        assert drawn[:, 1].max() == 55.0
+        assert abs(drawn[drawn[:, 1].argmax(), 0] - ticks // 2) < max(1, ticks / MOST_TICKS)
+    assert np.all(lines(axes)["period"][:, 1] == 20.0)
+
+
+def test_inputs_are_seen_by_their_bounds(axes, short_flight, vehicle):
+    """One joint at half of its own acceleration, base at its bound along z."""
+    scenario, log = short_flight
+    qddot = np.zeros_like(log["qddot_d_rad_s2"])
+    qddot[:, 2] = -0.5 * vehicle.acceleration[2]
+    a_Bd = np.zeros_like(log["a_Bd_m_s2"])
+    a_Bd[:, 2] = scenario.mpc.base_acceleration_m_s2[2]
+    log = FlightLog({**log.signals, "qddot_d_rad_s2": qddot, "a_Bd_m_s2": a_Bd}, "", "", 1.0)
+    draw_inputs(axes, log, scenario)
+    drawn = lines(axes)
+    np.testing.assert_allclose(drawn["joints"][:, 1], 0.5)
+    np.testing.assert_allclose(drawn["base"][:, 1], 1.0)
+
+
+def test_distances_and_their_boundaries_are_all_within_the_panel(axes, short_flight):
+    scenario, log = short_flight
+    far = FlightLog({**log.signals, "p_E_m": log["p_E_m"] + [0.0, 0.0, 0.9]}, "", "", 1.0)
+    for flown in (log, far):
+        draw_distance(axes, flown, scenario)
+    draw_boundaries(axes, scenario)
+    low, high = axes.get_ylim()
+    assert low == 0 and high > 0.85
+    heights = [line.get_ydata()[0] for line in axes.lines[2:]]
+    assert heights == [scenario.allocation.d_h_m, scenario.allocation.d_edge_m]

@@ -1,0 +1,81 @@
+"""The figures of a flight, beside the paper's."""
+
+import numpy as np
+import pytest
+
+from aerodrake.flight_log import FlightLog
+from aerodrake.reports.flight_table import highlights, table
+from aerodrake.summary import summarize
+
+
+@pytest.fixture
+def summary(short_flight):
+    return summarize(*short_flight)
+
+
+def lines(text: str) -> dict[str, list[str]]:
+    """The cells of a table's rows by their label."""
+    rows = [line for line in text.splitlines() if len(line) > 24]
+    return {row[:24].strip(): row[24:].split("  ") for row in rows}
+
+
+def cell(text: str, label: str) -> list[str]:
+    return [cell.strip() for cell in lines(text)[label] if cell.strip()]
+
+
+def test_the_papers_figures_stand_beside_ours(summary):
+    """The paper, section V: 12.2 mm on the clover; 19.7 mm from 15 s, within 5 s."""
+    summary["error"] |= {"lap_mean_m": 0.00125, "settled_mean_m": 0.0002, "approach_s": 2.2}
+    clover = table(summary, "clover")
+    assert cell(clover, "mean over one lap") == ["1.25 mm", "12.20 mm"]
+    assert cell(clover, "mean after 15 s") == ["0.20 mm"]
+    target = table(summary, "moving_target")
+    assert cell(target, "mean after 15 s") == ["0.20 mm", "19.70 mm"]
+    assert cell(target, "first within d_h") == ["2.20 s", "5.00 s"]
+    assert cell(target, "mean over one lap") == ["1.25 mm"]
+
+
+@pytest.mark.parametrize("kind", ["hover", "lissajous", "figure_eight", "waypoints", "unheard_of"])
+def test_other_flights_have_no_figures_of_the_paper(summary, kind):
+    text = table(summary, kind)
+    assert cell(text, "mean") == [f"{1e3 * summary['error']['mean_m']:.2f} mm"]
+    assert "12.20" not in text and "19.70" not in text
+
+
+def test_what_was_not_flown_is_left_out_or_empty(summary):
+    text = table(summary, "clover")
+    assert "None" not in text and "nan" not in text
+    assert cell(text, "mean over one lap") == ["12.20 mm"]
+    assert all(line == line.rstrip() for line in text.splitlines())
+
+
+def test_it_says_how_the_flight_ended(summary):
+    assert table(summary, "clover").startswith("short: completed\n")
+    summary |= {"exit_reason": "lost", "exit_cause": "tilt of 61 deg at 2.00 s"}
+    assert table(summary, "clover").startswith("short: lost (tilt of 61 deg at 2.00 s)\n")
+
+
+def test_table_of_a_flight_that_never_came_to_reference_time(short_flight):
+    scenario, log = short_flight
+    early = FlightLog({k: v[:5] for k, v in log.signals.items()}, "interrupted", "at 0 s", 1.0)
+    text = table(summarize(scenario, early), "clover")
+    assert "None" not in text and "nan" not in text
+
+
+def test_the_tools_angle_is_shown_where_there_is_one(summary):
+    assert "tool's angle" not in table(summary, "clover")
+    summary["orientation"] |= {"mean_rad": np.deg2rad(0.5), "max_rad": np.deg2rad(2)}
+    text = table(summary, "clover")
+    assert cell(text, "tool's angle, mean") == ["0.500 deg"]
+    assert cell(text, "tool's angle, max") == ["2.000 deg"]
+    assert ("tool's angle, mean", "0.500 deg", "") in highlights(summary, "clover")
+
+
+def test_highlights_begin_with_the_figure_by_which_flights_are_compared(summary):
+    label, figure, beside = highlights(summary, "clover")[0]
+    assert (label, beside) == ("error, mean", "")  # The paper has no mean of all.
+    assert figure == f"{1e3 * summary['error']['mean_m']:.2f} mm"
+    summary["error"]["lap_mean_m"] = 0.00125
+    lap = ("error, one lap", "1.25 mm", "the paper: 12.20 mm")
+    assert highlights(summary, "clover")[0] == lap
+    assert highlights(summary, "lissajous")[0] == (*lap[:2], "")

@@ -1,0 +1,41 @@
+"""Delta as it was estimated, and as it should have been."""
+
+import numpy as np
+
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.initial_state import Thrust
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.reports.residual_panels import residuals
+
+STATE = ("quaternion", "p_B_m", "q_rad", "omega_W_rad_s", "v_B_m_s", "qdot_rad_s")
+
+
+def test_true_delta_is_what_the_model_lacked(short_flight):
+    """With it, the model predicts the velocity that came; the estimate is what was inferred."""
+    scenario, log = short_flight
+    times, estimated, true = residuals(log, scenario)
+    model = EquivalentModel.of(scenario, log["q_rad"].shape[1])
+    assert len(times) > 15 and np.abs(true).max() > 1e-5 and estimated.any()
+    # Logs see the state before an update: the filter's and u show one log later.
+    x, starts = None, {}
+    for i in range(0, len(log.time_s) - 1, 2):  # At the ticks, from the flight's first.
+        state = np.hstack([log[part][i] for part in STATE])
+        x = model.initial_state(
+            log["p_B_m"][i],
+            log["v_B_m_s"][i],
+            np.concatenate([log["p_Bd_m"][i], log["v_Bd_m_s"][i], log["a_Bd_m_s2"][i]]),
+            np.concatenate([log["q_d_rad"][i], log["qdot_d_rad_s"][i], log["qddot_d_rad_s2"][i]]),
+            Thrust.make(
+                VehicleState.from_vector(state),
+                log["specific_thrust_m_s2"][i],
+                log["external_acceleration_m_s2"][i + 1],
+                log["disturbance_m_s2"][i],
+            ),
+            x,
+        )
+        starts[i] = x
+    for time, delta in zip(times, true, strict=True):
+        i = int(np.argmin(np.abs(log.time_s - time)))
+        u = np.concatenate([log["a_Bd_m_s2"][i + 1], log["qddot_d_rad_s2"][i + 1]])
+        predicted = model.predict(starts[i], u, delta)[model.base_velocity]
+        np.testing.assert_allclose(predicted, log["v_B_m_s"][i + 2], atol=1e-9)
