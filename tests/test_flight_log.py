@@ -48,8 +48,9 @@ def test_every_vector_of_the_closed_loop_is_logged(vehicle):
         for port in map(closed_loop.get_output_port, range(closed_loop.num_output_ports()))
         if port.size()
     }
-    # The setpoints, u among them, are in the segments; the reference is known after the flight.
-    assert ports == {*PORTS, "u", "reference", "base_setpoint", "joint_setpoint"}
+    # The setpoints, u among them, are in the segments; the reference is known after the flight;
+    # a plan is as large as all else, and its next tick's says what came of it.
+    assert ports == {*PORTS, "u", "plan", "reference", "base_setpoint", "joint_setpoint"}
 
 
 def test_names_are_unique():

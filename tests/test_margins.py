@@ -188,11 +188,15 @@ def short(monkeypatch):
     """
     made = Disturbance("payload", "mass_kg", 0.0, 1.9, 2.0)
     monkeypatch.setattr(module, "DISTURBANCES", {"payload_kg": made})
-    monkeypatch.setattr("aerodrake.margins_report.COLUMNS", {"payload_kg": ("payload, kg", 1.0)})
-    monkeypatch.setattr("aerodrake.margins_report.PANELS", {"payload / kg": ("payload_kg",)})
+    monkeypatch.setattr(
+        "aerodrake.reports.margins_report.COLUMNS", {"payload_kg": ("payload, kg", 1.0)}
+    )
+    monkeypatch.setattr(
+        "aerodrake.reports.margins_report.PANELS", {"payload / kg": ("payload_kg",)}
+    )
     monkeypatch.setattr(module, "run_parallel", in_this_process)
     monkeypatch.setattr(compare_module, "run_parallel", in_this_process)
-    plot = "aerodrake.comparison_report.plot_comparison"
+    plot = "aerodrake.reports.comparison_figure.plot_comparison"
     monkeypatch.setattr(plot, lambda *arguments: arguments[-1].touch())
     return ["compare", "hover", *TINY, "--margins", "--variant", "modified", "--variant", "clik"]
 

@@ -213,7 +213,7 @@ def test_a_flight_without_network_needs_no_torch():
     code = (
         "import sys; from aerodrake.scenario import Scenario\n"
         "from aerodrake.simulate import Flight\n"
-        "import aerodrake.flight_folder, aerodrake.replay\n"
+        "import aerodrake.flight_folder, aerodrake.reports.replay\n"
         "Flight(Scenario(settle_s=0, duration=0.02)).fly(); assert 'torch' not in sys.modules"
     )
     root = Path(aerodrake.__file__).parents[1]

@@ -95,6 +95,7 @@ def main(arguments: argparse.Namespace) -> int:
         if link:
             say(f"note: waits in trim for a coordinator at {arguments.lcm}")
         with (
+            view or nullcontext(),
             frozen_garbage() if link else nullcontext(),
             held_interrupts() as check,
             run_folder(target) as folder,

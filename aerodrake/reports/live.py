@@ -24,7 +24,7 @@ TRACE_EVERY = 3
 
 
 class LiveView:
-    """Shows a flight in Meshcat.
+    """Shows a flight in Meshcat, in a `with` statement, as `Scene`.
 
     It only looks: the flight's numbers are the same as without it.
 
@@ -41,6 +41,12 @@ class LiveView:
         self._rate = rate
         self._scene = Scene(scenario)
         self.url = self._scene.meshcat.web_url()
+
+    def __enter__(self) -> LiveView:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._scene.__exit__(*error)
 
     def attach(self, flight: Flight, simulator: Simulator) -> None:
         """Watches a flight that is about to begin, as `Flight.fly` has it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 
 import numpy as np
@@ -28,6 +29,9 @@ SPACE_COLOR = Rgba(0.17, 0.54, 0.24, 0.25)
 
 class Scene:
     """A scenario's vehicle, with its payload, on its ground.
+
+    To be used in a `with` statement: Meshcat ends the process if it is collected, as one of
+    Drake's circles of references, in another thread than it was made in.
 
     Attributes:
         meshcat: The server that shows it.
@@ -56,6 +60,13 @@ class Scene:
         MeshcatVisualizer.AddToBuilder(builder, scene_graph, self.meshcat)
         self._diagram = builder.Build()
         self._context = self._diagram.CreateDefaultContext()
+
+    def __enter__(self) -> Scene:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        del self.meshcat, self._plant, self._diagram, self._context
+        gc.collect()
 
     def pose(self, time_s: float, positions: np.ndarray) -> None:
         """Moves the vehicle at time_s to positions (7 + n,): quaternion, p_B in m, q in rad."""

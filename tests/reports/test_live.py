@@ -19,10 +19,10 @@ RATE = 3.0
 def watched(short_flight):
     """A view, its lines, and the log of the flight that it showed."""
     scenario, _ = short_flight
-    view = LiveView(scenario, RATE)
-    lines = []
-    log = Flight(scenario).fly(lambda simulated_s: lines.append(view.line()), RATE, view.attach)
-    return view, lines, log
+    with LiveView(scenario, RATE) as view:
+        lines = []
+        log = Flight(scenario).fly(lambda simulated_s: lines.append(view.line()), RATE, view.attach)
+        yield view, lines, log
 
 
 def test_watching_changes_nothing(watched, short_flight):

@@ -125,7 +125,7 @@ def test_rows_are_read_by_trial_whatever_their_order(tmp_path):
 
 
 def test_the_worst_ones_command_flies_it_again_to_the_same_error(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("aerodrake.sweep.apart", lambda function, *trial: function(*trial))
+    monkeypatch.setattr("aerodrake.sweep.loop.apart", lambda function, *trial: function(*trial))
     out, short = tmp_path / "my sweep", ["--set", "settle_s=0.02", "--set", "duration=0.06"]
     options = ["--trials", "2", "--vary", VARY[0], *short, "--jobs", "1", "--out", str(out)]
     assert main(["sweep", "hover", *options]) == 0

@@ -1,0 +1,14 @@
+"""The scene ends with its `with` statement, wherever garbage is collected later."""
+
+import socket
+
+from aerodrake.reports.scene import Scene
+
+
+def test_its_server_is_gone(scenario):
+    with Scene(scenario) as scene:
+        port = scene.meshcat.port()
+        with socket.create_connection(("localhost", port)):
+            pass
+    with socket.socket() as client:
+        assert client.connect_ex(("localhost", port)) != 0
