@@ -8,6 +8,8 @@ or `pytest --long tests/test_scenario_fuzz.py` for one of them. Each asks the
 fixture `long` which of the two it is.
 """
 
+import gc
+
 import hypothesis
 import pytest
 from threadpoolctl import threadpool_limits
@@ -34,6 +36,13 @@ def _single_thread():
     """Threads that wait for each other cost more than the small matrices here."""
     with threadpool_limits(limits=1):
         yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _garbage():
+    """Diagrams with systems in Python are never collected: nobody is to look at them again."""
+    yield
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

@@ -103,7 +103,7 @@ def campaign(strategy, examples: int):
 
 def load(path: Path, overrides=()) -> ScenarioError | None:
     """What the loader refuses the input with; nothing if it takes it, which it then can repeat."""
-    start = time.process_time()
+    start = time.thread_time()
     try:
         scenario = load_scenario(str(path), overrides)
     except ScenarioError as error:
@@ -114,7 +114,7 @@ def load(path: Path, overrides=()) -> ScenarioError | None:
         assert error.key or re.search(whole + r"|at most \d+ bytes", message), message
         return error
     finally:
-        assert time.process_time() - start < MOST_S
+        assert time.thread_time() - start < MOST_S
     again = build(Scenario, parse(dump(as_mapping(scenario)), path), path)
     assert replace(again, source=scenario.source) == scenario
     return None
@@ -224,11 +224,11 @@ def test_files_that_a_scenario_names(key, name, content, tmp_path, long):
     @campaign(spoilt | st.binary(max_size=100), 125 if long else 15)
     def check(content):
         path.write_bytes(content)
-        start = time.process_time()
+        start = time.thread_time()
         try:
             make_closed_loop(scenario)
         except ScenarioError as error:
             assert error.source == "flight.yaml" and error.key.startswith(key.split(".")[0])
             assert str(path) in str(error) or error.key != key
             assert str(error).isprintable() and len(str(error)) < 2000
-        assert time.process_time() - start < MOST_S
+        assert time.thread_time() - start < MOST_S
