@@ -23,12 +23,33 @@ def read_urdf(path: Path) -> Document:
     """A robot description, in which the meshes beside it are named by absolute URIs.
 
     Raises:
-        BadInput: if it cannot be read, is no URDF, declares a document type (and
-            with it entities) or is nested too deep, or if a mesh is no file.
+        BadInput: as `urdf_content` and `parse_urdf`.
+    """
+    return parse_urdf(path, urdf_content(path))
+
+
+def urdf_content(path: Path) -> bytes:
+    """What is in the file.
+
+    Raises:
+        BadInput: if it cannot be read, or is not called a URDF.
     """
     if path.suffix != SUFFIX:
         raise BadInput(path, "", f"expected the path of a URDF, with the ending {SUFFIX}")
-    content = read_bounded(path, MAX_BYTES)
+    return read_bounded(path, MAX_BYTES)
+
+
+def parse_urdf(path: Path, content: bytes) -> Document:
+    """A robot description, in which the meshes beside its file are named by absolute URIs.
+
+    Args:
+        path: Of the file.
+        content: Of the file.
+
+    Raises:
+        BadInput: if it is no URDF, declares a document type (and with it entities) or is
+            nested too deep, or if a mesh is no file.
+    """
     try:
         document = _Builder().parseString(content)
     except (ExpatError, ValueError, LookupError) as error:

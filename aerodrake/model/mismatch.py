@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 from xml.dom.minidom import Element
 
 from aerodrake.errors import BadInput
-from aerodrake.urdf import read_urdf
+from aerodrake.urdf import parse_urdf, urdf_content
 from aerodrake.world import Mismatch
 
 EXACT = Mismatch()
@@ -33,7 +34,14 @@ def mismatched_urdf(path: Path, mismatch: Mismatch) -> str:
     Raises:
         BadInput: as `read_urdf`, or where a number is none.
     """
-    document = read_urdf(path)
+    # A run parses its robot a dozen times, and asks for its text as often.
+    return _mismatched(path, path.absolute(), urdf_content(path), mismatch)
+
+
+@lru_cache(maxsize=16)
+def _mismatched(path: Path, place: Path, content: bytes, mismatch: Mismatch) -> str:
+    """The same for the file's place and content, which it depends on."""
+    document = parse_urdf(path, content)
     if is_exact(mismatch):
         return document.toxml()
     try:

@@ -7,7 +7,6 @@ from pydrake.geometry import SceneGraph, SceneGraphInspector
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable, RigidBody
 from scipy.optimize import minimize
-from scipy.stats.qmc import Halton
 
 from aerodrake.model.vehicle_state import BASE_POSITIONS
 
@@ -146,6 +145,8 @@ def tuck(geometry: GroundGeometry, working: np.ndarray) -> np.ndarray:
     found = nearest(working)
     if clearance(found) >= -TOLERANCE_M:
         return found
+    from scipy.stats.qmc import Halton  # A third of a second of every start that needs it not.
+
     spread = lower + (upper - lower) * Halton(n, scramble=False).random(STARTS)
     raised = [highest(start) for start in (working, *spread)]
     near = [q for start in raised if clearance(q := nearest(start)) >= -TOLERANCE_M]

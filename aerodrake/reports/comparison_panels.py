@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from aerodrake.flight_log import FlightLog
-from aerodrake.reports.figures import ACCENT, REFERENCE
+from aerodrake.reports.figures import ACCENT, REFERENCE, plain_ticks
 from aerodrake.reports.flight_panels import draw_boundaries, draw_distance
 from aerodrake.scenario import Scenario
 
@@ -87,6 +87,7 @@ def draw_errors(axes: Axes, logs: Mapping[str, FlightLog], columns: int) -> None
     if len(errors):
         low = max(1e3 * np.quantile(errors, 0.02), 1e-3)
         axes.set_ylim(low, max(2e3 * errors.max(), 10 * low))
+    plain_ticks(axes.yaxis)
     axes.set(ylabel="end-effector error / mm", xlabel="reference time / s")
     axes.margins(x=0)
     axes.legend(loc="lower center", ncols=columns, bbox_to_anchor=(0.5, 1.0))

@@ -12,6 +12,7 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 INK, ACCENT = "#1f2933", "#e8590c"
 EDGE = "#adb5bd"
@@ -51,6 +52,12 @@ def widen(axis: Axis, span: float) -> None:
     if high - low < span:
         middle = (low + high) / 2
         axis.set_view_interval(middle - span / 2, middle + span / 2, ignore=True)
+
+
+def plain_ticks(axis: Axis) -> None:
+    """Labels a logarithmic axis with numbers that are read at once, and drawn without formulae."""
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
 
 
 def write_png(figure: Figure, path: Path) -> None:

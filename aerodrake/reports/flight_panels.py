@@ -12,7 +12,7 @@ from aerodrake.flight_log import FlightLog
 from aerodrake.model.setpoint import SetpointLimits
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.weight_allocation import Mode
-from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, widen
+from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, plain_ticks, widen
 from aerodrake.scenario import Scenario
 
 MOST_TICKS = 1500
@@ -76,6 +76,7 @@ def draw_error(axes: Axes, log: FlightLog) -> None:
         label="base",
     )
     axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-2))
+    plain_ticks(axes.yaxis)
     axes.set_ylabel("error / mm")
     axes.legend(loc="best", ncols=2)
 
@@ -107,6 +108,7 @@ def draw_weights(axes: Axes, log: FlightLog) -> None:
     """The weights of the MPC's cost that the allocation sets."""
     for key, color in zip(("w_q", "w_m", "w_d"), AXIS_COLORS, strict=True):
         axes.semilogy(log.time_s, log[key], color=color, label=key)
+    plain_ticks(axes.yaxis)
     axes.set_ylabel("weights")
     axes.legend(loc="best", ncols=3)
 
@@ -180,5 +182,6 @@ def draw_ticks(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     slowest = np.maximum.reduceat(ticks, starts) if len(ticks) else ticks
     axes.semilogy(starts, slowest, color=ACCENT, linewidth=0.8, label="forming and solving")
     axes.axhline(1e3 * scenario.rates.mpc_period_s, **REFERENCE, label="period")
+    plain_ticks(axes.yaxis)
     axes.set(xlabel="tick", ylabel="wall time / ms")
     axes.legend(loc="best", ncols=2)

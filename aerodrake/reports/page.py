@@ -39,4 +39,4 @@ def render(template: str, closed_loop: Diagram, replay: str, **content: Any) -> 
 
 def _packed(text: str) -> str:
     """Compressed, in letters that mean nothing to HTML."""
-    return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode()
+    return base64.b64encode(gzip.compress(text.encode(), compresslevel=6, mtime=0)).decode()
