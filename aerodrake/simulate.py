@@ -15,14 +15,14 @@ from aerodrake.flight_log import PORTS, FlightLog, key_columns, rotate
 from aerodrake.model.direction import make_direction
 from aerodrake.model.kinematics import Kinematics
 from aerodrake.model.reference import hover_then_follow, make_reference
-from aerodrake.model.reference_check import JUMP_M, Envelope, ReferenceVerdict, judged
+from aerodrake.model.reference_check import Envelope, ReferenceVerdict, judged
 from aerodrake.model.reference_fault import faulty
 from aerodrake.model.rotation import rotation_matrix
-from aerodrake.model.safe_mode import SafeMode
 from aerodrake.model.setpoint import integrate
 from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import parts
+from aerodrake.monitor import MONITOR_PERIOD_S, Monitor
 from aerodrake.recording import Recording
 from aerodrake.remote_coordinator import make_remote_coordinator
 from aerodrake.replacements import Replacements
@@ -31,14 +31,8 @@ from aerodrake.station import add_closed_loop, make_context
 from aerodrake.threads import single_thread
 from aerodrake.wire import Link, Phase
 
-MONITOR_PERIOD_S = 0.1
 LOG_SAMPLES = 1000
 """Samples that are held in memory before they are moved to a file."""
-
-LOST_TILT_RAD = math.radians(60)
-"""Tilt of the base beyond which a flight is lost,"""
-LOST_ERROR_M = 1.0
-"""and what is too far off its reference, or in safe modes off its setpoint."""
 
 
 class Flight:
@@ -117,7 +111,7 @@ class Flight:
         # Times are rounded, lest they land beyond a tick that is not to be flown.
         end = round(scenario.settle_s + scenario.duration, 9)
         self._tick_ms.clear()
-        monitor = _Monitor(self, context)
+        monitor = Monitor(scenario, self.closed_loop, context, self.p_E)
         recording = Recording(self._columns)
         reason = cause = ""
         if self._link:
@@ -228,70 +222,3 @@ def _tick_ms(closed_loop: Diagram, controller: str) -> list[float]:
     if not isinstance(coordinator, Diagram):
         return []
     return getattr(coordinator.GetSubsystemByName(controller), "tick_ms", [])
-
-
-class _Monitor:
-    """Tells when a flight is over, and why. Its times are reference times."""
-
-    def __init__(self, flight: Flight, context: Context):
-        self._flight = flight
-        self._context = context
-        self._conditions = conditions(flight.scenario.supervisor)
-        self._target = self._eval("reference")[:3]
-        self._begin_approach(flight.p_E(self._eval("true_state")))
-
-    def time(self) -> float:
-        """Reference time, s."""
-        return self._context.get_time() - self._flight.scenario.settle_s
-
-    def ended(self, in_time: bool = False) -> tuple[str, str]:
-        """Why a flight is over, and what made it so; both are empty if it is not.
-
-        A condition of the supervisor is told by its name, all else with its time.
-
-        Args:
-            in_time: Whether it is, since the scenario's time is flown.
-        """
-        if cause := self.lost():
-            return "lost", cause
-        mode = SafeMode(int(self._eval("mode")[0]))
-        if mode is SafeMode.NOMINAL:
-            return ("completed", "") if in_time else ("", "")
-        condition = self._conditions[int(self._eval("cause")[0])]
-        if mode is SafeMode.STOP:
-            return condition.exit_reason, condition.name
-        return (mode.label, condition.name) if in_time else ("", "")
-
-    def lost(self) -> str:
-        """Why the vehicle is lost; empty if it is not."""
-        x, when = self._eval("true_state"), f"at {self.time():.2f} s"
-        if not np.isfinite(x).all():
-            return f"the state is not finite {when}"
-        upright = rotation_matrix(x[:4])[2, 2]
-        tilt = math.acos(min(1.0, max(-1.0, upright)))
-        if tilt > LOST_TILT_RAD:
-            return f"tilt of {math.degrees(tilt):.0f} deg {when}"
-        reference, p_E = self._eval("reference"), self._flight.p_E(x)
-        moved = math.dist(reference[:3], self._target)
-        self._target = reference[:3]
-        has_jumped = moved > JUMP_M + MONITOR_PERIOD_S * np.linalg.norm(reference[3:])
-        if self._eval("mode")[0] != SafeMode.NOMINAL:
-            # It follows its setpoints then, not the reference.
-            self._begin_approach(p_E)
-            away = math.dist(x[4:7], self._eval("base_setpoint")[:3])
-            return f"{away:.2f} m off its setpoint {when}" if away > LOST_ERROR_M else ""
-        if has_jumped:
-            self._begin_approach(p_E)
-        error = math.dist(p_E, self._target)
-        self._approached |= error <= self._flight.scenario.allocation.d_h_m
-        if error > (LOST_ERROR_M if self._approached else self._farthest):
-            return f"error of {error:.2f} m {when}"
-        return ""
-
-    def _begin_approach(self, p_E: np.ndarray) -> None:
-        """A target that is far at first is to be approached before it can be left."""
-        self._approached = False
-        self._farthest = LOST_ERROR_M + math.dist(self._target, p_E)
-
-    def _eval(self, port: str) -> np.ndarray:
-        return self._flight.closed_loop.GetOutputPort(port).Eval(self._context).copy()

@@ -53,6 +53,7 @@ STOREYS = {
     ),
     4: (
         "simulate",
+        "monitor",
         "recording",
         "flight_log",
         "events",
