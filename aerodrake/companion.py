@@ -138,13 +138,18 @@ class Companion:
                     self.service.overruns += took_s > self.scenario.rates.mpc_period_s
             elif message.phase is Phase.OVER and self.link.phase is Phase.FLYING:
                 self.link.phase = Phase.OVER
+                self.link.tell(message.time, {})
         return is_sampled
 
     def _is_believed(self, message: Message) -> bool:
         """Whether a sample is new, and of a vehicle: what no filter passes, Drake dies of."""
         length = np.linalg.norm(message.parts["state"][:4])
         is_sane = all((np.abs(numbers) < ABSURD).all() for numbers in message.parts.values())
-        return is_sane and abs(length - 1) < UNIT_LENGTH and self._time < message.time < ABSURD
+        # Nobody is silent for so long and comes back.
+        latest = self._time + self.scenario.supervisor.plan_lost_s
+        is_next = self.link.phase is Phase.WAITING or message.time < latest
+        is_new = is_next and self._time < message.time < ABSURD
+        return is_sane and abs(length - 1) < UNIT_LENGTH and is_new
 
     def _take_in(self, message: Message) -> None:
         """Advances to a sample's time and makes all that is due there see it."""

@@ -115,7 +115,7 @@ def make_coordinator(scenario: Scenario, replacements: Replacements | None = Non
     connect(residual_estimator, "delta", controller)
     connect(controller, "u", setpoint_integrator)
     if (learner_fault := make_learner_fault(scenario)) is not None:
-        builder.AddNamedSystem("learner_fault", learner_fault)
+        learner_fault = builder.AddNamedSystem("learner_fault", learner_fault)
         connect(learner_fault, "fault", residual_estimator)
     for consumer in (controller, residual_estimator, equivalent_state):
         connect(setpoint_integrator, "base_setpoint", consumer)

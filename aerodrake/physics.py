@@ -77,6 +77,6 @@ def through(
     """A port's signal after a system that is added to it by its name; the port itself if None."""
     if system is None:
         return port
-    builder.AddNamedSystem(name, system)
+    system = builder.AddNamedSystem(name, system)
     builder.Connect(port, system.get_input_port())
     return system.get_output_port()

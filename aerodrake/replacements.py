@@ -45,6 +45,8 @@ class Replacements:
         if name not in self._by_name:
             return ours
         theirs = self._by_name[name](ours)
+        if not isinstance(theirs, System):
+            raise BadInput("replacements", name, f"expected a system, got {type(theirs).__name__}")
         for kind, ports_of in (("an input", _inputs), ("an output", _outputs)):
             have = ports_of(theirs)
             for port, wanted in ports_of(ours).items():

@@ -141,8 +141,7 @@ class Flight:
                 reason, cause = "lost", f"{cause}; {error}".splitlines()[0]
             finally:
                 if self._link:
-                    self._link.phase = Phase.OVER
-                    self._link.tell(context.get_time(), {})
+                    self._link.part(context.get_time())
         wall_s = time.perf_counter() - start
         self._record(recording, context)
         time_s = np.round(recording.times - scenario.settle_s, 9)
@@ -219,6 +218,6 @@ class Flight:
 def _tick_ms(closed_loop: Diagram, controller: str) -> list[float]:
     """Where the controller keeps its ticks' times; of a person's own that keeps none, empty."""
     coordinator = closed_loop.GetSubsystemByName("coordinator")
-    if not isinstance(coordinator, Diagram):
+    if not isinstance(coordinator, Diagram) or not coordinator.HasSubsystemNamed(controller):
         return []
     return getattr(coordinator.GetSubsystemByName(controller), "tick_ms", [])

@@ -29,7 +29,11 @@ STATION, COORDINATOR = "AERODRAKE_STATION", "AERODRAKE_COORDINATOR"
 """Channels, by who sends."""
 
 BACKLOG = 100
-"""Messages that wait to be looked at; of more, the newest."""
+"""Messages that are taken in at one look; of more, the newest. Over UDP, LCM keeps one a channel
+until somebody looks: the oldest."""
+
+FAREWELL_S = 0.5
+"""For so long an end says that the flight is over, until the other one has heard it."""
 
 
 class Phase(IntEnum):
@@ -153,6 +157,17 @@ class Link:
             self.tell(0.0, {})
             check()
 
+    def part(self, time: float) -> None:
+        """Says that the flight is over, at `time` in s, until the other end says the same.
+
+        Whatever is lost on the way: for `FAREWELL_S` at most, since it may be dead.
+        """
+        self.phase = Phase.OVER
+        for _ in range(round(FAREWELL_S / 0.02)):
+            self.tell(time, {})
+            if any(message.phase is Phase.OVER for message in self.hear(20)):
+                return
+
     def hear(self, patience_ms: int = 0) -> list[Message]:
         """What the other end told since it was asked last, oldest first.
 
@@ -165,7 +180,7 @@ class Link:
             message = self.hears.decode(self._came.popleft())
             if message is None:
                 if not self.refused:
-                    self._say("note: messages come that are of another robot, or none of ours")
+                    self._say("note: messages come of another robot or horizon, or not of ours")
                 self.refused += 1
             else:
                 messages.append(message)

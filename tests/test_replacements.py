@@ -1,15 +1,18 @@
 """Systems of a person's own fly in the place of ours."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, LeafSystem
 
 from aerodrake.errors import BadInput
+from aerodrake.fault_kinds import LearnerPoisoned, RotorDegraded
 from aerodrake.graph import systems_by_name
 from aerodrake.model.weight_allocation import Mode
 from aerodrake.reference_kinds import Clover
 from aerodrake.replacements import Replacements
-from aerodrake.scenario import Scenario
+from aerodrake.scenario import Residual, Scenario
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_coordinator, make_station
 
@@ -108,9 +111,37 @@ def test_a_controller_that_keeps_no_time(ours):
     )
 
 
+def wrapped(ours):
+    """Ours in a diagram of its own."""
+    builder = DiagramBuilder()
+    inner = builder.AddNamedSystem(f"{ours.get_name() or 'its'}_inside", ours)
+    for i in range(inner.num_input_ports()):
+        port = inner.get_input_port(i)
+        builder.ExportInput(port, port.get_name())
+    for i in range(inner.num_output_ports()):
+        port = inner.get_output_port(i)
+        builder.ExportOutput(port, port.get_name())
+    return builder.Build()
+
+
+@pytest.mark.parametrize(
+    "name", ["station", "coordinator", "sensors", "mpc", "rotors", "rotor_faults", "learner_fault"]
+)
+def test_a_diagram_around_ours_flies_as_ours(name):
+    faults = (RotorDegraded(start_s=0.1), LearnerPoisoned(start_s=0.1))
+    scenario = replace(SHORT, faults=faults, residual=Residual(mode="online"))
+    log, ours = flown(scenario, **{name: wrapped}), flown(scenario)
+    for key in set(log.signals) - {"tick_ms"}:
+        np.testing.assert_array_equal(log[key], ours[key])
+
+
 @pytest.mark.parametrize(
     ("by_name", "message"),
     [
+        (
+            {"mpc": lambda ours: None},
+            "replacements: mpc: expected a system, got NoneType",
+        ),
         (
             {"wieght_allocator": lambda ours: Fixed()},
             "replacements: wieght_allocator: no such system; did you mean 'weight_allocator'?",

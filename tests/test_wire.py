@@ -115,7 +115,7 @@ def test_what_is_refused_is_counted_and_said_once_and_harms_nothing():
         station.lcm.Publish(COORDINATOR, data)
     coordinator.tell(0.0, {})
     assert len(station.hear()) == 1 and station.refused == 3
-    assert notes == ["note: messages come that are of another robot, or none of ours"]
+    assert notes == ["note: messages come of another robot or horizon, or not of ours"]
 
 
 def test_of_a_flood_the_newest_is_heard(ends):
@@ -165,3 +165,28 @@ def test_an_address_that_is_none(url):
 def test_an_address():
     url = "udpm://239.255.76.67:7668?ttl=0"
     assert make_lcm(url).get_lcm_url() == url
+
+
+def test_the_end_is_said_until_it_is_heard():
+    """By one who hears the third message at first, and then says the same."""
+    lcm = DrakeLcm("memq://")
+    layouts = LAYOUT, Layout({"plan": 2})
+    station, coordinator = Link(lcm, *layouts, True), Link(lcm, *layouts, False)
+    heard = []
+
+    def answer(message: bytes) -> None:
+        heard.append(LAYOUT.decode(message).phase)
+        if len(heard) == 3:
+            coordinator.phase = Phase.OVER
+            coordinator.tell(1.0, {})
+
+    lcm.Subscribe(STATION, answer)
+    station.part(1.0)
+    assert heard[:3] == [Phase.OVER] * 3 and len(heard) <= 4
+    assert station.phase is Phase.OVER
+
+
+def test_nobody_waits_for_ever_for_the_dead():
+    station = Link(DrakeLcm("memq://"), LAYOUT, Layout({"plan": 2}), True)
+    station.part(1.0)
+    assert station.phase is Phase.OVER

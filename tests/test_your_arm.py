@@ -1,5 +1,6 @@
 """Arms of other numbers of joints fly: those of 3 to 9, and a vehicle that is not ours at all."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from aerodrake.bench.arms import with_joints
 from aerodrake.cli import main
+from aerodrake.errors import ScenarioError
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario_file import load_scenario
 from aerodrake.simulate import Flight
@@ -40,6 +42,55 @@ def test_all_is_read_from_its_file():
         (vehicle.effort, plant.GetEffortUpperLimits()),
     ):
         assert ours.tolist() == drakes[-4:].tolist()
+
+
+def changed(tmp_path, change) -> str:
+    """A scenario with the URDF after a change of its text."""
+    (tmp_path / ARM4.name).write_text(ARM4.read_text())
+    urdf = (DIAGRAMS / "hexarotor_arm4.urdf").read_text()
+    (tmp_path / "hexarotor_arm4.urdf").write_text(change(urdf))
+    return str(tmp_path / ARM4.name)
+
+
+def reversed_blocks(tag: str, urdf: str) -> str:
+    """With the elements of a name in the opposite order."""
+    found = re.findall(rf"  <{tag}[ >].*?\n  </{tag}>\n", urdf, re.DOTALL)
+    assert len(found) == 4
+    start = urdf.index(found[0])
+    for block in found:
+        urdf = urdf.replace(block, "")
+    return urdf[:start] + "".join(reversed(found)) + urdf[start:]
+
+
+def test_joints_are_in_the_order_of_the_chain(tmp_path):
+    """Wherever they stand in the file."""
+    path = changed(tmp_path, lambda urdf: reversed_blocks("joint", urdf))
+    vehicle, ours = Vehicle.load(load_scenario(path)), Vehicle.load(load_scenario(str(ARM4)))
+    assert vehicle.joint_names == ours.joint_names
+    assert vehicle.effort.tolist() == ours.effort.tolist()
+    assert vehicle.lower.tolist() == ours.lower.tolist()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda urdf: reversed_blocks("transmission", urdf),
+            "one transmission per joint, in this order: yaw, shoulder_pitch, elbow_pitch, wrist",
+        ),
+        (
+            lambda urdf: urdf.replace('<parent link="forearm"/>', '<parent link="base"/>'),
+            "from it to the tool, revolute joints in series",
+        ),
+        (
+            lambda urdf: urdf.replace('name="tool" link="hand"', 'name="tool" link="forearm"'),
+            "from it to the tool, revolute joints in series",
+        ),
+    ],
+)
+def test_what_is_no_such_arm_is_refused(change, message, tmp_path):
+    with pytest.raises(ScenarioError, match=message):
+        Vehicle.load(load_scenario(changed(tmp_path, change)))
 
 
 @pytest.mark.parametrize("joints", range(3, 10))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import math
 import os
 import time
 from collections.abc import Callable
@@ -65,16 +66,18 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
     return parse
 
 
-def positive_number(high: float) -> Callable[[str], float]:
-    """A type of argument: a number in (0, high]."""
+def number_in(low: float, high: float) -> Callable[[str], float]:
+    """A type of argument: a number in [low, high]."""
 
     def parse(text: str) -> float:
         try:
             number = float(text)
         except ValueError:
-            number = 0.0
-        if not 0.0 < number <= high:
-            raise argparse.ArgumentTypeError(f"expected a number in (0, {high:g}], got {text!r}")
+            number = math.nan
+        if not low <= number <= high:
+            raise argparse.ArgumentTypeError(
+                f"expected a number in [{low:g}, {high:g}], got {text!r}"
+            )
         return number
 
     return parse

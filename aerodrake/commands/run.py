@@ -13,8 +13,8 @@ from aerodrake.commands.options import (
     add_output,
     add_scenario,
     new_folder,
+    number_in,
     overrides,
-    positive_number,
 )
 from aerodrake.errors import BadInput
 
@@ -31,7 +31,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument(
         "--rate",
-        type=positive_number(1000.0),
+        type=number_in(0.01, 1000.0),
         metavar="R",
         help="with --live: simulated time over wall time; default: 1",
     )

@@ -12,10 +12,10 @@ from pydrake.geometry import Box, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
-from pydrake.multibody.tree import RevoluteJoint
 
 from aerodrake.errors import BadInput, ScenarioError, file_at
 from aerodrake.files import locate
+from aerodrake.model.arm import HEAVIEST, LIGHTEST, arm_joints
 from aerodrake.model.mismatch import EXACT, mismatched_urdf
 from aerodrake.model.rotors import Rotors
 from aerodrake.model.tucking import GroundGeometry, tuck
@@ -30,8 +30,6 @@ TOOL_FRAME = "tool"
 """The tool's frame in the URDF, whose origin is the end-effector, E."""
 TOOL_AXIS = np.array([0.0, 0.0, -1.0])
 """Where the tool points, in its frame: the direction in which it approaches things."""
-LIGHTEST, HEAVIEST = 1e-9, 1e9
-"""Between these is all that is positive: masses, moments of inertia, and limits of joints."""
 GRAVITY = 9.81
 """m/s^2, Drake's default."""
 ROUNDING_M = 1e-6
@@ -167,7 +165,8 @@ class Vehicle:
         robot, working = scenario.vehicle.robot, scenario.vehicle.working_rad
         with file_at(scenario.source, "vehicle.robot"):
             plant, scene_graph = _parsed(robot)
-            joints = _arm_joints(plant, robot)
+            base, tool = plant.GetFrameByName(BASE_FRAME), plant.GetFrameByName(TOOL_FRAME)
+            joints = arm_joints(plant, base.body(), tool.body(), robot)
             rotors = Rotors.of(plant, plant.GetBodyByName(BASE_FRAME), robot)
         n = len(joints)
         lower, upper = plant.GetPositionLowerLimits()[-n:], plant.GetPositionUpperLimits()[-n:]
@@ -177,7 +176,6 @@ class Vehicle:
         q = plant.GetDefaultPositions()
         q[BASE_POSITIONS:] = working
         plant.SetPositions(context, q)
-        base, tool = plant.GetFrameByName(BASE_FRAME), plant.GetFrameByName(TOOL_FRAME)
         X_BE = plant.CalcRelativeTransform(context, base, tool)
         inertia = plant.CalcSpatialInertia(
             context, base, plant.GetBodyIndices(base.model_instance())
@@ -242,32 +240,6 @@ def _parsed(robot: str) -> tuple[MultibodyPlant, SceneGraph]:
     add_robot(plant, robot)
     plant.Finalize()
     return plant, scene_graph
-
-
-def _arm_joints(plant: MultibodyPlant, robot: str) -> list[RevoluteJoint]:
-    joints = [plant.get_joint(i) for i in plant.GetJointIndices()]
-    arm = [j for j in joints if isinstance(j, RevoluteJoint)]
-    if not arm or plant.num_positions() != BASE_POSITIONS + len(arm):
-        raise BadInput(robot, "", "expected a free base and a serial arm of revolute joints")
-    driven = [plant.get_joint_actuator(i).joint().name() for i in plant.GetJointActuatorIndices()]
-    if driven != [j.name() for j in arm]:
-        raise BadInput(robot, "", "expected one transmission per joint, in the joints' order")
-    lower = plant.GetPositionLowerLimits()[BASE_POSITIONS:]
-    upper = plant.GetPositionUpperLimits()[BASE_POSITIONS:]
-    positive = [
-        upper - lower,
-        plant.GetEffortUpperLimits(),
-        plant.GetVelocityUpperLimits()[BASE_VELOCITIES:],
-        plant.GetAccelerationUpperLimits()[BASE_VELOCITIES:],
-    ]
-    if not np.all((np.array(positive) > LIGHTEST) & (np.array(positive) < HEAVIEST)):
-        raise BadInput(
-            robot,
-            "",
-            "expected every joint to have limits of position, effort, "
-            "velocity and drake:acceleration, all with room to move",
-        )
-    return arm
 
 
 def _check_working(

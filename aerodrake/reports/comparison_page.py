@@ -22,8 +22,8 @@ from aerodrake.schema import as_mapping
 from aerodrake.station import make_closed_loop
 
 LEGEND_COLUMNS = 3
-LEGEND_LINE = 0.21
-"""Height of a line in inches."""
+LEGEND_LINE, LEGEND_PADDING = 0.21, 0.12
+"""Height of a line in inches, and what is around all of them."""
 
 
 PAGE = "report.html"
@@ -100,7 +100,8 @@ def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> It
         return
     thin = {name: log.thinned(MOST_SAMPLES).loaded() for name, log in logs.items()}
     lines = -(-len(thin) // LEGEND_COLUMNS)
-    with sheet("errors", 3.2 + LEGEND_LINE * lines, top=LEGEND_LINE * lines) as (figure, done):
+    top = LEGEND_LINE * lines + LEGEND_PADDING
+    with sheet("errors", 3.2 + top, top=top) as (figure, done):
         draw_errors(figure.add_subplot(), thin, LEGEND_COLUMNS)
     yield Picture("Errors", "The end-effector from its reference, by variant; logarithmic.", *done)
     rows = -(-len(thin) // 2)
@@ -137,8 +138,9 @@ def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> It
 
 def _margins(margins: Margins) -> dict[str, Any]:
     lines = -(-len(margins.searches) // LEGEND_COLUMNS)
-    height = 2.5 * len(margins_report.PANELS) + LEGEND_LINE * lines
-    with sheet("margins", height, top=LEGEND_LINE * lines) as (figure, done):
+    top = LEGEND_LINE * lines + LEGEND_PADDING
+    height = 2.5 * len(margins_report.PANELS) + top
+    with sheet("margins", height, top=top) as (figure, done):
         panels = figure.subplots(
             len(margins_report.PANELS), 1, sharey=True, squeeze=False, gridspec_kw={"hspace": 0.35}
         )[:, 0]

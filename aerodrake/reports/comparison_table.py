@@ -89,7 +89,7 @@ def papers_rows(kind: str, key: str) -> list[list[str]]:
     if not paper:
         return []
     rows = [_paper_row("paper: proposed", paper, key)]
-    if "integral_lap_mean_m" in paper:
+    if key == "lap_mean_m" and "integral_lap_mean_m" in paper:
         integral = {"lap_mean_m": paper["integral_lap_mean_m"]}
         rows.insert(0, _paper_row("paper: integral", integral, key))
         rows[1][3] = f"{100 * (paper['lap_mean_m'] / paper['integral_lap_mean_m'] - 1):+.1f} %"

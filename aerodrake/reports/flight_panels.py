@@ -15,6 +15,9 @@ from aerodrake.model.weight_allocation import Mode
 from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, plain_ticks, widen
 from aerodrake.scenario import Scenario
 
+LEAST_ERROR_MM = 1e-2
+"""What is below is not looked at."""
+
 MOST_TICKS = 1500
 """In a line of a figure."""
 
@@ -75,7 +78,9 @@ def draw_error(axes: Axes, log: FlightLog) -> None:
         alpha=0.7,
         label="base",
     )
-    axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-2))
+    low, high = axes.get_ylim()
+    low = max(low, LEAST_ERROR_MM)
+    axes.set_ylim(low, max(high, 10 * low))
     plain_ticks(axes.yaxis)
     axes.set_ylabel("error / mm")
     axes.legend(loc="best", ncols=2)

@@ -79,7 +79,9 @@ def loop_chart(closed_loop: Diagram) -> Chart:
             systems are shown, and no other.
     """
     sides = [closed_loop.GetSubsystemByName(name) for name in SIDES]
-    systems = [inner for side in sides for inner in side.GetSystems()]
+    # A side that is one system, of a person's own, stands for itself.
+    insides = [side.GetSystems() if isinstance(side, Diagram) else [side] for side in sides]
+    systems = [inner for inside in insides for inner in inside]
     place = {system.get_name(): i for i, system in enumerate(systems)}
     signals: dict[tuple[int, int], set[str]] = defaultdict(set)
     for source, target in connections(closed_loop, 2):
@@ -103,7 +105,7 @@ def loop_chart(closed_loop: Diagram) -> Chart:
     starts_x = list(accumulate((w + GAP for w in widths), initial=MARGIN + GAP))
     starts_y = list(accumulate((h + GAP for h in heights), initial=MARGIN + GAP + LINE))
     # Both sides have a frame of their own, and its name above it.
-    first = len(sides[0].GetSystems())
+    first = len(insides[0])
     starts_x = [x + 3 * GAP * (i >= first) for i, x in enumerate(starts_x)]
     starts_y = [y + (3 * GAP + LINE) * (i >= first) for i, y in enumerate(starts_y)]
 

@@ -92,15 +92,23 @@ def read_rows(path: Path) -> Iterator[dict[str, Any]]:
     Raises:
         BadInput: if one is none.
     """
-    with open(path / ROWS, encoding="utf-8") as lines:
+    with open(path / ROWS, encoding="utf-8", errors="replace") as lines:
         for number, line in enumerate(lines, 1):
             try:
                 row = json.loads(line)
-                if not (isinstance(row["trial"], int) and isinstance(row["exit_reason"], str)):
+                is_row = type(row["trial"]) is int and isinstance(row["exit_reason"], str)
+                if not is_row or not _are_figures(row.get("error", {})):
                     raise ValueError
-            except (ValueError, KeyError, TypeError):
+            except (ValueError, KeyError, TypeError, RecursionError):
                 raise BadInput(path / ROWS, "", f"line {number}: expected a trial's row") from None
             yield row
+
+
+def _are_figures(error: object) -> bool:
+    """Whether it is what rows have as `error`: numbers by name, or none."""
+    return isinstance(error, dict) and all(
+        figure is None or type(figure) in (int, float) for figure in error.values()
+    )
 
 
 def _begin(target: Path, plan: Plan, locks: contextlib.ExitStack) -> None:

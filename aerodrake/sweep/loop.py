@@ -13,6 +13,7 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import contextmanager
+from threading import Thread
 from typing import Any
 
 from aerodrake.compare import failure
@@ -107,5 +108,10 @@ def processes(jobs: int) -> Iterator[Executor]:
     try:
         yield executor
     finally:
-        executor.shutdown(cancel_futures=True)
-        end_children()
+        # Flights that are still in the air, since whoever took in their rows was interrupted
+        # twice, say, are not waited for.
+        ending = Thread(target=executor.shutdown, kwargs={"cancel_futures": True})
+        ending.start()
+        while ending.is_alive():
+            end_children()
+            ending.join(0.05)

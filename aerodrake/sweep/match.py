@@ -58,14 +58,17 @@ def _read_plan(target: Path) -> dict[str, Any]:
         plan = json.loads(read_bounded(path, MAX_BYTES))
         if isinstance(plan["trials"], int) and isinstance(plan["vary"], dict):
             return plan
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         pass
     raise BadInput(path, "", "expected the plan of a sweep")
 
 
 def _described(folder: Path) -> dict[str, Any]:
     content = read_bounded(folder / SCENARIO, MAX_BYTES)
-    return _flat(parse(content.decode(), folder / SCENARIO))
+    described = parse(content.decode(errors="replace"), folder / SCENARIO)
+    if not isinstance(described, dict):
+        raise BadInput(folder / SCENARIO, "", "expected the scenario of a sweep")
+    return _flat(described)
 
 
 def _flat(data: dict[str, Any], prefix: str = "") -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -63,8 +64,9 @@ class Plan:
             key = key.strip()
             if not key or not equals:
                 raise BadInput(VARY, "", f"expected dotted.key=distribution, got '{text}'")
-            if key in distributions:
-                raise BadInput(VARY, key, "expected each key once")
+            for other in distributions:
+                if _overlap(key, other):
+                    raise BadInput(VARY, key, f"expected each key once, but {other} holds it too")
             distributions[key] = parse(distribution, key)
         grid = math.prod(d.count for d in distributions.values() if isinstance(d, Linspace))
         is_grid = any(isinstance(d, Linspace) for d in distributions.values())
@@ -139,6 +141,17 @@ def _whole(scenario: Scenario, vary: Mapping[str, Distribution]) -> frozenset[st
                 )
             whole.add(key)
     return frozenset(whole)
+
+
+def _overlap(one: str, other: str) -> bool:
+    """Whether a dotted key is another one, or a part of it."""
+    short, long = sorted((_parts(one), _parts(other)), key=len)
+    return long[: len(short)] == short
+
+
+def _parts(key: str) -> list[str | int]:
+    words = key.replace("[", ".[").split(".")
+    return [int(w[1:-1]) if re.fullmatch(r"\[\d+\]", w) else w for w in words]
 
 
 def _as_whole(value: Any) -> Any:

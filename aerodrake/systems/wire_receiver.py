@@ -5,8 +5,20 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from aerodrake.model.learner_health import Cause
 from aerodrake.model.qp import QpStatus
+from aerodrake.model.reference_check import ReferenceVerdict
+from aerodrake.model.sample_check import ABSURD
+from aerodrake.model.weight_allocation import Mode
 from aerodrake.wire import Link, Message, Phase
+
+NUMBERED: dict[tuple[str, int], range] = {
+    ("weights", 1): range(len(Mode)),
+    ("status", 0): range(len(QpStatus)),
+    ("reference_verdict", 0): range(len(ReferenceVerdict)),
+    ("learner_health", 0): range(len(Cause)),
+}
+"""Parts, and places in them, that are one of so many things: others are told by nobody of ours."""
 
 
 class WireReceiver(LeafSystem):
@@ -94,7 +106,12 @@ class WireReceiver(LeafSystem):
         return (
             message.phase is Phase.FLYING
             and abs(message.time - tick) < self._period / 2
-            and all(np.isfinite(numbers).all() for numbers in asked)
+            and all((np.abs(numbers) < ABSURD).all() for numbers in asked)
+            and all(
+                message.parts[name][place] in NUMBERED[name, place]
+                for name, place in NUMBERED
+                if name in message.parts
+            )
         )
 
     @staticmethod

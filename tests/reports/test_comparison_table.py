@@ -2,7 +2,7 @@
 
 import pytest
 
-from aerodrake.reports.comparison_table import comparison_table
+from aerodrake.reports.comparison_table import comparison_table, papers_rows
 from aerodrake.reports.flight_table import headline
 from aerodrake.summary import summarize
 
@@ -69,3 +69,8 @@ def test_without_the_integral_model_there_is_nothing_to_hold_against(summaries):
     assert rows(comparison_table(summaries, "hover"))["modified"][2] != "-59.6 %"
     summaries["integral"] = summaries["fixed_weights"]
     assert " %" not in comparison_table(summaries, "hover")
+
+
+def test_the_papers_lap_is_not_held_against_other_figures():
+    assert [row[3] for row in papers_rows("clover", "lap_mean_m")] == ["", "-59.6 %"]
+    assert [row[3] for row in papers_rows("clover", "mean_m")] == [""]

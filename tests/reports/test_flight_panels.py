@@ -11,6 +11,7 @@ from aerodrake.reports.flight_panels import (
     MOST_TICKS,
     draw_boundaries,
     draw_distance,
+    draw_error,
     draw_inputs,
     draw_ticks,
 )
@@ -64,3 +65,11 @@ def test_distances_and_their_boundaries_are_all_within_the_panel(axes, short_fli
     assert low == 0 and high > 0.85
     heights = [line.get_ydata()[0] for line in axes.lines[2:]]
     assert heights == [scenario.allocation.d_h_m, scenario.allocation.d_edge_m]
+
+
+def test_small_errors_leave_the_axis_upright(axes, short_flight):
+    _, log = short_flight
+    still = replace(log, signals={**log.signals, "p_E_m": log["p_Ed_m"] + 1e-9})
+    draw_error(axes, still)
+    low, high = axes.get_ylim()
+    assert low < high

@@ -103,6 +103,14 @@ def test_vectors_faults_and_kinds():
         (["duration"], "--vary: expected dotted.key=distribution, got 'duration'"),
         (["=uniform(1,2)"], "--vary: expected dotted.key=distribution"),
         (["duration=uniform(1,2)"] * 2, "--vary: duration: expected each key once"),
+        (
+            ["wind.velocity_m_s[0]=uniform(0,1)", "wind.velocity_m_s=choice([1,0,0],[2,0,0])"],
+            "--vary: wind.velocity_m_s: expected each key once, but wind.velocity_m_s[0]",
+        ),
+        (
+            ["wind.velocity_m_s[0]=uniform(0,1)", "wind.velocity_m_s[00]=uniform(0,1)"],
+            "--vary: wind.velocity_m_s[00]: expected each key once",
+        ),
         (["duraton=uniform(1,2)"], "--vary: duraton: unknown key; did you mean 'duration'?"),
         (["wnd.x=uniform(1,2)"], "--vary: wnd: unknown section; did you mean 'wind'?"),
         (["duration=uniform(0,2)"], "duration: expected a number in [0.02, 3600] s, got 0"),
