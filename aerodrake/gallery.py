@@ -4,14 +4,26 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from pydrake.systems.framework import Diagram, System
+from pydrake.systems.framework import System
 
 from aerodrake.errors import BadInput, nearest
+from aerodrake.fault_kinds import (
+    JointDegraded,
+    LearnerPoisoned,
+    MpcMissed,
+    Push,
+    ReferenceNan,
+    RotorDegraded,
+    SampleNan,
+)
 from aerodrake.files import write_whole
 from aerodrake.graph import systems_by_name, to_dot, to_mermaid
+from aerodrake.reference_kinds import FixedAxis
+from aerodrake.scenario import Residual, Scenario
+from aerodrake.station import make_closed_loop
 from aerodrake.system_page import system_page
 
 DOT_TIMEOUT_S = 60.0
@@ -39,11 +51,33 @@ def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
     return written
 
 
-def export_all(closed_loop: Diagram, names: Iterable[str], folder: Path, depth: int) -> list[Path]:
-    """Exports the named systems of a closed loop, or all of them if none is named.
+def gallery() -> dict[str, System]:
+    """Every diagram and system by name, in the default scenario where that has it.
+
+    Only others have those of the orientation task, of faults and of CLIK.
+    """
+    faults = (
+        *(SampleNan(), RotorDegraded(), JointDegraded(), Push()),
+        *(MpcMissed(), LearnerPoisoned(), ReferenceNan()),
+    )
+    others = (
+        Scenario(orientation=FixedAxis(), faults=faults, residual=Residual(mode="online")),
+        Scenario(controller="clik"),
+    )
+    found: dict[str, System] = {}
+    for scenario in (Scenario(), *others):
+        for name, system in systems_by_name(make_closed_loop(scenario)).items():
+            found.setdefault(name, system)
+    return found
+
+
+def export_all(
+    systems: Mapping[str, System], names: Iterable[str], folder: Path, depth: int
+) -> list[Path]:
+    """Exports the named systems, or all of them if none is named.
 
     Args:
-        closed_loop: Of `make_closed_loop`.
+        systems: By name, as `gallery` or `systems_by_name` has them.
         names: Of diagrams and leaf systems, as on the wiring page.
         folder: Created if missing.
         depth: Levels of diagrams to open.
@@ -54,7 +88,6 @@ def export_all(closed_loop: Diagram, names: Iterable[str], folder: Path, depth: 
     Raises:
         BadInput: if a name is unknown, or the folder cannot be written.
     """
-    systems = systems_by_name(closed_loop)
     names = list(names) or list(systems)
     for name in names:
         if name not in systems:

@@ -1,19 +1,16 @@
-"""Draws the closed loop, and every diagram and system in it, into diagrams/graphs.
+"""Draws every diagram and system, with a page for each, into diagrams/graphs.
 
-The same as `aerodrake graph --out diagrams/graphs`; start here to draw a diagram
-of your own.
+The same as `aerodrake graph --out diagrams/graphs`; for a diagram of your own, hand over
+`aerodrake.graph.systems_by_name(diagram)`.
 """
 
 from pathlib import Path
 
-from aerodrake.gallery import export_all
-from aerodrake.scenario import Scenario
-from aerodrake.station import make_closed_loop
+from aerodrake.gallery import export_all, gallery
 
 
 def main() -> None:
-    closed_loop = make_closed_loop(Scenario())
-    for path in export_all(closed_loop, [], Path(__file__).parent / "graphs", depth=2):
+    for path in export_all(gallery(), [], Path(__file__).parent / "graphs", depth=2):
         print(path)
 
 

@@ -1,15 +1,18 @@
 """Pages and graphs as files: whole, and those committed up to date."""
 
+import inspect
 import shutil
+from importlib import import_module
 from pathlib import Path
 
 import pytest
+from pydrake.systems.framework import LeafSystem
 from pydrake.systems.primitives import Gain
 
 from aerodrake import gallery
 from aerodrake.errors import BadInput
 from aerodrake.gallery import export, export_all
-from aerodrake.graph import systems_by_name, to_dot, to_mermaid
+from aerodrake.graph import to_dot, to_mermaid
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_closed_loop
 from aerodrake.system_page import system_page
@@ -28,25 +31,25 @@ def closed_loop():
 
 
 @pytest.fixture(scope="module")
-def systems(closed_loop):
-    return systems_by_name(closed_loop)
+def systems():
+    return gallery.gallery()
 
 
-def test_unknown_name(closed_loop, tmp_path):
+def test_unknown_name(systems, tmp_path):
     with pytest.raises(BadInput, match=r"graph: .*'staton'; did you mean 'station'"):
-        export_all(closed_loop, ["mpc", "staton"], tmp_path / "out", DEPTH)
+        export_all(systems, ["mpc", "staton"], tmp_path / "out", DEPTH)
     assert not (tmp_path / "out").exists()
 
 
-def test_folder_that_cannot_be_written(closed_loop, tmp_path):
+def test_folder_that_cannot_be_written(systems, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(BadInput, match="file: cannot be written"):
-        export_all(closed_loop, ["mpc"], tmp_path / "file", DEPTH)
+        export_all(systems, ["mpc"], tmp_path / "file", DEPTH)
 
 
-def test_export_without_graphviz(closed_loop, tmp_path, monkeypatch):
+def test_export_without_graphviz(systems, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    written = export_all(closed_loop, ["station", "mpc"], tmp_path / "a" / "b", DEPTH)
+    written = export_all(systems, ["station", "mpc"], tmp_path / "a" / "b", DEPTH)
     expected = [f"{name}.{suffix}" for name in ("station", "mpc") for suffix in SUFFIXES]
     assert [path.name for path in written] == expected
     assert sorted(written) == sorted((tmp_path / "a" / "b").iterdir())
@@ -92,3 +95,17 @@ def test_committed_pages_and_graphs_are_up_to_date(systems):
     names = sorted(expected | committed)
     stale = [name for name in names if expected.get(name) != committed.get(name)]
     assert not stale, f"in {GRAPHS}, stale, missing or left over: {stale}; run: {REDRAW}"
+
+
+def test_every_system_of_ours_has_a_page(systems):
+    """But those of a wire between two processes, which no single scenario has."""
+    kinds = {type(system).__name__ for system in systems.values()}
+    ours = set()
+    for path in sorted((Path(gallery.__file__).parent / "systems").glob("*.py")):
+        module = import_module(f"aerodrake.systems.{path.stem}")
+        members = inspect.getmembers(module, inspect.isclass)
+        ours |= {
+            n for n, k in members if issubclass(k, LeafSystem) and k.__module__ == module.__name__
+        }
+    abstract = {"KinematicController"}
+    assert ours - kinds == {"WireReceiver", "WireSender"} | abstract

@@ -22,13 +22,10 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Writes the graphs of the closed loop, its two sides, or single systems."""
-    from aerodrake.gallery import export_all
-    from aerodrake.scenario_file import load_scenario
-    from aerodrake.station import make_closed_loop
+    """Writes pages and graphs of the closed loop, its two sides, or single systems."""
+    from aerodrake.gallery import export_all, gallery
 
     names = [arguments.name] if arguments.name else []
-    closed_loop = make_closed_loop(load_scenario("hover"))
-    for path in export_all(closed_loop, names, arguments.out, arguments.depth):
+    for path in export_all(gallery(), names, arguments.out, arguments.depth):
         print(path)
     return 0
