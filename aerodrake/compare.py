@@ -20,6 +20,9 @@ from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop
 from aerodrake.systems.sensors import is_exact
 
+FILES = ("comparison.json", "comparison.png", "report.html")
+"""What a comparison leaves behind, beside a folder for each variant."""
+
 CLIK_MOST_K_E = 4.0
 """1/s. At 12 closed-loop inverse kinematics throws the tool about."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from importlib.metadata import version
 from typing import Any
 
@@ -20,6 +21,12 @@ from aerodrake.scenario import Scenario
 
 SETTLED_AFTER_S = 15.0
 """Reference time from which the paper calls the pursuit of a moving target stable."""
+
+HEADLINES = {"lap_mean_m": "one lap", "settled_mean_m": "after 15 s", "mean_m": "mean"}
+"""By key of `error` that flights are compared by: what it is, in the order of preference."""
+
+Summaries = Mapping[str, Mapping[str, Any]]
+"""By the name of each flight; of those that failed, without `error`."""
 
 
 def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
@@ -92,6 +99,12 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             },
         },
     }
+
+
+def headline(summaries: Summaries) -> str:
+    """The key of `error` by which flights are compared: the first that any of them has."""
+    flown = [s["error"] for s in summaries.values() if "error" in s]
+    return next((k for k in HEADLINES if any(e[k] is not None for e in flown)), "mean_m")
 
 
 WALL_TIMES = ("wall_s", "real_time_factor")

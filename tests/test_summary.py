@@ -12,7 +12,7 @@ from aerodrake.model.supervision import conditions
 from aerodrake.model.weight_allocation import Mode
 from aerodrake.reference_kinds import Clover, Hover, MovingTarget
 from aerodrake.scenario import Rates, Scenario, Supervisor
-from aerodrake.summary import summarize, to_json
+from aerodrake.summary import headline, summarize, to_json
 
 PERIOD_S = 0.01
 TICK_S = 0.02
@@ -265,3 +265,16 @@ def test_what_the_supervisor_did():
         (2.0, "plan_outage", "triggered"),
         (5.0, "plan_outage", "cleared"),
     ]
+
+
+def test_flights_are_compared_by_the_first_figure_that_any_has():
+    none = {"lap_mean_m": None, "settled_mean_m": None, "mean_m": None}
+    failed = {"exit_reason": "failed", "exit_cause": "MemoryError"}
+    flights = {"lost": {"error": none}, "failed": failed}
+    assert headline(flights) == "mean_m"
+    flights["short"] = {"error": none | {"mean_m": 0.1}}
+    assert headline(flights) == "mean_m"
+    flights["settled"] = {"error": none | {"mean_m": 0.1, "settled_mean_m": 0.1}}
+    assert headline(flights) == "settled_mean_m"
+    flights["lap"] = {"error": none | {"lap_mean_m": 0.1}}
+    assert headline(flights) == "lap_mean_m"

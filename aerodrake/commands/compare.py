@@ -42,7 +42,7 @@ def main(arguments: argparse.Namespace) -> int:
     given = load_scenario(arguments.scenario, overrides(arguments))
     target = arguments.out or new_folder(f"{given.name}-comparison")
 
-    from aerodrake.compare import OWN_VARIANT, compare, make_variant, make_variants, notes
+    from aerodrake.compare import FILES, OWN_VARIANT, compare, make_variant, make_variants, notes
     from aerodrake.compiled import is_cold
     from aerodrake.flight_log import FlightLog
     from aerodrake.inputs import frozen
@@ -50,17 +50,16 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.margins import find_margins
     from aerodrake.model.scenario_network import provenance_notes
     from aerodrake.model.thrust_allocation import thrust_notes
-    from aerodrake.reports.comparison_figure import FILES, plot_comparison
-    from aerodrake.reports.comparison_page import PAGE, Comparison, comparison_page
+    from aerodrake.reports.comparison_figure import plot_comparison
+    from aerodrake.reports.comparison_page import Comparison, comparison_page
     from aerodrake.reports.comparison_table import comparison_table
-    from aerodrake.reports.flight_table import headline
     from aerodrake.reports.margins_report import FILES as MARGINS_FILES
     from aerodrake.reports.margins_report import margins_table, write_margins
     from aerodrake.run_folder import run_folder
     from aerodrake.scenario_rules import warnings
     from aerodrake.scenario_yaml import dump
     from aerodrake.schema import as_mapping
-    from aerodrake.summary import to_json
+    from aerodrake.summary import headline, to_json
 
     say = (lambda line: None) if arguments.quiet else print
     jobs, margins, written = arguments.jobs, None, FILES
@@ -104,11 +103,11 @@ def main(arguments: argparse.Namespace) -> int:
                 page = comparison_page(
                     comparison, dump(as_mapping(given)), _commands(arguments, target, logs)
                 )
-                (folder / PAGE).write_text(page, encoding="utf-8")
+                (folder / "report.html").write_text(page, encoding="utf-8")
     say(comparison_table(summaries, scenario.reference.kind))
     if margins:
         say(f"\n{margins_table(margins)}")
-    say(f"\n{target}: {', '.join((*written, PAGE))}, and a run's folder for each variant")
+    say(f"\n{target}: {', '.join(written)}, and a run's folder for each variant")
     failed = len(logs) < len(variants) or (margins is not None and margins.failed)
     return 1 if failed else 0
 

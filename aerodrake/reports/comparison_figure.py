@@ -15,9 +15,6 @@ from aerodrake.reports.flight_panels import draw_allocation, draw_inputs
 from aerodrake.reports.residual_panels import draw_residual
 from aerodrake.scenario import Scenario
 
-FILES = ("comparison.json", "comparison.png")
-"""What a comparison leaves behind, beside a folder for each variant."""
-
 LEGEND_COLUMNS = 7
 PANELS = 4
 """Panels of paths, and the one of distances, in a row."""

@@ -13,20 +13,17 @@ from aerodrake.reports.comparison_panels import COLORS, View, draw_distances, dr
 from aerodrake.reports.comparison_table import comparison_rows, comparison_titles, papers_rows
 from aerodrake.reports.flight_panels import draw_allocation, draw_inputs
 from aerodrake.reports.flight_pictures import residual_picture
-from aerodrake.reports.flight_table import HEADLINES, Summaries, headline
 from aerodrake.reports.page import render
 from aerodrake.reports.pictures import MOST_SAMPLES, Picture, sheet, timeline
 from aerodrake.reports.replay import replay_page
 from aerodrake.scenario import Scenario
 from aerodrake.schema import as_mapping
 from aerodrake.station import make_closed_loop
+from aerodrake.summary import HEADLINES, Summaries, headline
 
 LEGEND_COLUMNS = 3
 LEGEND_LINE, LEGEND_PADDING = 0.21, 0.12
 """Height of a line in inches, and what is around all of them."""
-
-
-PAGE = "report.html"
 
 
 class Comparison(NamedTuple):

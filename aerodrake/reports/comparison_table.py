@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from aerodrake.margin_search import LEAST_ERROR_M
-from aerodrake.reports.flight_table import HEADLINES, PAPER, Summaries, headline
+from aerodrake.reports.flight_table import PAPER
+from aerodrake.summary import HEADLINES, Summaries, headline
 
 WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from aerodrake.model.safe_mode import SafeMode
+from aerodrake.summary import HEADLINES, headline
 
 PAPER = {
     "clover": {"lap_mean_m": 0.0122, "integral_lap_mean_m": 0.0302},
@@ -18,24 +18,8 @@ PAPER = {
 Keys with `integral_` before them are of its integral model, the others of its method.
 """
 
-HEADLINES = {
-    "lap_mean_m": "one lap",
-    "settled_mean_m": "after 15 s",
-    "mean_m": "mean",
-}
-"""By key of `summary["error"]`, in the order in which they are preferred."""
-
 MOST_EVENTS = 20
 """In a table; a flight can have any number."""
-
-
-Summaries = Mapping[str, Mapping[str, Any]]
-
-
-def headline(summaries: Summaries) -> str:
-    """The key of `summary["error"]` by which flights are compared."""
-    flown = [s["error"] for s in summaries.values() if "error" in s]
-    return next((k for k in HEADLINES if any(e[k] is not None for e in flown)), "mean_m")
 
 
 def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]:

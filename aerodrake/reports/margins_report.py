@@ -14,9 +14,8 @@ from aerodrake.margin_search import LEAST_ERROR_M, Bracket, Search
 from aerodrake.margins import Margins
 from aerodrake.reports.comparison_panels import COLORS
 from aerodrake.reports.figures import INK, REFERENCE, STYLE, write_png
-from aerodrake.reports.flight_table import HEADLINES
 from aerodrake.scenario import Scenario
-from aerodrake.summary import to_json
+from aerodrake.summary import HEADLINES, to_json
 
 FILES = ("margins.json", "margins.png")
 """What margins leave behind, beside the files of their comparison."""

@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 
 from aerodrake.reports.figures import ACCENT, INK, STYLE, write_png
 from aerodrake.scenario_yaml import dump_line
-from aerodrake.sweep.outcomes import HEADLINES, Outcomes, are_numbers
+from aerodrake.summary import HEADLINES
+from aerodrake.sweep.outcomes import Outcomes, are_numbers
 
 COLUMNS, MOST_PANELS = 3, 12
 PANEL_IN = (4.6, 3.4)

@@ -10,12 +10,10 @@ from typing import Any
 import numpy as np
 from scipy.stats import spearmanr
 
+from aerodrake.summary import HEADLINES
 from aerodrake.sweep.folder import read_rows
 from aerodrake.sweep.plan import Plan
 from aerodrake.sweep.trial import FAILURES
-
-HEADLINES = {"lap_mean_m": "one lap", "settled_mean_m": "after 15 s", "mean_m": "mean"}
-"""By key of a row's `error`, in the order in which they are preferred."""
 
 FEWEST = 3
 """Trials of which there is a rank correlation."""

@@ -12,11 +12,11 @@ import numpy as np
 
 from aerodrake.interrupts import held_interrupts
 from aerodrake.scratch import scratch_folder
-from aerodrake.summary import rounded, to_json
+from aerodrake.summary import HEADLINES, rounded, to_json
 from aerodrake.sweep.figure import plot_sweep
 from aerodrake.sweep.folder import FIGURE, SUMMARY, SweepFolder, writing
 from aerodrake.sweep.match import SCENARIO
-from aerodrake.sweep.outcomes import HEADLINES, Outcomes
+from aerodrake.sweep.outcomes import Outcomes
 from aerodrake.sweep.plan import Plan
 
 QUANTILES = {"median_m": 50, "p90_m": 90, "p95_m": 95, "max_m": 100}

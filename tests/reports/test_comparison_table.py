@@ -3,7 +3,6 @@
 import pytest
 
 from aerodrake.reports.comparison_table import comparison_table, papers_rows
-from aerodrake.reports.flight_table import headline
 from aerodrake.summary import summarize
 
 
@@ -52,16 +51,6 @@ def test_what_was_lost_or_failed_is_shown(summaries):
     assert rows(text)["fixed_weights"] == ["failed:MemoryError"]
     assert "None" not in text and "nan" not in text
     assert all(line == line.rstrip() for line in text.splitlines())
-
-
-def test_headline_is_the_best_figure_that_was_flown(summaries):
-    assert headline(summaries) == "lap_mean_m"
-    for summary in list(summaries.values())[:3]:
-        summary["error"] |= {"lap_mean_m": None, "settled_mean_m": None}
-    assert headline(summaries) == "mean_m"
-    summaries["clik"]["error"] |= {"settled_mean_m": 0.01}
-    assert headline(summaries) == "settled_mean_m"
-    assert headline({"clik": summaries["fixed_weights"]}) == "mean_m"
 
 
 def test_without_the_integral_model_there_is_nothing_to_hold_against(summaries):
