@@ -184,3 +184,9 @@ def _rms(values: np.ndarray) -> float | None:
 def rounded(value: float) -> float | None:
     """A figure as JSON files have it: twelve digits at most, null for what is not finite."""
     return float(f"{value:.12g}") if math.isfinite(value) else None
+
+
+def millimetres(length_m: float) -> str:
+    """A length as tables have it: in hundredths of a millimetre, below one in micrometres."""
+    length = f"{1e3 * length_m:.2f}"
+    return length if float(length) >= 1 else f"{1e3 * length_m:.3f}"

@@ -12,7 +12,7 @@ from aerodrake.model.supervision import conditions
 from aerodrake.model.weight_allocation import Mode
 from aerodrake.reference_kinds import Clover, Hover, MovingTarget
 from aerodrake.scenario import Rates, Scenario, Supervisor
-from aerodrake.summary import headline, summarize, to_json
+from aerodrake.summary import headline, millimetres, summarize, to_json
 
 PERIOD_S = 0.01
 TICK_S = 0.02
@@ -278,3 +278,10 @@ def test_flights_are_compared_by_the_first_figure_that_any_has():
     assert headline(flights) == "settled_mean_m"
     flights["lap"] = {"error": none | {"lap_mean_m": 0.1}}
     assert headline(flights) == "lap_mean_m"
+
+
+def test_lengths_have_the_digits_that_are_read():
+    assert millimetres(0.0122) == "12.20"
+    assert millimetres(0.00099999) == "1.00"
+    assert millimetres(0.0000203) == "0.020"
+    assert millimetres(0.0) == "0.000"

@@ -9,7 +9,7 @@ import numpy as np
 
 from aerodrake.margin_search import LEAST_ERROR_M
 from aerodrake.reports.flight_table import PAPER
-from aerodrake.summary import HEADLINES, Summaries, headline
+from aerodrake.summary import HEADLINES, Summaries, headline, millimetres
 
 WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
 
@@ -67,8 +67,8 @@ def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None
     room = arm["least_room_rad"]
     return [
         name,
-        _number(error[key], 1e3),
-        _number(error["max_m"], 1e3),
+        _length(error[key]),
+        _length(error["max_m"]),
         change,
         _number(error["approach_s"]),
         _number(rmse, 1e3),
@@ -98,7 +98,11 @@ def papers_rows(kind: str, key: str) -> list[list[str]]:
 
 
 def _paper_row(name: str, paper: Mapping[str, float], key: str) -> list[str]:
-    return [name, _number(paper.get(key), 1e3), "", "", _number(paper.get("approach_s"))]
+    return [name, _length(paper.get(key)), "", "", _number(paper.get("approach_s"))]
+
+
+def _length(value_m: float | None) -> str:
+    return "" if value_m is None else millimetres(value_m)
 
 
 def _number(value: float | None, factor: float = 1.0, digits: int = 2) -> str:

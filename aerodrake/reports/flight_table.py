@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from aerodrake.model.safe_mode import SafeMode
-from aerodrake.summary import HEADLINES, headline
+from aerodrake.summary import HEADLINES, headline, millimetres
 
 PAPER = {
     "clover": {"lap_mean_m": 0.0122, "integral_lap_mean_m": 0.0302},
@@ -136,7 +136,7 @@ def table(summary: dict[str, Any], kind: str) -> str:
 
 
 def _mm(value: float | None) -> str:
-    return "" if value is None else f"{1e3 * value:.2f} mm"
+    return "" if value is None else f"{millimetres(value)} mm"
 
 
 def _deg(value: float) -> str:

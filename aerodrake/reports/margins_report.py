@@ -15,7 +15,7 @@ from aerodrake.margins import Margins
 from aerodrake.reports.comparison_panels import COLORS
 from aerodrake.reports.figures import INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario import Scenario
-from aerodrake.summary import HEADLINES, to_json
+from aerodrake.summary import HEADLINES, millimetres, to_json
 
 FILES = ("margins.json", "margins.png")
 """What margins leave behind, beside the files of their comparison."""
@@ -129,7 +129,7 @@ def margins_table(margins: Margins) -> str:
 
 def _row(margins: Margins, name: str) -> list[str]:
     as_it_is, *others = margins.outcomes(name)
-    cells = ["" if as_it_is.error_m is None else f"{1e3 * as_it_is.error_m:.2f}"]
+    cells = ["" if as_it_is.error_m is None else millimetres(as_it_is.error_m)]
     for what, (_, factor) in COLUMNS.items():
         search = margins.searches[name][what]
         cells += [_cell(search, bracket, factor) for bracket in (search.doubles, search.lost)]

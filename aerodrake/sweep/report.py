@@ -12,7 +12,7 @@ import numpy as np
 
 from aerodrake.interrupts import held_interrupts
 from aerodrake.scratch import scratch_folder
-from aerodrake.summary import HEADLINES, rounded, to_json
+from aerodrake.summary import HEADLINES, millimetres, rounded, to_json
 from aerodrake.sweep.figure import plot_sweep
 from aerodrake.sweep.folder import FIGURE, SUMMARY, SweepFolder, writing
 from aerodrake.sweep.match import SCENARIO
@@ -109,7 +109,7 @@ def sweep_table(summary: Mapping[str, Any]) -> str:
     width = max([NARROWEST, *(len(spread) + 1 for spread in spreads.values())])
     if error:
         titles = ("mean", "median", "90 %", "95 %", "max")
-        values = [f"{1e3 * error[key]:.2f}" for key in ("mean_m", *QUANTILES)]
+        values = [millimetres(error[key]) for key in ("mean_m", *QUANTILES)]
         label = f"end-effector error, {HEADLINES[error['key']]}, mm".replace(", mean,", ",")
         lines += ["", " " * width + "".join(f"{title:>9}" for title in titles)]
         lines += [f"{label:<{width}}" + "".join(f"{value:>9}" for value in values)]
@@ -122,6 +122,6 @@ def sweep_table(summary: Mapping[str, Any]) -> str:
     lines += ["", "worst, with what flies each alone"]
     for worst in summary["worst"]:
         error_m = worst["error_m"]
-        how = worst["exit_reason"] if error_m is None else f"{1e3 * error_m:.2f} mm"
+        how = worst["exit_reason"] if error_m is None else f"{millimetres(error_m)} mm"
         lines.append(f"  trial {worst['trial']}, {how}: {worst['command']}")
     return "\n".join(lines)

@@ -28,17 +28,18 @@ def test_the_papers_figures_stand_beside_ours(summary):
     summary["error"] |= {"lap_mean_m": 0.00125, "settled_mean_m": 0.0002, "approach_s": 2.2}
     clover = table(summary, "clover")
     assert cell(clover, "mean over one lap") == ["1.25 mm", "12.20 mm"]
-    assert cell(clover, "mean after 15 s") == ["0.20 mm"]
+    assert cell(clover, "mean after 15 s") == ["0.200 mm"]
     target = table(summary, "moving_target")
-    assert cell(target, "mean after 15 s") == ["0.20 mm", "19.70 mm"]
+    assert cell(target, "mean after 15 s") == ["0.200 mm", "19.70 mm"]
     assert cell(target, "first within d_h") == ["2.20 s", "5.00 s"]
     assert cell(target, "mean over one lap") == ["1.25 mm"]
 
 
 @pytest.mark.parametrize("kind", ["hover", "lissajous", "figure_eight", "waypoints", "unheard_of"])
 def test_other_flights_have_no_figures_of_the_paper(summary, kind):
+    summary["error"] |= {"mean_m": 0.0042}
     text = table(summary, kind)
-    assert cell(text, "mean") == [f"{1e3 * summary['error']['mean_m']:.2f} mm"]
+    assert cell(text, "mean") == ["4.20 mm"]
     assert "12.20" not in text and "19.70" not in text
 
 
@@ -72,9 +73,9 @@ def test_the_tools_angle_is_shown_where_there_is_one(summary):
 
 
 def test_highlights_begin_with_the_figure_by_which_flights_are_compared(summary):
-    label, figure, beside = highlights(summary, "clover")[0]
-    assert (label, beside) == ("error, mean", "")  # The paper has no mean of all.
-    assert figure == f"{1e3 * summary['error']['mean_m']:.2f} mm"
+    summary["error"]["mean_m"] = 0.0042
+    # The paper has no mean of all.
+    assert highlights(summary, "clover")[0] == ("error, mean", "4.20 mm", "")
     summary["error"]["lap_mean_m"] = 0.00125
     lap = ("error, one lap", "1.25 mm", "the paper: 12.20 mm")
     assert highlights(summary, "clover")[0] == lap

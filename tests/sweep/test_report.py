@@ -132,7 +132,7 @@ def test_the_worst_ones_command_flies_it_again_to_the_same_error(tmp_path, monke
     said = capsys.readouterr().out
     worst = json.loads((out / SUMMARY).read_text())["worst"][0]
     (line,) = (line for line in said.splitlines() if line.endswith(worst["command"]))
-    assert line.startswith(f"  trial {worst['trial']}, {1e3 * worst['error_m']:.2f} mm: aerodrake")
+    assert line.startswith(f"  trial {worst['trial']}, {1e3 * worst['error_m']:.3f} mm: aerodrake")
     _, *words = shlex.split(worst["command"])
     assert main([*words, "--quiet", "--out", str(tmp_path / "run")]) == 0
     figures = json.loads((tmp_path / "run" / "summary.json").read_text())
