@@ -19,7 +19,8 @@ from aerodrake.remote_coordinator import make_layouts
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
 from aerodrake.threads import single_thread
-from aerodrake.wire import Link, Message, Phase
+from aerodrake.wire import Link
+from aerodrake.wire_message import Message, Phase
 
 PATIENCE_MS = 50
 """How long it waits for a message before it looks up."""
@@ -64,7 +65,7 @@ class Companion:
     tick's, the answer goes out at once. Samples that do not come leave it where it is: their
     ticks are missed, and what that means for the flight is the station's to say, which has a
     supervisor too. A station that is silent for as long as the supervisor lets a flight go
-    on without attitude is dead.
+    on without attitude is dead. Of several stations it serves the first that it hears.
 
     Args:
         scenario: What the station flies.
@@ -99,6 +100,9 @@ class Companion:
         Args:
             progress: Called every 50 ms or more often, with the station's time in s; it may
                 raise.
+
+        Raises:
+            BadInput: if the station that is there has another scenario.
         """
         heard = time.monotonic()
         lost_s = self.scenario.supervisor.attitude_lost_s
@@ -107,7 +111,11 @@ class Companion:
                 asked = time.monotonic()  # What came while this process was held up counts.
                 if self.answer(PATIENCE_MS):
                     heard = time.monotonic()
-                elif self.link.phase is Phase.FLYING and asked - heard > lost_s:
+                elif asked - heard <= lost_s:
+                    pass
+                elif self.link.phase is Phase.WAITING:
+                    self.link.station = None  # It has gone before it flew: another one may come.
+                else:
                     self.service.fault = (
                         f"no sample of the station for {lost_s:g} s, "
                         f"since {self.service.flown_s:.2f} s"
@@ -117,19 +125,23 @@ class Companion:
         return self.service
 
     def answer(self, patience_ms: int = 0) -> bool:
-        """Takes in what came, and answers it; returns whether there was a sample.
+        """Takes in what came, and answers it; returns whether there was anything to take in.
 
         Args:
             patience_ms: How long to wait for it.
+
+        Raises:
+            BadInput: as `Link.hear`.
         """
         messages = self.link.hear(patience_ms)
         start = time.perf_counter()
-        is_sampled = False
+        is_there = False
         for message in messages:
             if message.phase is Phase.WAITING and self.link.phase is Phase.WAITING:
+                is_there = True
                 self.link.tell(0.0, {})
             elif message.phase is Phase.FLYING and self._is_believed(message):
-                is_sampled = True
+                is_there = True
                 self._take_in(message)
                 if self._is_tick(message.time):
                     self._tell(message.time)
@@ -139,7 +151,7 @@ class Companion:
             elif message.phase is Phase.OVER and self.link.phase is Phase.FLYING:
                 self.link.phase = Phase.OVER
                 self.link.tell(message.time, {})
-        return is_sampled
+        return is_there
 
     def _is_believed(self, message: Message) -> bool:
         """Whether a sample is new, and of a vehicle: what no filter passes, Drake dies of."""

@@ -12,7 +12,8 @@ from aerodrake.model.vehicle import GRAVITY
 from aerodrake.remote_coordinator import make_station_link
 from aerodrake.scenario import Scenario, Supervisor
 from aerodrake.station import make_context
-from aerodrake.wire import STATION, Phase
+from aerodrake.wire import STATION
+from aerodrake.wire_message import Phase
 
 PERIOD = 0.01
 
