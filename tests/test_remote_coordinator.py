@@ -12,6 +12,7 @@ from aerodrake.scenario_file import load_scenario
 from aerodrake.simulate import Flight
 from aerodrake.summary import summarize
 from aerodrake.wire import COORDINATOR, STATION
+from aerodrake.wire_message import Phase
 from tests.lockstep import Lockstep, fly_over
 
 SHORT = [("--set", f"{key}={value}") for key, value in (("settle_s", 0.5), ("duration", 2.0))]
@@ -116,6 +117,26 @@ def test_a_dead_coordinator_is_a_landing(clover):
     ]
     assert triggers[:2] == ["plan_outage", "plan_lost"]
     assert over["v_Bd_m_s"][-1, 2] == pytest.approx(-scenario.supervisor.descend_m_s, rel=0.05)
+
+
+def test_a_second_station_changes_nothing(clover, here):
+    """It waits, and flies, and ends, each with a message before each of the first one's."""
+    lcm = Lockstep()
+    second = make_station_link(clover, lcm)
+
+    def is_lost(channel, i):
+        if channel == STATION and i % 2:
+            second.phase = Phase(i // 2 % 3)
+            second.tell(i / 200, {})
+        return False
+
+    lcm.is_lost = is_lost
+    over = fly_over(lcm, clover)
+    assert over.exit_reason == "completed"
+    for key in set(here.signals) - {"tick_ms"}:
+        np.testing.assert_array_equal(over[key][1:], here[key][1:], err_msg=key)
+    assert lcm.companion.link.refused > 200
+    assert second.hear() == [] and second.refused > 100
 
 
 def test_a_coordinator_that_is_started_again_takes_the_flight_over(clover):
