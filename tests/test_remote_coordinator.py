@@ -120,12 +120,13 @@ def test_a_dead_coordinator_is_a_landing(clover):
 
 
 def test_a_second_station_changes_nothing(clover, here):
-    """It waits, and flies, and ends, each with a message before each of the first one's."""
+    """Once the first one is served: it waits, flies and ends, by messages among those of that."""
     lcm = Lockstep()
     second = make_station_link(clover, lcm)
 
     def is_lost(channel, i):
-        if channel == STATION and i % 2:
+        is_served = lcm.companion and lcm.companion.link.station
+        if is_served and channel == STATION and i % 2:
             second.phase = Phase(i // 2 % 3)
             second.tell(i / 200, {})
         return False
@@ -136,7 +137,7 @@ def test_a_second_station_changes_nothing(clover, here):
     for key in set(here.signals) - {"tick_ms"}:
         np.testing.assert_array_equal(over[key][1:], here[key][1:], err_msg=key)
     assert lcm.companion.link.refused > 200
-    assert second.hear() == [] and second.refused > 100
+    assert second.hear() == [] and second.refused
 
 
 def test_a_coordinator_that_is_started_again_takes_the_flight_over(clover):
