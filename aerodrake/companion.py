@@ -63,8 +63,9 @@ class Companion:
 
     Its time is the station's: a sample takes it to the sample's time, and where that is a
     tick's, the answer goes out at once. Samples that do not come leave it where it is: their
-    ticks are missed, and what that means for the flight is the station's to say, which has a
-    supervisor too. A station that is silent for as long as the supervisor lets a flight go
+    ticks are missed and never made up for, and what that means for the flight is the station's
+    to say, which has a supervisor too. So when it was held up, it answers the first tick that
+    comes. A station that is silent for as long as the supervisor lets a flight go
     on without attitude is dead. Of several stations it serves the first that it hears.
 
     Args:
@@ -166,14 +167,19 @@ class Companion:
     def _take_in(self, message: Message) -> None:
         """Advances to a sample's time and makes all that is due there see it."""
         slack = self.scenario.rates.plant_step_s / 4
-        if self.link.phase is Phase.WAITING:
+        begin = message.time - slack
+        is_first = self.link.phase is Phase.WAITING
+        if is_first:
             self.link.phase = Phase.FLYING
             self._controller.tick_ms.clear()
-            if message.time > 0:  # The station has begun without.
-                self._context.SetTime(message.time - slack)
-        else:
-            self.service.missed += self._ticks_between(self._time, message.time)
-            self._simulator.AdvanceTo(message.time - slack)
+        missed = 0 if is_first else self._ticks_between(self._time, message.time)
+        self.service.missed += missed
+        if missed or is_first and message.time > 0:
+            # What is over is not worked off: it would take the time of the ticks to come.
+            self._context.SetTime(begin)
+            self._simulator.Initialize()
+        elif not is_first:
+            self._simulator.AdvanceTo(begin)
         self._fix(self._context, message.parts)
         self._simulator.AdvanceTo(message.time + slack)
         self._time = self.service.flown_s = message.time

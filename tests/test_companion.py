@@ -104,8 +104,13 @@ def test_setpoints_begin_where_the_station_has_them(bench):
 
 
 def test_ticks_without_their_sample_are_missed(bench):
+    """And not worked off later."""
     bench.answers(0.0, 0.01, 0.03, 0.11)  # Without 0.02, 0.04, 0.06, 0.08 and 0.1.
-    assert bench.companion.service.missed == 5
+    service = bench.companion.service
+    assert service.missed == 5 and len(service.tick_ms) == 1
+    answer, last = bench.answers(0.12, 0.13, 4.2)
+    assert (answer.time, last.time) == (0.12, 4.2)
+    assert service.missed == 5 + 203 and len(service.tick_ms) == 3
 
 
 def test_a_flight_that_has_begun_is_joined(bench):

@@ -108,6 +108,16 @@ def test_a_silent_coordinator_is_an_mpc_without_an_answer(clover):
     assert over.error_m.max() < 0.1 and over.error_m[-1] < 0.005
 
 
+@pytest.mark.parametrize("late, each", [(12, 1000), (2, 20)], ids=["slow", "lossy"])
+def test_a_hold_ends_where_answers_take_their_time_or_are_lost_now_and_then(clover, late, each):
+    def is_lost(channel, i):
+        return channel == COORDINATOR and (40 <= i < 50 or i > 50 and i % each == 0)
+
+    over = fly_over(Lockstep(late, is_lost), clover)
+    assert over.exit_reason == "completed"
+    assert np.count_nonzero(over["supervisor_mode"] == SafeMode.HOLD) < 80
+
+
 def test_a_dead_coordinator_is_a_landing(clover):
     scenario = load_scenario("clover", [*SHORT, ("--set", "supervisor.plan_lost_s=0.3")])
     over = fly_over(Lockstep(2, lambda channel, i: channel == COORDINATOR and i > 60), scenario)
