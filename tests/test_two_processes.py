@@ -104,6 +104,21 @@ def test_a_killed_coordinator_is_an_mpc_without_an_answer(start, url, tmp_path):
     assert summary["simulated_s"] == 1.2
 
 
+def test_a_coordinator_that_is_held_up_goes_on(start, url, tmp_path):
+    options = [*SHORT, *PATIENT, "--lcm", url]
+    station = start("run", *options, "--out", tmp_path / "out", "--duration", 3)
+    coordinator = start("coordinator", *options)
+    begins(coordinator)
+    coordinator.send_signal(signal.SIGSTOP)
+    time.sleep(0.3)
+    coordinator.send_signal(signal.SIGCONT)
+    outputs = [process.communicate(timeout=300) for process in (station, coordinator)]
+    assert (station.returncode, coordinator.returncode) == (0, 0), outputs
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["mpc"]["missed"] >= 10 and summary["mpc"]["ticks"] > 10
+    assert summary["exit_reason"] == "completed" and summary["error"]["max_m"] < 0.01
+
+
 def test_a_killed_station_ends_its_coordinator(start, url, tmp_path):
     station = start("run", *SHORT, "--duration", 60, "--lcm", url, "--out", tmp_path / "out")
     coordinator = start("coordinator", *SHORT, "--lcm", url)

@@ -53,6 +53,7 @@ def main(arguments: argparse.Namespace) -> int:
         ):
 
             def progress(flown_s: float) -> None:
+                bar.total = max(bar.total, flown_s)  # How long it flies is the station's to say.
                 bar.update(flown_s - bar.n)
                 check()
 
