@@ -83,7 +83,6 @@ class Link:
             time: s, as in `Message`.
             parts: (size,) numbers by name; those that it does not have are zero.
         """
-        assert self.station is not None
         zeros = {name: np.zeros(size) for name, size in self.tells.sizes.items()}
         message = Message(time, self.phase, self.station, {**zeros, **parts})
         self.lcm.Publish(self._to, self.tells.encode(message))
@@ -140,10 +139,12 @@ class Link:
             elif self.phase is Phase.WAITING:
                 self.part(0.0)
                 end = "coordinator" if self._is_station else "station"
-                problem = f"expected a {end} of the same scenario, got one of other {differing}"
+                problem = (
+                    f"expected a {end} of the same scenario, got one that differs in {differing}"
+                )
                 raise BadInput("--lcm", "", problem)
             else:
-                self._refuse(f"messages come of another scenario, of other {differing}")
+                self._refuse(f"messages come of another scenario, which differs in {differing}")
         return messages
 
     def _take(self, patience_ms: int) -> list[Message]:

@@ -198,10 +198,12 @@ def test_a_station_that_falls_silent_is_dead(vehicle):
 def test_a_station_of_another_scenario_is_refused_and_finds_out(bench, phase, other, differing):
     station = make_station_link(other, bench.lcm)
     bench.tell(0.0, phase, station)
-    with pytest.raises(BadInput, match=f"a station of the same .* of other {differing}$"):
+    with pytest.raises(BadInput, match=f"a station of the same .* that differs in {differing}$"):
         bench.companion.answer()
     assert bench.companion.service.answer_ms == []
-    with pytest.raises(BadInput, match=f"a coordinator of the same .* of other {differing}$"):
+    with pytest.raises(
+        BadInput, match=f"a coordinator of the same .* that differs in {differing}$"
+    ):
         station.wait(lambda: None)
 
 

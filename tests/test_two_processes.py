@@ -150,7 +150,7 @@ def test_two_scenarios_are_found_out_at_both_ends(
         processes[command] = start(command, *SHORT, "--quiet", "--lcm", url, *options[command])
     for command, other in (("run", "coordinator"), ("coordinator", "station")):
         said, errors = processes[command].communicate(timeout=300)
-        expected = f"expected a {other} of the same scenario, got one of other {differing}"
+        expected = f"expected a {other} of the same scenario, got one that differs in {differing}"
         assert errors.decode() == f"aerodrake: --lcm: {expected}\n"
         assert processes[command].returncode == 2 and said == b""
     assert not list(tmp_path.iterdir())

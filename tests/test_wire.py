@@ -140,7 +140,7 @@ def test_who_waits_refuses_another_scenario_and_both_find_out():
         coordinator.hear()
     with pytest.raises(BadInput) as at_station:
         station.wait(lambda: None)
-    expected = "--lcm: expected a {} of the same scenario, got one of other rates"
+    expected = "--lcm: expected a {} of the same scenario, got one that differs in rates"
     assert str(at_coordinator.value) == expected.format("station")
     assert str(at_station.value) == expected.format("coordinator")
 
@@ -178,7 +178,7 @@ def test_in_flight_another_scenario_is_not_heard_and_said_once(is_station):
     for other.phase in (*Phase, Phase.FLYING):
         other.tell(0.0, {})
         assert flying.hear() == []
-    assert notes == ["note: messages come of another scenario, of other rates, mpc"]
+    assert notes == ["note: messages come of another scenario, which differs in rates, mpc"]
     assert flying.refused == 4
 
 
