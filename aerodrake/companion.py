@@ -19,7 +19,8 @@ from aerodrake.remote_coordinator import make_layouts
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
 from aerodrake.threads import single_thread
-from aerodrake.wire import Link, Message, Phase
+from aerodrake.wire import Link
+from aerodrake.wire_message import Message, Phase
 
 PATIENCE_MS = 50
 """How long it waits for a message before it looks up."""
@@ -62,9 +63,10 @@ class Companion:
 
     Its time is the station's: a sample takes it to the sample's time, and where that is a
     tick's, the answer goes out at once. Samples that do not come leave it where it is: their
-    ticks are missed, and what that means for the flight is the station's to say, which has a
-    supervisor too. A station that is silent for as long as the supervisor lets a flight go
-    on without attitude is dead.
+    ticks are missed and never made up for, and what that means for the flight is the station's
+    to say, which has a supervisor too. So when it was held up, it answers the first tick that
+    comes. A station that is silent for as long as the supervisor lets a flight go
+    on without attitude is dead. Of several stations it serves the first that it hears.
 
     Args:
         scenario: What the station flies.
@@ -99,6 +101,9 @@ class Companion:
         Args:
             progress: Called every 50 ms or more often, with the station's time in s; it may
                 raise.
+
+        Raises:
+            BadInput: if the station that is there has another scenario.
         """
         heard = time.monotonic()
         lost_s = self.scenario.supervisor.attitude_lost_s
@@ -107,7 +112,11 @@ class Companion:
                 asked = time.monotonic()  # What came while this process was held up counts.
                 if self.answer(PATIENCE_MS):
                     heard = time.monotonic()
-                elif self.link.phase is Phase.FLYING and asked - heard > lost_s:
+                elif asked - heard <= lost_s:
+                    pass
+                elif self.link.phase is Phase.WAITING:
+                    self.link.station = None  # It has gone before it flew: another one may come.
+                else:
                     self.service.fault = (
                         f"no sample of the station for {lost_s:g} s, "
                         f"since {self.service.flown_s:.2f} s"
@@ -117,19 +126,23 @@ class Companion:
         return self.service
 
     def answer(self, patience_ms: int = 0) -> bool:
-        """Takes in what came, and answers it; returns whether there was a sample.
+        """Takes in what came, and answers it; returns whether there was anything to take in.
 
         Args:
             patience_ms: How long to wait for it.
+
+        Raises:
+            BadInput: as `Link.hear`.
         """
         messages = self.link.hear(patience_ms)
         start = time.perf_counter()
-        is_sampled = False
+        is_there = False
         for message in messages:
             if message.phase is Phase.WAITING and self.link.phase is Phase.WAITING:
+                is_there = True
                 self.link.tell(0.0, {})
             elif message.phase is Phase.FLYING and self._is_believed(message):
-                is_sampled = True
+                is_there = True
                 self._take_in(message)
                 if self._is_tick(message.time):
                     self._tell(message.time)
@@ -139,7 +152,7 @@ class Companion:
             elif message.phase is Phase.OVER and self.link.phase is Phase.FLYING:
                 self.link.phase = Phase.OVER
                 self.link.tell(message.time, {})
-        return is_sampled
+        return is_there
 
     def _is_believed(self, message: Message) -> bool:
         """Whether a sample is new, and of a vehicle: what no filter passes, Drake dies of."""
@@ -154,14 +167,19 @@ class Companion:
     def _take_in(self, message: Message) -> None:
         """Advances to a sample's time and makes all that is due there see it."""
         slack = self.scenario.rates.plant_step_s / 4
-        if self.link.phase is Phase.WAITING:
+        begin = message.time - slack
+        is_first = self.link.phase is Phase.WAITING
+        if is_first:
             self.link.phase = Phase.FLYING
             self._controller.tick_ms.clear()
-            if message.time > 0:  # The station has begun without.
-                self._context.SetTime(message.time - slack)
-        else:
-            self.service.missed += self._ticks_between(self._time, message.time)
-            self._simulator.AdvanceTo(message.time - slack)
+        missed = 0 if is_first else self._ticks_between(self._time, message.time)
+        self.service.missed += missed
+        if missed or is_first and message.time > 0:
+            # What is over is not worked off: it would take the time of the ticks to come.
+            self._context.SetTime(begin)
+            self._simulator.Initialize()
+        elif not is_first:
+            self._simulator.AdvanceTo(begin)
         self._fix(self._context, message.parts)
         self._simulator.AdvanceTo(message.time + slack)
         self._time = self.service.flown_s = message.time

@@ -21,12 +21,14 @@ from pydrake.lcm import DrakeLcmInterface
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from aerodrake.coordinator import make_coordinator, make_setpoint_integrator, make_supervisor
+from aerodrake.fingerprint import coordinated
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.scenario import Scenario
 from aerodrake.station import SEAM
 from aerodrake.systems.wire_receiver import WireReceiver
 from aerodrake.systems.wire_sender import WireSender
-from aerodrake.wire import Layout, Link
+from aerodrake.wire import Link
+from aerodrake.wire_message import Layout
 
 OWN = ("base_setpoint", "joint_setpoint", "u", "mode", "cause", "conditions")
 """Outputs of the coordinator that the station's end of the wire has of its own."""
@@ -37,16 +39,20 @@ def make_layouts(coordinator: Diagram, scenario: Scenario) -> tuple[Layout, Layo
 
     Args:
         coordinator: Whose ports they are about.
-        scenario: How long a plan is followed: of no more is told.
+        scenario: Theirs. As long as a plan is followed it is told, and no longer.
+
+    Raises:
+        ScenarioError: if a file that it names cannot be read.
     """
+    agreed = coordinated(scenario)
     inputs = [coordinator.GetInputPort(name) for name in (*SEAM, "followed")]
     outputs = map(coordinator.get_output_port, range(coordinator.num_output_ports()))
     told = {p.get_name(): p.size() for p in outputs if p.get_name() not in OWN}
     ticks, axes = scenario.supervisor.plan_ticks + 2, told["segment"] // 3
     told["plan"] = min(told["plan"], ticks * axes)
     return (
-        Layout({port.get_name(): port.size() for port in inputs}),
-        Layout({**told, "tick_ms": 1}),
+        Layout(agreed, {port.get_name(): port.size() for port in inputs}),
+        Layout(agreed, {**told, "tick_ms": 1}),
     )
 
 
@@ -68,8 +74,7 @@ def make_remote_coordinator(scenario: Scenario, link: Link) -> Diagram:
     station's, and `plan`.
 
     Args:
-        scenario: That of the coordinator, as far as they have to agree: vehicle, rates, limits
-            and horizon.
+        scenario: That of the coordinator, as far as it is `fingerprint.COORDINATED`.
         link: The station's end.
     """
     rates = scenario.rates

@@ -29,7 +29,8 @@ from aerodrake.replacements import Replacements
 from aerodrake.scenario import Scenario
 from aerodrake.station import add_closed_loop, make_context
 from aerodrake.threads import single_thread
-from aerodrake.wire import Link, Phase
+from aerodrake.wire import Link
+from aerodrake.wire_message import Phase
 
 LOG_SAMPLES = 1000
 """Samples that are held in memory before they are moved to a file."""
@@ -95,7 +96,8 @@ class Flight:
     ) -> FlightLog:
         """Flies from trim to the scenario's end, or until the vehicle is lost, or stops.
 
-        With a coordinator elsewhere it waits in trim until that is there.
+        With a coordinator elsewhere it waits in trim until that is there, and does not fly by
+        one of another scenario.
 
         Args:
             progress: Called with the simulated time in s as it advances.
@@ -103,6 +105,9 @@ class Flight:
                 fast as it can.
             attach: Called with the flight and its Simulator before that flies: for who
                 watches it.
+
+        Raises:
+            BadInput: if the coordinator that is there has another scenario.
         """
         scenario = self.scenario
         context = make_context(self.closed_loop, scenario.seed)

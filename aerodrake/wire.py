@@ -4,101 +4,36 @@
     AERODRAKE_STATION       station, at every sample      `SEAM`, and the segment it follows
     AERODRAKE_COORDINATOR   coordinator, at every tick    segment, plan, and what is logged of it
 
-Messages are Drake's `lcmt_drake_signal`: numbers, each with its name (`state[4]`), and a
-time stamp. The time is the station's, in microseconds from where its flight begins, in trim.
-The first number is a `Phase`.
+`wire_message` says what else is in each. Times are the station's, in s from where its flight
+begins, in trim.
+
+A station draws a number when it is made; a coordinator takes on that of the one it finds there,
+and to others both are deaf. Ends of different scenarios do not begin a flight: both say in what
+they differ.
 """
 
 from __future__ import annotations
 
 import ipaddress
 import re
-import struct
+import secrets
 from collections import deque
 from collections.abc import Callable, Mapping
-from enum import IntEnum
-from typing import NamedTuple
 
 import numpy as np
-from drake import lcmt_drake_signal
 from pydrake.lcm import DrakeLcm, DrakeLcmInterface
 
 from aerodrake.errors import BadInput
+from aerodrake.wire_message import NUMBERS, Layout, Message, Phase
 
 STATION, COORDINATOR = "AERODRAKE_STATION", "AERODRAKE_COORDINATOR"
 """Channels, by who sends."""
 
 BACKLOG = 100
-"""Messages that are taken in at one look; of more, the newest. Over UDP, LCM keeps one a channel
-until somebody looks: the oldest."""
+"""Messages that are taken in at one look; of more, the newest."""
 
 FAREWELL_S = 0.5
 """For so long an end says that the flight is over, until the other one has heard it."""
-
-
-class Phase(IntEnum):
-    """What the sender is about.
-
-    WAITING: it is there, and nothing else that it says counts. FLYING: it flies. OVER: the
-    flight has ended.
-    """
-
-    WAITING = 0
-    FLYING = 1
-    OVER = 2
-
-
-class Message(NamedTuple):
-    """What was told.
-
-    Attributes:
-        time: s, of the sample, or of the tick that is answered.
-        phase: Of the sender.
-        parts: (size,) numbers by name. They may be no numbers, as those of a sensor.
-    """
-
-    time: float
-    phase: Phase
-    parts: dict[str, np.ndarray]
-
-
-class Layout:
-    """The parts of a channel's messages, in their order.
-
-    Args:
-        sizes: Of the parts, by name.
-    """
-
-    def __init__(self, sizes: Mapping[str, int]):
-        self.sizes = dict(sizes)
-        named = (f"{name}[{i}]" for name, size in sizes.items() for i in range(size))
-        self._names = ["phase", *named]
-        self._ends = np.cumsum(list(sizes.values()))[:-1]
-
-    def encode(self, message: Message) -> bytes:
-        """As it goes over the wire. Its parts are these, in any order."""
-        signal = lcmt_drake_signal()
-        parts = [message.parts[name] for name in self.sizes]
-        signal.val = [float(message.phase), *np.concatenate(parts).tolist()]
-        signal.dim = len(signal.val)
-        signal.coord = self._names
-        signal.timestamp = round(1e6 * message.time)
-        return signal.encode()
-
-    def decode(self, data: bytes) -> Message | None:
-        """What was told; None if it is anything but a message of these parts."""
-        try:
-            signal = lcmt_drake_signal.decode(data)
-        except (ValueError, struct.error, MemoryError):
-            return None
-        if signal.coord != self._names or signal.val[0] not in tuple(Phase):
-            return None
-        parts = np.split(np.array(signal.val[1:]), self._ends)
-        return Message(
-            signal.timestamp / 1e6,
-            Phase(int(signal.val[0])),
-            dict(zip(self.sizes, parts, strict=True)),
-        )
 
 
 class Link:
@@ -107,15 +42,17 @@ class Link:
     Attributes:
         lcm: What it goes over.
         phase: Of this end, as the other is told.
+        station: The station's number. At the coordinator's end, that of the one whose messages
+            are heard, the first that is there; None until then.
         tells, hears: Layouts of its own messages, and of the other end's.
-        refused: How many messages came that were none of those.
+        refused: How many messages came that were not heard.
 
     Args:
         lcm: What it goes over; one of its own.
         station: Layout of the station's messages.
         coordinator: Layout of the coordinator's.
         is_station: Whose end it is.
-        say: Is told, once, when messages come that are refused.
+        say: Is told, once for each reason, when messages come that are refused.
     """
 
     def __init__(
@@ -128,22 +65,26 @@ class Link:
     ):
         self.lcm = lcm
         self._say = say
+        self._said: set[str] = set()
         self.phase = Phase.WAITING
         self.refused = 0
+        self._is_station = is_station
+        # Of a generator of its own: it is in no result.
+        self.station = secrets.randbelow(NUMBERS) if is_station else None
         self.tells, self.hears = (station, coordinator) if is_station else (coordinator, station)
         self._to, of = (STATION, COORDINATOR) if is_station else (COORDINATOR, STATION)
         self._came: deque[bytes] = deque(maxlen=BACKLOG)
         lcm.Subscribe(of, self._came.append)
 
     def tell(self, time: float, parts: Mapping[str, np.ndarray]) -> None:
-        """Sends a message of this end.
+        """Sends a message of this end; that of a coordinator has a station.
 
         Args:
             time: s, as in `Message`.
             parts: (size,) numbers by name; those that it does not have are zero.
         """
         zeros = {name: np.zeros(size) for name, size in self.tells.sizes.items()}
-        message = Message(time, self.phase, {**zeros, **parts})
+        message = Message(time, self.phase, self.station, {**zeros, **parts})
         self.lcm.Publish(self._to, self.tells.encode(message))
 
     def wait(self, check: Callable[[], None]) -> None:
@@ -151,6 +92,9 @@ class Link:
 
         Args:
             check: Called every 0.1 s; it may raise.
+
+        Raises:
+            BadInput: as `hear`.
         """
         self.phase = Phase.WAITING
         while not any(message.phase is Phase.WAITING for message in self.hear(100)):
@@ -165,7 +109,8 @@ class Link:
         self.phase = Phase.OVER
         for _ in range(round(FAREWELL_S / 0.02)):
             self.tell(time, {})
-            if any(message.phase is Phase.OVER for message in self.hear(20)):
+            own = (message for message in self._take(20) if message.station == self.station)
+            if any(message.phase is Phase.OVER for message in own):
                 return
 
     def hear(self, patience_ms: int = 0) -> list[Message]:
@@ -173,18 +118,52 @@ class Link:
 
         Args:
             patience_ms: How long to wait for anything.
+
+        Raises:
+            BadInput: if this end waits, and the other one is there with another scenario. It
+                was told so: it finds out as well.
         """
+        messages = []
+        for message in self._take(patience_ms):
+            if self.station is None and message.phase is not Phase.OVER:
+                self.station = message.station
+            differing = ", ".join(message.differing)
+            if message.station != self.station:
+                self._refuse(
+                    "the coordinator answers another station"
+                    if self._is_station
+                    else "another station is there, and is not answered"
+                )
+            elif not differing:
+                messages.append(message)
+            elif self.phase is Phase.WAITING:
+                self.part(0.0)
+                end = "coordinator" if self._is_station else "station"
+                problem = (
+                    f"expected a {end} of the same scenario, got one that differs in {differing}"
+                )
+                raise BadInput("--lcm", "", problem)
+            else:
+                self._refuse(f"messages come of another scenario, which differs in {differing}")
+        return messages
+
+    def _take(self, patience_ms: int) -> list[Message]:
+        """All messages that came, whoever is meant."""
         self.lcm.HandleSubscriptions(patience_ms)
         messages = []
         while self._came:
             message = self.hears.decode(self._came.popleft())
             if message is None:
-                if not self.refused:
-                    self._say("note: messages come of another robot or horizon, or not of ours")
-                self.refused += 1
+                self._refuse("messages come that are not of ours, or of another version")
             else:
                 messages.append(message)
         return messages
+
+    def _refuse(self, reason: str) -> None:
+        self.refused += 1
+        if reason not in self._said:
+            self._said.add(reason)
+            self._say(f"note: {reason}")
 
 
 def make_lcm(url: str) -> DrakeLcm:

@@ -8,11 +8,14 @@ from pydrake.lcm import DrakeLcm
 
 from aerodrake.companion import Companion
 from aerodrake.coordinator import make_coordinator
+from aerodrake.errors import BadInput
 from aerodrake.model.vehicle import GRAVITY
+from aerodrake.reference_kinds import Clover
 from aerodrake.remote_coordinator import make_station_link
-from aerodrake.scenario import Scenario, Supervisor
+from aerodrake.scenario import Mpc, Rates, Scenario, Supervisor
 from aerodrake.station import make_context
-from aerodrake.wire import STATION, Phase
+from aerodrake.wire import STATION
+from aerodrake.wire_message import Phase
 
 PERIOD = 0.01
 
@@ -25,7 +28,8 @@ def bench(scenario, vehicle):
 class Bench:
     def __init__(self, scenario, vehicle):
         self.lcm = DrakeLcm("memq://")
-        self.companion = Companion(scenario, self.lcm)
+        self.notes = []
+        self.companion = Companion(scenario, self.lcm, self.notes.append)
         self.station = make_station_link(scenario, self.lcm)
         zeros = {name: np.zeros(size) for name, size in self.station.tells.sizes.items()}
         position = np.concatenate([vehicle.p_B, vehicle.working])
@@ -36,9 +40,11 @@ class Bench:
             "followed": np.concatenate([position, np.zeros(2 * len(position) + 1)]),
         }
 
-    def tell(self, time, phase=Phase.FLYING, **parts):
-        self.station.phase = phase
-        self.station.tell(time, self.sample | parts)
+    def tell(self, time, phase=Phase.FLYING, station=None, **parts):
+        """By the bench's own station, or another one."""
+        station = station or self.station
+        station.phase = phase
+        station.tell(time, self.sample | parts)
 
     def answers(self, *times):
         """To samples of these times, one after another."""
@@ -98,8 +104,13 @@ def test_setpoints_begin_where_the_station_has_them(bench):
 
 
 def test_ticks_without_their_sample_are_missed(bench):
+    """And not worked off later."""
     bench.answers(0.0, 0.01, 0.03, 0.11)  # Without 0.02, 0.04, 0.06, 0.08 and 0.1.
-    assert bench.companion.service.missed == 5
+    service = bench.companion.service
+    assert service.missed == 5 and len(service.tick_ms) == 1
+    answer, last = bench.answers(0.12, 0.13, 4.2)
+    assert (answer.time, last.time) == (0.12, 4.2)
+    assert service.missed == 5 + 203 and len(service.tick_ms) == 3
 
 
 def test_a_flight_that_has_begun_is_joined(bench):
@@ -172,6 +183,59 @@ def test_a_station_that_falls_silent_is_dead(vehicle):
     bench.answers(0.0, 0.01)
     service = bench.companion.serve(lambda flown_s: None)
     assert service.fault == "no sample of the station for 0.05 s, since 0.01 s"
+
+
+@pytest.mark.parametrize(
+    "other, differing",
+    [
+        (Scenario(rates=Rates(mpc_period_s=0.04)), "rates"),
+        (Scenario(reference=Clover(), settle_s=2.0), "settle_s, reference"),
+        (Scenario(mpc=Mpc(horizon=7)), "mpc"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+@pytest.mark.parametrize("phase", [Phase.WAITING, Phase.FLYING])
+def test_a_station_of_another_scenario_is_refused_and_finds_out(bench, phase, other, differing):
+    station = make_station_link(other, bench.lcm)
+    bench.tell(0.0, phase, station)
+    with pytest.raises(BadInput, match=f"a station of the same .* that differs in {differing}$"):
+        bench.companion.answer()
+    assert bench.companion.service.answer_ms == []
+    with pytest.raises(
+        BadInput, match=f"a coordinator of the same .* that differs in {differing}$"
+    ):
+        station.wait(lambda: None)
+
+
+def test_of_two_stations_it_serves_the_one_whose_flight_it_begins(bench):
+    other = make_station_link(bench.companion.scenario, bench.lcm)
+    for phase in (Phase.WAITING, Phase.FLYING):
+        bench.tell(0.0, phase)
+        bench.tell(0.0, phase, other)
+        bench.companion.answer()
+        (answer,) = bench.station.hear()
+        assert (answer.phase, answer.station) == (phase, bench.station.station)
+    bench.tell(0.02, Phase.FLYING, other)
+    bench.tell(0.01, Phase.OVER, other)
+    assert not bench.companion.answer()
+    assert other.hear() == [] and bench.companion.service.flown_s == 0.0
+    assert bench.notes == ["note: another station is there, and is not answered"]
+
+
+def test_a_station_that_has_gone_before_it_flew_makes_room(vehicle):
+    bench = Bench(Scenario(supervisor=Supervisor(attitude_lost_s=0.05)), vehicle)
+    second = make_station_link(bench.companion.scenario, bench.lcm)
+    bench.tell(0.0, Phase.WAITING)
+
+    def waits(flown_s):
+        if second.hear():
+            raise KeyboardInterrupt
+        second.tell(0.0, {})
+
+    with pytest.raises(KeyboardInterrupt):
+        bench.companion.serve(waits)
+    assert bench.companion.link.station == second.station
+    assert len(bench.station.hear()) == 1
 
 
 def test_waiting_can_be_interrupted(bench):

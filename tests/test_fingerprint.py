@@ -1,8 +1,15 @@
 import dataclasses
 
+import pytest
+from pydrake.lcm import DrakeLcm
+
+from aerodrake.companion import Companion
+from aerodrake.errors import ScenarioError
+from aerodrake.fault_kinds import LearnerNan, MpcMissed, Push, ReferenceNan
 from aerodrake.files import locate
-from aerodrake.fingerprint import plant_hash, scenario_hash
-from aerodrake.scenario import Model, Mpc, Scenario
+from aerodrake.fingerprint import COORDINATED, coordinated, plant_hash, scenario_hash
+from aerodrake.reference_kinds import Waypoints
+from aerodrake.scenario import Model, Mpc, Rates, Residual, Scenario
 from aerodrake.world import Wind
 
 
@@ -29,3 +36,65 @@ def test_a_robot_is_what_its_file_says_wherever_it_lies(tmp_path, scenario):
     assert plant_hash(moved) == plant_hash(Scenario())
     copy.write_bytes(original + b"\n")
     assert plant_hash(moved) != plant_hash(Scenario())
+
+
+class Watched:
+    """A scenario that knows what was read of it."""
+
+    def __init__(self, scenario):
+        self._scenario, self.read = scenario, set()
+
+    def __getattr__(self, name):
+        self.read.add(name)
+        return getattr(self._scenario, name)
+
+
+def test_coordinated_is_what_a_coordinator_reads(monkeypatch):
+    """Its seed is its own; and the file that it was read from is for messages alone."""
+    monkeypatch.setattr("aerodrake.remote_coordinator.coordinated", lambda scenario: {})
+    read = set()
+    for controller in ("mpc", "clik"):
+        scenario = Watched(Scenario(controller=controller, residual=Residual(mode="online")))
+        Companion(scenario, DrakeLcm("memq://"))
+        read |= scenario.read
+    assert read == {*COORDINATED, "seed", "source"}
+
+
+@pytest.mark.parametrize(
+    "change, differing",
+    [
+        ({"rates": Rates(mpc_period_s=0.04)}, {"rates"}),
+        ({"mpc": Mpc(horizon=7), "settle_s": 1.0}, {"mpc", "settle_s"}),
+        ({"wind": Wind((1.0, 0.0, 0.0)), "seed": 5, "duration": 1.0, "name": "x"}, set()),
+        ({"faults": (Push(),)}, set()),
+        ({"faults": (Push(), MpcMissed())}, {"faults"}),
+        ({"faults": (LearnerNan(),)}, {"faults"}),
+        ({"faults": (ReferenceNan(start_s=1.0),)}, {"faults"}),
+    ],
+    ids=str,
+)
+def test_what_differs_is_told_by_section(scenario, change, differing):
+    own, other = coordinated(scenario), coordinated(dataclasses.replace(scenario, **change))
+    assert tuple(own) == tuple(other) == COORDINATED
+    assert {name for name in own if own[name] != other[name]} == differing
+    assert all(float(number).is_integer() and 0 <= number < 2**48 for number in own.values())
+
+
+def test_files_are_what_they_say_wherever_they_lie(scenario, tmp_path):
+    content = locate(scenario.vehicle.robot).read_bytes()
+    numbers = []
+    for name in ("first", "second"):
+        robot, path = tmp_path / f"{name}.urdf", tmp_path / f"{name}.csv"
+        robot.write_bytes(content)
+        path.write_text("t,x,y,z\n0,0,0.2,1.2\n1,0,0.2,1.3\n")
+        vehicle = dataclasses.replace(scenario.vehicle, robot=str(robot))
+        own = dataclasses.replace(scenario, vehicle=vehicle, reference=Waypoints(str(path)))
+        numbers.append(coordinated(own))
+    assert numbers[0] == numbers[1]
+    assert numbers[0]["vehicle"] == coordinated(scenario)["vehicle"]
+    path.write_text("t,x,y,z\n0,0,0.2,1.2\n1,0,0.2,1.4\n")
+    changed = coordinated(own)
+    assert {name for name in changed if changed[name] != numbers[1][name]} == {"reference"}
+    path.unlink()
+    with pytest.raises(ScenarioError, match="reference.file: "):
+        coordinated(own)

@@ -35,6 +35,7 @@ STOREYS = {
         "scratch",
         "threads",
         "wire",
+        "wire_message",
         "urdf",
     ),
     1: ("model",),

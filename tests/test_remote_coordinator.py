@@ -12,6 +12,7 @@ from aerodrake.scenario_file import load_scenario
 from aerodrake.simulate import Flight
 from aerodrake.summary import summarize
 from aerodrake.wire import COORDINATOR, STATION
+from aerodrake.wire_message import Phase
 from tests.lockstep import Lockstep, fly_over
 
 SHORT = [("--set", f"{key}={value}") for key, value in (("settle_s", 0.5), ("duration", 2.0))]
@@ -107,6 +108,16 @@ def test_a_silent_coordinator_is_an_mpc_without_an_answer(clover):
     assert over.error_m.max() < 0.1 and over.error_m[-1] < 0.005
 
 
+@pytest.mark.parametrize("late, each", [(12, 1000), (2, 20)], ids=["slow", "lossy"])
+def test_a_hold_ends_where_answers_take_their_time_or_are_lost_now_and_then(clover, late, each):
+    def is_lost(channel, i):
+        return channel == COORDINATOR and (40 <= i < 50 or i > 50 and i % each == 0)
+
+    over = fly_over(Lockstep(late, is_lost), clover)
+    assert over.exit_reason == "completed"
+    assert np.count_nonzero(over["supervisor_mode"] == SafeMode.HOLD) < 80
+
+
 def test_a_dead_coordinator_is_a_landing(clover):
     scenario = load_scenario("clover", [*SHORT, ("--set", "supervisor.plan_lost_s=0.3")])
     over = fly_over(Lockstep(2, lambda channel, i: channel == COORDINATOR and i > 60), scenario)
@@ -116,6 +127,27 @@ def test_a_dead_coordinator_is_a_landing(clover):
     ]
     assert triggers[:2] == ["plan_outage", "plan_lost"]
     assert over["v_Bd_m_s"][-1, 2] == pytest.approx(-scenario.supervisor.descend_m_s, rel=0.05)
+
+
+def test_a_second_station_changes_nothing(clover, here):
+    """Once the first one is served: it waits, flies and ends, by messages among those of that."""
+    lcm = Lockstep()
+    second = make_station_link(clover, lcm)
+
+    def is_lost(channel, i):
+        is_served = lcm.companion and lcm.companion.link.station
+        if is_served and channel == STATION and i % 2:
+            second.phase = Phase(i // 2 % 3)
+            second.tell(i / 200, {})
+        return False
+
+    lcm.is_lost = is_lost
+    over = fly_over(lcm, clover)
+    assert over.exit_reason == "completed"
+    for key in set(here.signals) - {"tick_ms"}:
+        np.testing.assert_array_equal(over[key][1:], here[key][1:], err_msg=key)
+    assert lcm.companion.link.refused > 200
+    assert second.hear() == [] and second.refused
 
 
 def test_a_coordinator_that_is_started_again_takes_the_flight_over(clover):

@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -103,6 +104,21 @@ def test_a_killed_coordinator_is_an_mpc_without_an_answer(start, url, tmp_path):
     assert summary["simulated_s"] == 1.2
 
 
+def test_a_coordinator_that_is_held_up_goes_on(start, url, tmp_path):
+    options = [*SHORT, *PATIENT, "--lcm", url]
+    station = start("run", *options, "--out", tmp_path / "out", "--duration", 3)
+    coordinator = start("coordinator", *options)
+    begins(coordinator)
+    coordinator.send_signal(signal.SIGSTOP)
+    time.sleep(0.3)
+    coordinator.send_signal(signal.SIGCONT)
+    outputs = [process.communicate(timeout=300) for process in (station, coordinator)]
+    assert (station.returncode, coordinator.returncode) == (0, 0), outputs
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["mpc"]["missed"] >= 10 and summary["mpc"]["ticks"] > 10
+    assert summary["exit_reason"] == "completed" and summary["error"]["max_m"] < 0.01
+
+
 def test_a_killed_station_ends_its_coordinator(start, url, tmp_path):
     station = start("run", *SHORT, "--duration", 60, "--lcm", url, "--out", tmp_path / "out")
     coordinator = start("coordinator", *SHORT, "--lcm", url)
@@ -113,6 +129,61 @@ def test_a_killed_station_ends_its_coordinator(start, url, tmp_path):
     (line,) = [line for line in errors.decode().splitlines() if line.startswith("aerodrake: ")]
     assert re.search(r"no sample of the station for 0\.4 s, since [\d.]+ s", line)
     assert b" ticks, " in report
+
+
+@pytest.mark.parametrize("first", ["run", "coordinator"])
+@pytest.mark.parametrize(
+    "assignments, differing",
+    [
+        (["rates.mpc_period_s=0.04"], "rates"),
+        (["reference.kind=clover", "mpc.horizon=7"], "reference, mpc"),
+    ],
+    ids=["period", "reference"],
+)
+def test_two_scenarios_are_found_out_at_both_ends(
+    start, url, tmp_path, first, assignments, differing
+):
+    options = {"run": ["--out", tmp_path / "out"], "coordinator": []}
+    options["coordinator"] += [word for key in assignments for word in ("--set", key)]
+    processes = {}
+    for command in sorted(options, key=lambda command: command != first):
+        processes[command] = start(command, *SHORT, "--quiet", "--lcm", url, *options[command])
+    for command, other in (("run", "coordinator"), ("coordinator", "station")):
+        said, errors = processes[command].communicate(timeout=300)
+        expected = f"expected a {other} of the same scenario, got one that differs in {differing}"
+        assert errors.decode() == f"aerodrake: --lcm: {expected}\n"
+        assert processes[command].returncode == 2 and said == b""
+    assert not list(tmp_path.iterdir())
+
+
+def test_of_two_stations_one_flies_and_the_other_waits(start, url, tmp_path):
+    options = [*SHORT, *PATIENT, "--lcm", url]
+    coordinator = start("coordinator", *options)
+    stations = [start("run", *options, "--out", tmp_path / name) for name in ("a", "b")]
+    _, errors = coordinator.communicate(timeout=300)
+    assert coordinator.returncode == 0, errors
+    while not (ended := [process for process in stations if process.poll() is not None]):
+        time.sleep(0.1)
+    (waiting,) = set(stations) - set(ended)
+    waiting.send_signal(signal.SIGINT)
+    _, errors = waiting.communicate(timeout=300)
+    assert (ended[0].returncode, waiting.returncode) == (0, 130), errors
+    (folder,) = tmp_path.iterdir()
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["exit_reason"] == "completed"
+    assert summary["mpc"]["ticks"] + summary["mpc"]["missed"] == 50
+
+
+def test_an_interrupted_coordinator_says_what_it_did(start, url, tmp_path):
+    station = start("run", *SHORT, "--duration", 60, "--lcm", url, "--out", tmp_path / "out")
+    coordinator = start("coordinator", *SHORT, "--lcm", url)
+    begins(coordinator)
+    coordinator.send_signal(signal.SIGINT)
+    report, errors = coordinator.communicate(timeout=300)
+    station.kill()
+    assert coordinator.returncode == 130
+    assert re.search(rb"[\d.]+ s, \d+ ticks, \d+ missed, ", report)
+    assert b"Traceback" not in errors and b"aerodrake: interrupted" in errors
 
 
 @pytest.mark.parametrize("command", ["run", "coordinator"])

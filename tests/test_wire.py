@@ -1,95 +1,30 @@
-"""Messages: what is told is heard, and nothing else is."""
+"""Two ends of a wire: each hears the other, and nobody else."""
 
 import numpy as np
 import pytest
-from drake import lcmt_drake_signal
-from hypothesis import given
-from hypothesis import strategies as st
 from pydrake.lcm import DrakeLcm
 
 from aerodrake.errors import BadInput
-from aerodrake.wire import COORDINATOR, STATION, Layout, Link, Message, Phase, make_lcm
+from aerodrake.wire import COORDINATOR, STATION, Link, make_lcm
+from aerodrake.wire_message import Layout, Message, Phase
 
-LAYOUT = Layout({"state": 3, "saturated": 1})
-NUMBERS = st.floats(allow_nan=True, allow_infinity=True)
-ZEROS = {"state": np.zeros(3), "saturated": np.zeros(1)}
-MESSAGES = st.builds(
-    lambda ticks, phase, numbers: Message(
-        ticks / 1e6, phase, {"state": np.array(numbers[:3]), "saturated": np.array(numbers[3:])}
-    ),
-    st.integers(0, 10**12),
-    st.sampled_from(Phase),
-    st.lists(NUMBERS, min_size=4, max_size=4),
-)
+SCENARIO = {"rates": 3, "mpc": 5}
+SIZES = {"state": 3, "saturated": 1}
 
 
-@given(MESSAGES)
-def test_what_is_told_is_heard_to_the_last_bit(message):
-    heard = LAYOUT.decode(LAYOUT.encode(message))
-    assert heard.time == message.time and heard.phase is message.phase
-    assert list(heard.parts) == ["state", "saturated"]
-    for name, numbers in message.parts.items():
-        np.testing.assert_array_equal(heard.parts[name], numbers)
+def layouts(scenario=SCENARIO, sizes=SIZES):
+    """Of the station, and of the coordinator."""
+    return Layout(scenario, sizes), Layout(scenario, {"plan": 2})
 
 
-def test_others_read_it_as_drakes_own_signal():
-    """By names, as a bridge to hardware would."""
-    parts = {"state": np.arange(3.0), "saturated": np.ones(1)}
-    signal = lcmt_drake_signal.decode(LAYOUT.encode(Message(0.02, Phase.FLYING, parts)))
-    assert signal.timestamp == 20_000
-    assert dict(zip(signal.coord, signal.val, strict=True)) == {
-        "phase": 1.0,
-        "state[0]": 0.0,
-        "state[1]": 1.0,
-        "state[2]": 2.0,
-        "saturated[0]": 1.0,
-    }
-
-
-@given(st.binary(max_size=300))
-def test_noise_is_no_message(data):
-    assert LAYOUT.decode(data) is None
-
-
-@given(MESSAGES, st.data())
-def test_a_damaged_message_is_none_or_whole(message, data):
-    good = LAYOUT.encode(message)
-    at = data.draw(st.integers(0, len(good) - 1))
-    if data.draw(st.booleans()):
-        bad = good[:at]
-    else:
-        bad = good[:at] + data.draw(st.binary(min_size=1, max_size=9)) + good[at + 1 :]
-    heard = LAYOUT.decode(bad)
-    if heard is not None:
-        assert heard.phase in tuple(Phase)
-        assert {name: len(part) for name, part in heard.parts.items()} == LAYOUT.sizes
-
-
-@pytest.mark.parametrize(
-    "other", [{"state": 4, "saturated": 1}, {"saturated": 1, "state": 3}, {"state": 3}, {}], ids=str
-)
-def test_messages_of_another_robot_are_none(other):
-    layout = Layout(other)
-    parts = {name: np.zeros(size) for name, size in other.items()}
-    message = Message(0.0, Phase.FLYING, parts or {})
-    if other:
-        assert LAYOUT.decode(layout.encode(message)) is None
-    empty = lcmt_drake_signal()
-    assert LAYOUT.decode(empty.encode()) is None
-
-
-@pytest.mark.parametrize("phase", [-1.0, 3.0, 0.5, np.nan, np.inf, 1e300])
-def test_a_phase_that_there_is_not(phase):
-    signal = lcmt_drake_signal.decode(LAYOUT.encode(Message(0.0, Phase.FLYING, ZEROS)))
-    signal.val = [phase, *signal.val[1:]]
-    assert LAYOUT.decode(signal.encode()) is None
+LAYOUT = layouts()[0]
+ZEROS = {name: np.zeros(size) for name, size in SIZES.items()}
 
 
 @pytest.fixture
 def ends():
     lcm = DrakeLcm("memq://")
-    layouts = LAYOUT, Layout({"plan": 2})
-    return Link(lcm, *layouts, is_station=True), Link(lcm, *layouts, is_station=False)
+    return Link(lcm, *layouts(), is_station=True), Link(lcm, *layouts(), is_station=False)
 
 
 def test_two_ends(ends):
@@ -108,14 +43,14 @@ def test_two_ends(ends):
 
 def test_what_is_refused_is_counted_and_said_once_and_harms_nothing():
     lcm, notes = DrakeLcm("memq://"), []
-    layouts = LAYOUT, Layout({"plan": 2})
-    station = Link(lcm, *layouts, is_station=True, say=notes.append)
-    coordinator = Link(lcm, *layouts, is_station=False)
-    for data in (b"", b"hello", LAYOUT.encode(Message(0, Phase(0), ZEROS))):
+    station = Link(lcm, *layouts(), is_station=True, say=notes.append)
+    coordinator = Link(lcm, *layouts(), is_station=False)
+    for data in (b"", b"hello", LAYOUT.encode(Message(0, Phase(0), station.station, ZEROS))):
         station.lcm.Publish(COORDINATOR, data)
+    coordinator.station = station.station
     coordinator.tell(0.0, {})
     assert len(station.hear()) == 1 and station.refused == 3
-    assert notes == ["note: messages come of another robot or horizon, or not of ours"]
+    assert notes == ["note: messages come that are not of ours, or of another version"]
 
 
 def test_of_a_flood_the_newest_is_heard(ends):
@@ -170,8 +105,8 @@ def test_an_address():
 def test_the_end_is_said_until_it_is_heard():
     """By one who hears the third message at first, and then says the same."""
     lcm = DrakeLcm("memq://")
-    layouts = LAYOUT, Layout({"plan": 2})
-    station, coordinator = Link(lcm, *layouts, True), Link(lcm, *layouts, False)
+    station, coordinator = Link(lcm, *layouts(), True), Link(lcm, *layouts(), False)
+    coordinator.station = station.station
     heard = []
 
     def answer(message: bytes) -> None:
@@ -187,6 +122,102 @@ def test_the_end_is_said_until_it_is_heard():
 
 
 def test_nobody_waits_for_ever_for_the_dead():
-    station = Link(DrakeLcm("memq://"), LAYOUT, Layout({"plan": 2}), True)
+    station = Link(DrakeLcm("memq://"), *layouts(), True)
     station.part(1.0)
     assert station.phase is Phase.OVER
+
+
+OTHER = {"rates": 4, "mpc": 5}
+
+
+def test_who_waits_refuses_another_scenario_and_both_find_out():
+    """The station has other sizes, too; its waiting brings the coordinator's answer about."""
+    lcm = DrakeLcm("memq://")
+    station = Link(lcm, *layouts(OTHER, {"state": 4}), True)
+    coordinator = Link(lcm, *layouts(), False)
+    station.tell(0.0, {})
+    with pytest.raises(BadInput) as at_coordinator:
+        coordinator.hear()
+    with pytest.raises(BadInput) as at_station:
+        station.wait(lambda: None)
+    expected = "--lcm: expected a {} of the same scenario, got one that differs in rates"
+    assert str(at_coordinator.value) == expected.format("station")
+    assert str(at_station.value) == expected.format("coordinator")
+
+
+@pytest.mark.parametrize("first", [STATION, COORDINATOR])
+def test_the_refusal_is_said_until_it_is_heard(first):
+    """By either end to the other, whose first four messages are lost."""
+    lcm = DrakeLcm("memq://")
+    refusing = Link(lcm, *layouts(), first == STATION)
+    told = []
+
+    def answer(message):
+        told.append(refusing.tells.decode(message))
+        if len(told) == 5:
+            other.phase = Phase.OVER
+            other.tell(0.0, {})
+
+    lcm.Subscribe(first, answer)
+    other = Link(lcm, *layouts(OTHER), first != STATION)
+    other.station = refusing.station = 9
+    other.tell(0.0, {})
+    with pytest.raises(BadInput):
+        refusing.hear()
+    assert len(told) <= 6
+    assert {(message.phase, message.station) for message in told} == {(Phase.OVER, 9)}
+
+
+@pytest.mark.parametrize("is_station", [True, False])
+def test_in_flight_another_scenario_is_not_heard_and_said_once(is_station):
+    lcm, notes = DrakeLcm("memq://"), []
+    flying = Link(lcm, *layouts(), is_station, notes.append)
+    other = Link(lcm, *layouts({"rates": 0, "mpc": 0}), not is_station)
+    flying.phase, flying.station = Phase.FLYING, 9
+    other.station = 9
+    for other.phase in (*Phase, Phase.FLYING):
+        other.tell(0.0, {})
+        assert flying.hear() == []
+    assert notes == ["note: messages come of another scenario, which differs in rates, mpc"]
+    assert flying.refused == 4
+
+
+def test_the_first_of_two_stations_is_served_and_the_other_noted():
+    lcm, notes = DrakeLcm("memq://"), []
+    coordinator = Link(lcm, *layouts(), False, notes.append)
+    first, second = (Link(lcm, *layouts(), True, notes.append) for _ in range(2))
+    assert first.station != second.station
+    for station, phase in ((first, Phase.WAITING), (second, Phase.WAITING), (second, Phase.OVER)):
+        station.phase = phase
+        station.tell(0.0, {})
+    (message,) = coordinator.hear()
+    assert message.station == coordinator.station == first.station
+    coordinator.tell(0.0, {})
+    assert (len(first.hear()), len(second.hear())) == (1, 0)
+    assert notes == [
+        "note: another station is there, and is not answered",
+        "note: the coordinator answers another station",
+    ]
+
+
+def test_a_flight_that_is_over_is_nobodys():
+    lcm = DrakeLcm("memq://")
+    coordinator, station = Link(lcm, *layouts(), False), Link(lcm, *layouts(OTHER), True)
+    station.phase = Phase.OVER
+    station.tell(0.0, {})
+    assert coordinator.hear() == [] and coordinator.station is None
+
+
+def test_a_farewell_is_not_taken_from_a_coordinator_of_others():
+    lcm = DrakeLcm("memq://")
+    station, other = Link(lcm, *layouts(), True), Link(lcm, *layouts(), False)
+    other.station, other.phase = station.station ^ 1, Phase.OVER
+    told = []
+
+    def answer(message):
+        told.append(message)
+        other.tell(0.0, {})
+
+    lcm.Subscribe(STATION, answer)
+    station.part(1.0)
+    assert len(told) > 20

@@ -28,6 +28,7 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.compiled import is_cold
     from aerodrake.errors import ProcessDied
     from aerodrake.garbage import frozen_garbage
+    from aerodrake.inputs import frozen
     from aerodrake.interrupts import held_interrupts
     from aerodrake.wire import make_lcm
 
@@ -35,26 +36,30 @@ def main(arguments: argparse.Namespace) -> int:
     lcm = make_lcm(arguments.lcm)
     if is_cold():
         say("note: equations are compiled first; this takes a minute, once on a machine")
-    companion = Companion(scenario, lcm, say)
+    with frozen(scenario) as scenario:  # As the station's: copies are alike.
+        companion = Companion(scenario, lcm, say)
     say(f"note: waits for a station at {arguments.lcm}")
-    with (
-        frozen_garbage(),
-        held_interrupts() as check,
-        tqdm(
-            total=scenario.settle_s + scenario.duration,
-            desc=scenario.name,
-            unit="s",
-            disable=arguments.quiet,
-            bar_format=FLIGHT_BAR,
-        ) as bar,
-    ):
+    try:
+        with (
+            frozen_garbage(),
+            held_interrupts() as check,
+            tqdm(
+                total=scenario.settle_s + scenario.duration,
+                desc=scenario.name,
+                unit="s",
+                disable=arguments.quiet,
+                bar_format=FLIGHT_BAR,
+            ) as bar,
+        ):
 
-        def progress(flown_s: float) -> None:
-            bar.update(flown_s - bar.n)
-            check()
+            def progress(flown_s: float) -> None:
+                bar.total = max(bar.total, flown_s)  # How long it flies is the station's to say.
+                bar.update(flown_s - bar.n)
+                check()
 
-        service = companion.serve(progress)
-    say(service.line())
-    if service.fault:
-        raise ProcessDied(service.fault)
+            companion.serve(progress)
+    finally:
+        say(companion.service.line())
+    if companion.service.fault:
+        raise ProcessDied(companion.service.fault)
     return 0

@@ -82,6 +82,8 @@ def conditions(config: Supervisor) -> tuple[Condition, ...]:
         SafeMode.NOMINAL,
     )
     s, clear_s = Signal, config.clear_s
+    # An answer may take its period, and now and then one is missed.
+    fresh = min(1, config.plan_ticks - 1)
     missing = float(np.nextafter(1 - config.rotor_lost, 2))  # Less than the share is left.
     outages = [
         condition
@@ -105,7 +107,7 @@ def conditions(config: Supervisor) -> tuple[Condition, ...]:
         Condition("ground_contact", s.ON_GROUND, stop, 1, 0.1, 0, NEVER),
         *outages,
         Condition("plan_lost", s.PLAN_AGE_S, descend, config.plan_lost_s, 0, 0, NEVER),
-        Condition("plan_outage", s.PLAN_AGE, hold, config.plan_ticks, 0, 0, clear_s),
+        Condition("plan_outage", s.PLAN_AGE, hold, config.plan_ticks, 0, fresh, clear_s),
         Condition("reference_not_finite", s.REFERENCE_NOT_FINITE, hold, 1, 0.1, 0, clear_s),
         Condition("reference_out_of_reach", s.REFERENCE_OUT_OF_REACH, hold, 1, 0.1, 0, clear_s),
         Condition("reference_too_fast", s.REFERENCE_TOO_FAST, hold, 1, 0.1, 0, clear_s),

@@ -10,7 +10,8 @@ from aerodrake.model.qp import QpStatus
 from aerodrake.model.reference_check import ReferenceVerdict
 from aerodrake.model.sample_check import ABSURD
 from aerodrake.model.weight_allocation import Mode
-from aerodrake.wire import Link, Message, Phase
+from aerodrake.wire import Link
+from aerodrake.wire_message import Message, Phase
 
 NUMBERED: dict[tuple[str, int], range] = {
     ("weights", 1): range(len(Mode)),

@@ -215,3 +215,9 @@ def test_a_state_that_is_no_number_is_told_and_nothing_else(vehicle):
     state = vehicle.trim_state
     state[[0, 6]] = np.nan
     assert list(np.flatnonzero(watched(vehicle, state=state))) == [Signal.NOT_FINITE]
+
+
+@pytest.mark.parametrize("plan_ticks", [1, 2, 5])
+def test_what_clears_a_condition_does_not_trigger_it(plan_ticks):
+    for condition in conditions(Supervisor(plan_ticks=plan_ticks)):
+        assert condition.clear < condition.trigger, condition.name

@@ -7,7 +7,8 @@ from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.qp import QpStatus
 from aerodrake.systems.wire_receiver import WireReceiver
-from aerodrake.wire import Layout, Link, Phase
+from aerodrake.wire import Link
+from aerodrake.wire_message import Layout, Phase
 
 PERIOD, POLL = 0.02, 0.001
 AXES = 2
@@ -18,12 +19,12 @@ class Bench:
     """A receiver with a coordinator that is a script."""
 
     def __init__(self):
-        lcm, layouts = DrakeLcm("memq://"), (Layout({"state": 1}), Layout(SIZES))
+        lcm, layouts = DrakeLcm("memq://"), (Layout({}, {"state": 1}), Layout({}, SIZES))
         self.told_by = Link(lcm, *layouts, is_station=False)
         self.told_by.phase = Phase.FLYING
-        self.receiver = WireReceiver(
-            Link(lcm, *layouts, is_station=True), PERIOD, POLL, 3 * POLL / 8
-        )
+        link = Link(lcm, *layouts, is_station=True)
+        self.told_by.station = link.station
+        self.receiver = WireReceiver(link, PERIOD, POLL, 3 * POLL / 8)
         self.simulator = Simulator(self.receiver)
 
     def tell(self, time, value, **others):
@@ -115,5 +116,11 @@ def test_a_tick_that_the_coordinator_missed_itself_has_no_time(bench):
 @pytest.mark.parametrize("phase", [Phase.WAITING, Phase.OVER])
 def test_who_does_not_fly_is_not_followed(bench, phase):
     bench.told_by.phase = phase
+    bench.tell(0.0, 1.0)
+    assert bench.at(0.01) == [0, 0]
+
+
+def test_what_is_told_to_another_station_is_not_followed(bench):
+    bench.told_by.station ^= 1
     bench.tell(0.0, 1.0)
     assert bench.at(0.01) == [0, 0]

@@ -6,11 +6,16 @@ from pydrake.lcm import DrakeLcm
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.systems.wire_sender import WireSender
-from aerodrake.wire import Layout, Link, Phase
+from aerodrake.wire import Link
+from aerodrake.wire_message import Layout, Phase
 
 
 def test_a_message_a_period_with_the_time_of_its_sample():
-    lcm, layouts = DrakeLcm("memq://"), (Layout({"state": 2, "saturated": 1}), Layout({"u": 1}))
+    lcm = DrakeLcm("memq://")
+    layouts = (
+        Layout({}, {"state": 2, "saturated": 1}),
+        Layout({}, {"u": 1}),
+    )
     link = Link(lcm, *layouts, is_station=True)
     sender = WireSender(link, 0.01, 0.00025)
     simulator = Simulator(sender)
