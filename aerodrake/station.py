@@ -212,16 +212,17 @@ def make_context(diagram: Diagram, seed: int) -> Context:
     """A Context of any of these diagrams, in trim, with its noise and gusts drawn from `seed`."""
     context = diagram.CreateDefaultContext()
     generator = RandomGenerator(seed)
-    for system in _leaves(diagram):
+    for system in leaf_systems(diagram):
         if isinstance(system, (RandomSource, AffineSystem)):
             system.SetRandomContext(system.GetMyMutableContextFromRoot(context), generator)
     return context
 
 
-def _leaves(system: System) -> Iterator[System]:
+def leaf_systems(system: System) -> Iterator[System]:
+    """Those in a diagram, however deep; a leaf system itself."""
     if isinstance(system, Diagram):
         for inner in system.GetSystems():
-            yield from _leaves(inner)
+            yield from leaf_systems(inner)
     else:
         yield system
 

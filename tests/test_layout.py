@@ -53,6 +53,7 @@ STOREYS = {
     ),
     4: (
         "simulate",
+        "not_finite",
         "monitor",
         "recording",
         "flight_log",
