@@ -12,6 +12,7 @@ from aerodrake.errors import BadInput
 from aerodrake.files import read_bounded
 from aerodrake.scenario_file import save_scenario
 from aerodrake.scenario_yaml import parse
+from aerodrake.sweep.distributions import parse_distribution
 from aerodrake.sweep.plan import Plan
 
 SCENARIO, PLAN = "scenario.yaml", "sweep.json"
@@ -36,7 +37,7 @@ def check_same(target: Path, plan: Plan) -> None:
         asked = Path(temporary)
         save_scenario(plan.scenario, asked)
         ours = _described(target) | ours
-        theirs = _described(asked) | _flat(plan.as_mapping())
+        theirs = _described(asked) | _flat({**plan.as_mapping(), "vary": plan.vary})
         files = {p.relative_to(f) for f in (target, asked) for p in f.glob("inputs*/**/*")}
         for file in sorted(files):
             if not all((f / file).is_dir() for f in (target, asked)):
@@ -51,14 +52,16 @@ def check_same(target: Path, plan: Plan) -> None:
 
 
 def _read_plan(target: Path) -> dict[str, Any]:
+    """With the distributions themselves, which can be written in more than one way."""
     path = target / PLAN
     if not path.is_file():
         raise BadInput("--resume", "", f"{target} holds no sweep")
     try:
         plan = json.loads(read_bounded(path, MAX_BYTES))
-        if isinstance(plan["trials"], int) and isinstance(plan["vary"], dict):
-            return plan
-    except (ValueError, KeyError, TypeError, RecursionError):
+        if isinstance(plan["trials"], int):
+            vary = {key: parse_distribution(text, key) for key, text in plan["vary"].items()}
+            return {**plan, "vary": vary}
+    except (BadInput, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         pass
     raise BadInput(path, "", "expected the plan of a sweep")
 
