@@ -42,7 +42,7 @@ class ScenarioError(BadInput):
 
 
 class ProcessDied(Exception):
-    """A process of a command that was killed: no bad input, and no bug of ours."""
+    """A process of a command that was killed or had no room: no bad input, and no bug of ours."""
 
 
 @contextmanager
