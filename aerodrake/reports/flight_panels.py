@@ -38,6 +38,7 @@ def draw_paths(axes: Any, log: FlightLog) -> None:
     axes.set(xlabel="x / m", ylabel="y / m", zlabel="z / m")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         widen(axis, 0.5)
+    axes.autoscale(enable=False)  # In space they would be scaled anew once they are drawn.
     axes.set_aspect("equal")
     axes.locator_params(nbins=5)
     axes.legend(loc="upper left")
