@@ -7,7 +7,9 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -45,6 +47,9 @@ PAGE_STYLE: dict[str, Any] = STYLE | {
 }
 """Of a page's figures: text is text, and what is behind them shows."""
 
+LEAST_TIME_S = 0.1
+"""What an axis of time shows at least."""
+
 
 def widen(axis: Axis, span: float) -> None:
     """Makes an axis show at least `span`, lest rounding errors look like motion."""
@@ -52,6 +57,11 @@ def widen(axis: Axis, span: float) -> None:
     if high - low < span:
         middle = (low + high) / 2
         axis.set_view_interval(middle - span / 2, middle + span / 2, ignore=True)
+
+
+def cover(axes: Axes, times: np.ndarray) -> None:
+    """Shows `times` (T,) s across a panel, also where they are hardly more than one."""
+    axes.set_xlim(times[0], max(times[-1], times[0] + LEAST_TIME_S))
 
 
 def plain_ticks(axis: Axis) -> None:
