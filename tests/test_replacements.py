@@ -93,7 +93,7 @@ def test_a_side_takes_its_own():
 def test_a_name_that_is_not_there_to_be_replaced_is_refused(make, name):
     with pytest.raises(BadInput, match=f"^replacements: {name}: no such system that can") as said:
         make(SHORT, Replacements({name: wrapped}))
-    valid = str(said.value).partition("(valid: ")[2].rstrip(")").split(", ")
+    valid = str(said.value).partition("valid: ")[2].rstrip(")").split(", ")
     inside = systems_by_name(make(SHORT)).keys() - FIXED - {"station", "coordinator", "closed_loop"}
     assert set(valid) - {"station", "coordinator"} == inside
 
