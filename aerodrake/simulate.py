@@ -12,6 +12,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, Multiplexer
 
+from aerodrake.errors import BadInput
 from aerodrake.flight_log import PORTS, FlightLog, key_columns, rotate
 from aerodrake.model.direction import make_direction
 from aerodrake.model.kinematics import Kinematics
@@ -136,6 +137,8 @@ class Flight:
                     reason, cause = monitor.ended(in_time=True)
             except KeyboardInterrupt:
                 reason, cause = "interrupted", f"at {monitor.time():.2f} s"
+            except (BadInput, OSError, MemoryError):
+                raise  # Of the machine, not of the flight.
             except (Exception, SystemExit) as error:  # Drake's conditions are the latter.
                 # The plant, for one, cannot step from or by what is not finite.
                 spoilt = ", ".join(not_finite(self.closed_loop, context))

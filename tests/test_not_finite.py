@@ -1,5 +1,7 @@
 """What is not finite ends the flight, which says where it came from."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pydrake.systems.framework import (
@@ -11,6 +13,8 @@ from pydrake.systems.framework import (
     System,
 )
 
+from aerodrake.errors import BadInput
+from aerodrake.fault_kinds import SampleNan
 from aerodrake.not_finite import not_finite
 from aerodrake.reference_kinds import Clover
 from aerodrake.replacements import Replacements
@@ -90,6 +94,19 @@ def test_what_is_too_large_for_the_plant():
     force = spoilt("generalized_force", np.inf, after_s=0.35)
     log = Flight(SHORT, Replacements({"wind": force})).fly()
     assert log.exit_reason == "lost" and "station::wind::spoils: passed" in log.exit_cause
+
+
+@pytest.mark.parametrize("error", [BadInput("/tmp", "", "full"), OSError("full"), MemoryError()])
+def test_what_the_machine_refuses_is_raised_whatever_is_not_finite(error):
+    """Such as samples, by a fault."""
+
+    def progress(time_s: float) -> None:
+        if time_s > 0.25:
+            raise error
+
+    struck = replace(SHORT, faults=(SampleNan(start_s=0.05),))
+    with pytest.raises(type(error)):
+        Flight(struck).fly(progress)
 
 
 @pytest.mark.parametrize("name", ["clover", "moving_target"])

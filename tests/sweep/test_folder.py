@@ -126,6 +126,18 @@ def test_the_same_distributions_may_be_written_otherwise(tmp_path):
         assert folder.flown == {1}
 
 
+def test_a_grid_in_another_order_is_another_one(tmp_path):
+    """Its first key changes fastest; what is drawn is the same in any order."""
+    across, along = (f"wind.velocity_m_s[{axis}]=linspace(0, 1, 2)" for axis in (0, 1))
+    begin(tmp_path / "sweep", make(across, along, GUSTS), 1)
+    with sweep_folder(tmp_path / "sweep", make(GUSTS, across, along), True) as folder:
+        assert folder.flown == {1}
+    said = refusal(tmp_path / "sweep", make(along, across, GUSTS), True)
+    assert said.startswith("--resume: vary: the sweep in ") and said.endswith(
+        "[1]', 'wind.velocity_m_s[0]']"
+    )
+
+
 def test_distributions_that_cannot_be_read_are_no_plan(tmp_path):
     begin(tmp_path / "sweep", make(), 1)
     plan = tmp_path / "sweep" / "sweep.json"
