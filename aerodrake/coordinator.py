@@ -57,6 +57,9 @@ def make_coordinator(scenario: Scenario, replacements: Replacements | None = Non
     Args:
         scenario: What is flown.
         replacements: Of systems in it; None for none.
+
+    Raises:
+        BadInput: if a system that is to be replaced is not in it.
     """
     period = scenario.rates.mpc_period_s
     vehicle = Vehicle.load(scenario)
@@ -66,7 +69,7 @@ def make_coordinator(scenario: Scenario, replacements: Replacements | None = Non
     replacements = replacements or Replacements()
     builder = replacements.builder()
 
-    guidance = builder.AddSystem(make_guidance(scenario, vehicle, replacements))
+    guidance = builder.AddSystem(make_guidance(scenario, vehicle, replacements.part()))
     kinematics = builder.AddNamedSystem(
         "kinematics", KinematicsSystem(Kinematics(vehicle.robot), n, vehicle.p_O)
     )

@@ -42,7 +42,7 @@ class ScenarioError(BadInput):
 
 
 class ProcessDied(Exception):
-    """A process of a command that was killed: no bad input, and no bug of ours."""
+    """A process of a command that was killed or had no room: no bad input, and no bug of ours."""
 
 
 @contextmanager
@@ -57,11 +57,11 @@ def file_at(source: object, key: str) -> Iterator[None]:
 
 
 def nearest(name: object, valid: Iterable[str]) -> str:
-    """Returns a clause that names the valid name closest to `name`, and the rest."""
+    """Returns a clause that names the valid name closest to `name`, if one is close, and all."""
     options = sorted(valid)
+    names = f"valid: {', '.join(options)}"
     close = difflib.get_close_matches(str(name)[:100], options, n=1, cutoff=0.5)
-    hint = f"did you mean '{close[0]}'? " if close else ""
-    return f"{hint}(valid: {', '.join(options)})"
+    return f"did you mean '{close[0]}'? ({names})" if close else names
 
 
 def _printable(text: str, most: int = 500) -> str:

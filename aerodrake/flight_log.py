@@ -123,6 +123,12 @@ class FlightLog:
         return self.signals["time_s"]
 
     @property
+    def is_flown(self) -> np.ndarray:
+        """(T,) which samples are from reference time 0 on; all, if the flight ended before it."""
+        is_flown = self.time_s >= 0
+        return is_flown if is_flown.any() else ~is_flown
+
+    @property
     def error_m(self) -> np.ndarray:
         """(T,) distance of the end-effector from its reference."""
         return np.linalg.norm(self["p_E_m"] - self["p_Ed_m"], axis=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 from pydrake.systems.framework import System
@@ -51,10 +51,11 @@ def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
     return written
 
 
-def gallery() -> dict[str, System]:
+def gallery(names: Collection[str] = ()) -> dict[str, System]:
     """Every diagram and system by name, in the default scenario where that has it.
 
-    Only others have those of the orientation task, of faults and of CLIK.
+    Only others have those of the orientation task, of faults and of CLIK; their closed loops
+    are built as long as one of `names` is missing, or if there are none.
     """
     faults = (
         *(SampleNan(), RotorDegraded(), JointDegraded(), Push()),
@@ -68,6 +69,8 @@ def gallery() -> dict[str, System]:
     for scenario in (Scenario(), *others):
         for name, system in systems_by_name(make_closed_loop(scenario)).items():
             found.setdefault(name, system)
+        if names and found.keys() >= set(names):
+            break
     return found
 
 

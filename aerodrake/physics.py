@@ -63,10 +63,10 @@ def add_physics(builder: DiagramBuilder, scenario: Scenario, vehicle: Vehicle) -
     connect(scene_graph.get_query_output_port(), plant.get_geometry_query_input_port())
     rotor_faults = make_rotor_faults(scenario, len(trim))
     thrust = through(builder, rotors.get_output_port(), rotor_faults, "rotor_faults")
-    connect(thrust, propellers.get_command_input_port())
-    connect(plant.get_body_poses_output_port(), propellers.get_body_poses_input_port())
+    connect(thrust, propellers.GetInputPort("command"))
+    connect(plant.get_body_poses_output_port(), propellers.GetInputPort("body_poses"))
     connect(
-        propellers.get_spatial_forces_output_port(), plant.get_applied_spatial_force_input_port()
+        propellers.GetOutputPort("spatial_forces"), plant.get_applied_spatial_force_input_port()
     )
     return Physics(plant, scene_graph, rotors, thrust, trim)
 

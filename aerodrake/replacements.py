@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from pydrake.systems.framework import DiagramBuilder, InputPort, OutputPort, PortDataType, System
+from pydrake.systems.framework import (
+    Diagram,
+    DiagramBuilder,
+    InputPort,
+    OutputPort,
+    PortDataType,
+    System,
+)
 
 from aerodrake.errors import BadInput, nearest
 
@@ -15,13 +22,16 @@ It has every port of ours, by name, size and type; it may have outputs beside th
 Rates and state are its own.
 """
 
+FIXED = frozenset({"plant", "scene_graph"})
+"""Whose bodies and geometry others read beyond any port: these are always ours."""
+
 
 class Replacements:
     """Which systems are not ours: for `make_station`, `make_coordinator`, `make_closed_loop`
     and `Flight`.
 
     Names are those on the wiring pages and in `diagrams/graphs`, of systems and of diagrams of
-    them; either side of the closed loop takes those of its own.
+    them; a side of the closed loop that is made alone takes those of its own.
 
     Args:
         by_name: What makes the system of each name.
@@ -30,10 +40,17 @@ class Replacements:
     def __init__(self, by_name: Mapping[str, Replacement] | None = None):
         self._by_name = dict(by_name or {})
         self._met: set[str] = set()
+        self._is_part = False
 
     def builder(self) -> DiagramBuilder:
-        """A builder that adds these systems where ours of their names are added."""
+        """Adds these systems where ours of their names are added; refuses to build without one."""
         return _Builder(self)
+
+    def part(self) -> Replacements:
+        """The same for a diagram inside of another, in which systems may be as well."""
+        part = Replacements(self._by_name)
+        part._met, part._is_part = self._met, True
+        return part
 
     def instead_of(self, name: str, ours: System) -> System:
         """The system to be added by a name: ours, unless another takes its place.
@@ -41,6 +58,8 @@ class Replacements:
         Raises:
             BadInput: if that has not the ports of ours.
         """
+        if name in FIXED:
+            return ours
         self._met.add(name)
         if name not in self._by_name:
             return ours
@@ -63,9 +82,10 @@ class Replacements:
         return theirs
 
     def check_met(self) -> None:
-        """Raises BadInput if a name is none of those that were added so far."""
-        for name in self._by_name.keys() - self._met:
-            raise BadInput("replacements", name, f"no such system; {nearest(name, self._met)}")
+        """Raises BadInput if a name is of none that was added so far and can be replaced."""
+        for name in sorted(self._by_name.keys() - self._met) if not self._is_part else ():
+            message = f"no such system that can be replaced; {nearest(name, self._met)}"
+            raise BadInput("replacements", name, message)
 
 
 class _Builder(DiagramBuilder):
@@ -78,6 +98,10 @@ class _Builder(DiagramBuilder):
 
     def AddNamedSystem(self, name: str, system: System) -> System:
         return super().AddNamedSystem(name, self._replacements.instead_of(name, system))
+
+    def Build(self) -> Diagram:
+        self._replacements.check_met()
+        return super().Build()
 
 
 def _inputs(system: System) -> dict[str, str]:

@@ -161,7 +161,7 @@ def _build_union(options: tuple[type, ...], value: object, source: object, key: 
     kinds = {option.kind: option for option in options}
     kind = value.get("kind") if isinstance(value, Mapping) else None
     if kind is None:
-        raise ScenarioError(source, key, f"expected a mapping with a kind {nearest('', kinds)}")
+        raise ScenarioError(source, key, f"expected a mapping with a kind; {nearest('', kinds)}")
     if not isinstance(kind, str) or kind not in kinds:
         raise ScenarioError(
             source, f"{key}.kind", f"unknown kind {_show(kind)}; {nearest(kind, kinds)}"

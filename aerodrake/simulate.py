@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, Multiplexer
 
+from aerodrake.errors import BadInput
 from aerodrake.flight_log import PORTS, FlightLog, key_columns, rotate
 from aerodrake.model.direction import make_direction
 from aerodrake.model.kinematics import Kinematics
@@ -23,6 +25,7 @@ from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import parts
 from aerodrake.monitor import MONITOR_PERIOD_S, Monitor
+from aerodrake.not_finite import not_finite
 from aerodrake.recording import Recording
 from aerodrake.remote_coordinator import make_remote_coordinator
 from aerodrake.replacements import Replacements
@@ -86,7 +89,8 @@ class Flight:
         # What is compiled is loaded now, lest the first ticks wait for it.
         with single_thread():
             context = make_context(self.closed_loop, scenario.seed)
-            Simulator(self.closed_loop, context).AdvanceTo(scenario.rates.mpc_period_s)
+            with suppress(Exception, SystemExit):  # What is wrong is so again in flight.
+                Simulator(self.closed_loop, context).AdvanceTo(scenario.rates.mpc_period_s)
 
     def fly(
         self,
@@ -138,9 +142,14 @@ class Flight:
                     reason, cause = monitor.ended(in_time=True)
             except KeyboardInterrupt:
                 reason, cause = "interrupted", f"at {monitor.time():.2f} s"
-            except RuntimeError as error:
-                # The plant cannot step from a state that is not finite.
-                cause = monitor.lost()
+            except (BadInput, OSError, MemoryError):
+                raise  # Of the machine, not of the flight.
+            except (Exception, SystemExit) as error:  # Drake's conditions are the latter.
+                # The plant, for one, cannot step from or by what is not finite.
+                spoilt = ", ".join(not_finite(self.closed_loop, context))
+                cause = (
+                    f"{spoilt} not finite at {monitor.time():.2f} s" if spoilt else monitor.lost()
+                )
                 if not cause:
                     raise
                 reason, cause = "lost", f"{cause}; {error}".splitlines()[0]

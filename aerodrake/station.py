@@ -81,6 +81,9 @@ def make_station(scenario: Scenario, replacements: Replacements | None = None) -
     Args:
         scenario: What is flown.
         replacements: Of systems in it; None for none.
+
+    Raises:
+        BadInput: if a system that is to be replaced is not in it, or cannot be.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
     vehicle = Vehicle.load(scenario)
@@ -89,7 +92,7 @@ def make_station(scenario: Scenario, replacements: Replacements | None = None) -
 
     plant, scene_graph, rotors, thrust, trim = add_physics(builder, scenario, vehicle)
     wind = builder.AddSystem(
-        make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s, replacements)
+        make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s, replacements.part())
     )
     controller = FlightController(
         scenario.flight, rotor, vehicle, rates.flight_period_s, offset=rates.plant_step_s / 2
@@ -104,7 +107,7 @@ def make_station(scenario: Scenario, replacements: Replacements | None = None) -
             controller.trim_acceleration,
             scenario.faults,
             scenario.settle_s,
-            replacements,
+            replacements.part(),
         )
     )
     arm_controller = builder.AddNamedSystem(
@@ -180,14 +183,14 @@ def add_closed_loop(
         coordinator: One that flies in the place of the scenario's, such as the end of a wire to it.
 
     Raises:
-        BadInput: if a system that is to be replaced is in neither.
+        BadInput: if a system that is to be replaced is in neither, or cannot be.
     """
     replacements = replacements or Replacements()
     station, coordinator = (
         builder.AddSystem(replacements.instead_of(side.get_name(), side))
         for side in (
-            make_station(scenario, replacements),
-            coordinator or make_coordinator(scenario, replacements),
+            make_station(scenario, replacements.part()),
+            coordinator or make_coordinator(scenario, replacements.part()),
         )
     )
     replacements.check_met()
@@ -212,16 +215,17 @@ def make_context(diagram: Diagram, seed: int) -> Context:
     """A Context of any of these diagrams, in trim, with its noise and gusts drawn from `seed`."""
     context = diagram.CreateDefaultContext()
     generator = RandomGenerator(seed)
-    for system in _leaves(diagram):
+    for system in leaf_systems(diagram):
         if isinstance(system, (RandomSource, AffineSystem)):
             system.SetRandomContext(system.GetMyMutableContextFromRoot(context), generator)
     return context
 
 
-def _leaves(system: System) -> Iterator[System]:
+def leaf_systems(system: System) -> Iterator[System]:
+    """Those in a diagram, however deep; a leaf system itself."""
     if isinstance(system, Diagram):
         for inner in system.GetSystems():
-            yield from _leaves(inner)
+            yield from leaf_systems(inner)
     else:
         yield system
 

@@ -34,7 +34,7 @@ MAKERS: dict[str, Callable[..., Diagram]] = {
     "sensors": make_sensors,
     "wind": make_wind,
 }
-"""Whose docstrings tell what diagrams are for."""
+"""Who tells what a diagram is for, by its name: unlike a leaf system it has no class of ours."""
 
 EQUATIONS = "aerodrake.model."
 

@@ -48,7 +48,7 @@ def parse_urdf(path: Path, content: bytes) -> Document:
 
     Raises:
         BadInput: if it is no URDF, declares a document type (and with it entities) or is
-            nested too deep, or if a mesh is no file.
+            nested too deep, if a mesh is no file, or if a joint follows another one.
     """
     try:
         document = _Builder().parseString(content)
@@ -56,6 +56,9 @@ def parse_urdf(path: Path, content: bytes) -> Document:
         raise BadInput(path, "", f"cannot be parsed: {error}") from None
     if document.documentElement.tagName != "robot":
         raise BadInput(path, "", "cannot be parsed: expected a URDF, whose root is <robot>")
+    for mimic in document.getElementsByTagName("mimic"):
+        joint = mimic.parentNode.getAttribute("name")
+        raise BadInput(path, "", f"{joint}: expected no <mimic>, since each joint moves by itself")
     for mesh in _local_meshes(document):
         file = path.absolute().parent / mesh.getAttribute("filename").removeprefix("file://")
         if file.exists() and not file.is_file():

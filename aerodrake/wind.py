@@ -33,17 +33,15 @@ def make_wind(
     gust_noise = builder.AddNamedSystem(
         "gust_noise", RandomSource(RandomDistribution.kGaussian, len(b), period)
     )
-    air = builder.AddNamedSystem(
-        "air",
-        AffineSystem(
-            A=a * np.eye(len(b)),
-            B=np.diag(b),
-            C=np.eye(len(b)),
-            y0=np.array(config.velocity_m_s),
-            time_period=period,
-        ),
+    gusts = AffineSystem(
+        A=a * np.eye(len(b)),
+        B=np.diag(b),
+        C=np.eye(len(b)),
+        y0=np.array(config.velocity_m_s),
+        time_period=period,
     )
-    air.configure_random_state(np.diag(np.square(config.gust_m_s)))  # It has always been blowing.
+    gusts.configure_random_state(np.diag(np.square(config.gust_m_s)))  # They have always blown.
+    air = builder.AddNamedSystem("air", gusts)
     wind_force = builder.AddNamedSystem("wind_force", WindForce(config, joints, period))
     builder.Connect(gust_noise.get_output_port(), air.get_input_port())
     builder.Connect(air.get_output_port(), wind_force.GetInputPort("air_velocity"))

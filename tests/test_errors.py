@@ -37,8 +37,8 @@ def test_nearest_name_and_the_rest():
     assert nearest("horizn", ["k_e", "horizon"]) == (
         "did you mean 'horizon'? (valid: horizon, k_e)"
     )
-    assert nearest("zzz", ["k_e", "horizon"]) == "(valid: horizon, k_e)"
-    assert nearest(3, ["k_e"]) == "(valid: k_e)"
+    assert nearest("zzz", ["k_e", "horizon"]) == "valid: horizon, k_e"
+    assert nearest(3, ["k_e"]) == "valid: k_e"
 
 
 def test_a_file_is_wrong_where_the_scenario_names_it():

@@ -41,6 +41,22 @@ def test_unknown_name(systems, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(
+    ("names", "loops"), [(["mpc"], 1), (["mpc", "pointing"], 2), (["clik"], 3), (["staton"], 3)]
+)
+def test_no_more_is_built_than_it_takes(names, loops, monkeypatch):
+    built = []
+
+    def make(scenario):
+        built.append(scenario)
+        return make_closed_loop(scenario)
+
+    monkeypatch.setattr(gallery, "make_closed_loop", make)
+    found = gallery.gallery(names)
+    assert len(built) == loops
+    assert all(name in found for name in names) == (names != ["staton"])
+
+
 def test_folder_that_cannot_be_written(systems, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(BadInput, match="file: cannot be written"):

@@ -54,6 +54,7 @@ STOREYS = {
     ),
     4: (
         "simulate",
+        "not_finite",
         "monitor",
         "recording",
         "flight_log",

@@ -11,13 +11,13 @@ from aerodrake.fault_kinds import LearnerPoisoned, RotorDegraded
 from aerodrake.graph import systems_by_name
 from aerodrake.model.weight_allocation import Mode
 from aerodrake.reference_kinds import Clover
-from aerodrake.replacements import Replacements
+from aerodrake.replacements import FIXED, Replacements
 from aerodrake.scenario import Residual, Scenario
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_coordinator, make_station
 
 SHORT = Scenario(duration=0.3, settle_s=0.1, reference=Clover(start_s=0.2))
-NAMES = sorted(systems_by_name(make_closed_loop(SHORT)).keys() - {"closed_loop"})
+NAMES = sorted(systems_by_name(make_closed_loop(SHORT)).keys() - FIXED - {"closed_loop"})
 
 
 class Fixed(LeafSystem):
@@ -74,9 +74,28 @@ def test_ours_in_their_own_places_fly_as_ever(ours):
 
 def test_a_side_takes_its_own():
     replacements = Replacements({"weight_allocator": lambda ours: Fixed()})
-    make_station(SHORT, replacements)
     coordinator = make_coordinator(SHORT, replacements)
     assert isinstance(coordinator.GetSubsystemByName("weight_allocator"), Fixed)
+    station = make_station(SHORT, Replacements({"sampler": wrapped}))
+    assert "its_inside" in systems_by_name(station)
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (make_station, "weight_allocator"),
+        (make_station, "wieght_allocator"),
+        (make_coordinator, "sampler"),
+        (make_closed_loop, "wieght_allocator"),
+        *((make, name) for make in (make_station, make_closed_loop) for name in sorted(FIXED)),
+    ],
+)
+def test_a_name_that_is_not_there_to_be_replaced_is_refused(make, name):
+    with pytest.raises(BadInput, match=f"^replacements: {name}: no such system that can") as said:
+        make(SHORT, Replacements({name: wrapped}))
+    valid = str(said.value).partition("valid: ")[2].rstrip(")").split(", ")
+    inside = systems_by_name(make(SHORT)).keys() - FIXED - {"station", "coordinator", "closed_loop"}
+    assert set(valid) - {"station", "coordinator"} == inside
 
 
 def test_a_controller_that_keeps_no_time(ours):
@@ -125,7 +144,11 @@ def wrapped(ours):
 
 
 @pytest.mark.parametrize(
-    "name", ["station", "coordinator", "sensors", "mpc", "rotors", "rotor_faults", "learner_fault"]
+    "name",
+    [
+        *("station", "coordinator", "sensors", "mpc", "rotors", "propellers", "air"),
+        *("rotor_faults", "learner_fault"),
+    ],
 )
 def test_a_diagram_around_ours_flies_as_ours(name):
     faults = (RotorDegraded(start_s=0.1), LearnerPoisoned(start_s=0.1))
@@ -144,7 +167,7 @@ def test_a_diagram_around_ours_flies_as_ours(name):
         ),
         (
             {"wieght_allocator": lambda ours: Fixed()},
-            "replacements: wieght_allocator: no such system; did you mean 'weight_allocator'?",
+            "replacements: wieght_allocator: no such .*; did you mean 'weight_allocator'?",
         ),
         (
             {"weight_allocator": lambda ours: Fixed(distances=3)},

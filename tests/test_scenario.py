@@ -108,7 +108,7 @@ def test_numbers_of_faults_are_named_with_their_place(fault):
     [
         ({"kind": "push"}, "faults: expected a list of mappings, got"),
         ("push", "faults: expected a list of mappings, got 'push'"),
-        ([3], r"faults\[0\]: expected a mapping with a kind \(valid: joint_degraded,"),
+        ([3], r"faults\[0\]: expected a mapping with a kind; valid: joint_degraded,"),
         ([{"kind": "push"}, {"start_s": 1}], r"faults\[1\]: expected a mapping with a kind"),
         ([{"kind": "pusch"}], r"faults\[0\].kind: unknown kind 'pusch'; did you mean 'push'"),
         ([{"kind": "push", "start": 1}], r"faults\[0\].start: unknown key; did you mean 'start_s'"),

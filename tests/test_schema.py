@@ -112,8 +112,8 @@ def test_every_type_is_read():
         ({3: 1.0}, "3: unknown key"),
         ({None: 1.0}, "None: unknown key"),
         # Kinds.
-        ({"path": {"radius_m": 1.0}}, "path: expected a mapping with a kind (valid: line, ring)"),
-        ({"path": "ring"}, "path: expected a mapping with a kind (valid: line, ring)"),
+        ({"path": {"radius_m": 1.0}}, "path: expected a mapping with a kind; valid: line, ring"),
+        ({"path": "ring"}, "path: expected a mapping with a kind; valid: line, ring"),
         ({"path": {"kind": "rung"}}, "path.kind: unknown kind 'rung'; did you mean 'ring'?"),
         ({"path": {"kind": ["ring"]}}, "path.kind: unknown kind"),
         # Mappings.

@@ -26,6 +26,6 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.gallery import export_all, gallery
 
     names = [arguments.name] if arguments.name else []
-    for path in export_all(gallery(), names, arguments.out, arguments.depth):
+    for path in export_all(gallery(names), names, arguments.out, arguments.depth):
         print(path)
     return 0

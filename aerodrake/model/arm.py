@@ -52,12 +52,13 @@ def arm_joints(
         plant.GetVelocityUpperLimits()[BASE_VELOCITIES:],
         plant.GetAccelerationUpperLimits()[BASE_VELOCITIES:],
     ]
-    if not np.all((np.array(positive) > LIGHTEST) & (np.array(positive) < HEAVIEST)):
+    is_limited = np.all((np.array(positive) > LIGHTEST) & (np.array(positive) < HEAVIEST), axis=0)
+    if not is_limited.all():
         raise BadInput(
             robot,
             "",
-            "expected every joint to have limits of position, effort, "
-            "velocity and drake:acceleration, all with room to move",
+            f"{arm[int(np.argmin(is_limited))].name()}: expected every joint to have limits of "
+            "position, effort, velocity and drake:acceleration, all with room to move",
         )
     return arm
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.reports.comparison_panels import View, draw_distances, draw_errors, draw_path
-from aerodrake.reports.figures import INK, STYLE, write_png
+from aerodrake.reports.figures import INK, STYLE, cover, write_png
 from aerodrake.reports.flight_panels import draw_allocation, draw_inputs
 from aerodrake.reports.residual_panels import draw_residual
 from aerodrake.scenario import Scenario
@@ -68,4 +68,4 @@ def _draw(
         for panel, subject in zip(axes, ("weight allocation", "inputs"), strict=True):
             panel.set_title(f"{subject} of {own}", fontsize=10, loc="left")
             panel.set_xlabel("reference time / s")
-            panel.set_xlim(max(logs[own].time_s[0], -1.0), logs[own].time_s[-1])
+            cover(panel, logs[own].time_s[logs[own].is_flown])

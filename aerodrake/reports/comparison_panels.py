@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.reports.figures import ACCENT, REFERENCE, plain_ticks
-from aerodrake.reports.flight_panels import draw_boundaries, draw_distance
+from aerodrake.reports.flight_panels import LEAST_ERROR_MM, draw_boundaries, draw_distance
 from aerodrake.scenario import Scenario
 
 COLORS = {
@@ -80,12 +80,13 @@ def draw_distances(axes: Axes, logs: Mapping[str, FlightLog], scenario: Scenario
 def draw_errors(axes: Axes, logs: Mapping[str, FlightLog], columns: int) -> None:
     """Distance of the end-effector from its reference, by variant; their names above."""
     for name, log in logs.items():
-        flown = log.time_s >= 0
-        axes.semilogy(log.time_s[flown], 1e3 * log.error_m[flown], color=COLORS[name], label=name)
-    errors = np.concatenate([log.error_m[log.time_s > 0] for log in logs.values()])
+        flown = log.is_flown
+        error_mm = np.maximum(1e3 * log.error_m[flown], LEAST_ERROR_MM / 10)  # For the logarithm.
+        axes.semilogy(log.time_s[flown], error_mm, color=COLORS[name], label=name)
+    errors = np.concatenate([log.error_m[log.is_flown] for log in logs.values()])
     errors = errors[np.isfinite(errors)]
     if len(errors):
-        low = max(1e3 * np.quantile(errors, 0.02), 1e-3)
+        low = max(1e3 * np.quantile(errors, 0.02), LEAST_ERROR_MM / 10)
         axes.set_ylim(low, max(2e3 * errors.max(), 10 * low))
     plain_ticks(axes.yaxis)
     axes.set(ylabel="end-effector error / mm", xlabel="reference time / s")

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -45,6 +50,9 @@ PAGE_STYLE: dict[str, Any] = STYLE | {
 }
 """Of a page's figures: text is text, and what is behind them shows."""
 
+LEAST_TIME_S = 0.1
+"""What an axis of time shows at least."""
+
 
 def widen(axis: Axis, span: float) -> None:
     """Makes an axis show at least `span`, lest rounding errors look like motion."""
@@ -52,6 +60,11 @@ def widen(axis: Axis, span: float) -> None:
     if high - low < span:
         middle = (low + high) / 2
         axis.set_view_interval(middle - span / 2, middle + span / 2, ignore=True)
+
+
+def cover(axes: Axes, times: np.ndarray) -> None:
+    """Shows `times` (T,) s across a panel, also where they are hardly more than one."""
+    axes.set_xlim(times[0], max(times[-1], times[0] + LEAST_TIME_S))
 
 
 def plain_ticks(axis: Axis) -> None:
@@ -63,9 +76,11 @@ def plain_ticks(axis: Axis) -> None:
 def write_png(figure: Figure, path: Path) -> None:
     """Draws a figure into a file, once: `savefig` would do so twice for its layout.
 
-    There is no version or date inside: the same figure gives the same bytes.
+    There is no version or date inside: the same figure gives the same bytes. What the font
+    has no sign for is a box.
     """
-    FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})
+    with _any_script():
+        FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})
 
 
 def to_svg(figure: Figure, name: str) -> str:
@@ -76,7 +91,7 @@ def to_svg(figure: Figure, name: str) -> str:
         name: A word that no other figure of the page has: its ids begin with it.
     """
     file = io.StringIO()
-    with rc_context(PAGE_STYLE):
+    with rc_context(PAGE_STYLE), _any_script():
         nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
         FigureCanvasSVG(figure).print_svg(file, metadata=nothing)
     text = file.getvalue()
@@ -85,6 +100,14 @@ def to_svg(figure: Figure, name: str) -> str:
     text = re.sub(r' (?:width|height)="[\d.]+pt"', "", text, count=2)
     text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{name}-", text)
     return re.sub(r"<[^>]+>", _rounded, text)
+
+
+@contextmanager
+def _any_script() -> Iterator[None]:
+    """Names may be of any script: that a font lacks it is nothing to warn of."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
+        yield
 
 
 def _rounded(tag: re.Match[str]) -> str:

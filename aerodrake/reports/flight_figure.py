@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from aerodrake.events import spans
 from aerodrake.flight_log import FlightLog
-from aerodrake.reports.figures import INK, STYLE, write_png
+from aerodrake.reports.figures import INK, STYLE, cover, write_png
 from aerodrake.reports.flight_panels import (
     draw_allocation,
     draw_angle,
@@ -48,7 +48,7 @@ def plot_tracking(log: FlightLog, scenario: Scenario, title: str, path: Path) ->
 
         def timeline(cell: Any) -> Axes:
             axes = figure.add_subplot(cell, sharex=times[0] if times else None)
-            axes.set_xlim(log.time_s[0], log.time_s[-1])
+            cover(axes, log.time_s)
             times.append(axes)
             return axes
 

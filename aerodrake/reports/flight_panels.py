@@ -31,13 +31,14 @@ MODE_COLORS = {
 
 def draw_paths(axes: Any, log: FlightLog) -> None:
     """End-effector, its reference and the base in space; `axes` are of three dimensions."""
-    flown = log.time_s >= 0
+    flown = log.is_flown
     axes.plot(*log["p_E_m"][flown].T, color=ACCENT, linewidth=2.2, label="end-effector")
     axes.plot(*log["p_Ed_m"][flown].T, **REFERENCE, label="reference")
     axes.plot(*log["p_B_m"][flown].T, color=AXIS_COLORS[2], alpha=0.7, label="base")
     axes.set(xlabel="x / m", ylabel="y / m", zlabel="z / m")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         widen(axis, 0.5)
+    axes.autoscale(enable=False)  # In space they would be scaled anew once they are drawn.
     axes.set_aspect("equal")
     axes.locator_params(nbins=5)
     axes.legend(loc="upper left")
@@ -45,7 +46,7 @@ def draw_paths(axes: Any, log: FlightLog) -> None:
 
 def draw_plan(axes: Axes, log: FlightLog) -> None:
     """The same from above, in the world's x and y."""
-    flown = log.time_s >= 0
+    flown = log.is_flown
     p_E, p_Ed, p_B = (log[key][flown] for key in ("p_E_m", "p_Ed_m", "p_B_m"))
     axes.plot(p_E[:, 0], p_E[:, 1], color=ACCENT, linewidth=2.2, label="end-effector")
     axes.plot(p_Ed[:, 0], p_Ed[:, 1], **REFERENCE, label="reference")
@@ -69,15 +70,13 @@ def draw_axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
 
 def draw_error(axes: Axes, log: FlightLog) -> None:
     """Distances of end-effector and base from where they are to be."""
-    flown = log.time_s >= 0
-    axes.semilogy(log.time_s[flown], 1e3 * log.error_m[flown], color=ACCENT, label="end-effector")
-    axes.semilogy(
-        log.time_s[flown],
-        1e3 * log.base_error_m[flown],
-        color=AXIS_COLORS[2],
-        alpha=0.7,
-        label="base",
-    )
+    flown = log.is_flown
+    for error_m, look in (
+        (log.error_m, {"color": ACCENT, "label": "end-effector"}),
+        (log.base_error_m, {"color": AXIS_COLORS[2], "label": "base", "alpha": 0.7}),
+    ):
+        error_mm = np.maximum(1e3 * error_m[flown], LEAST_ERROR_MM / 10)  # For the logarithm.
+        axes.semilogy(log.time_s[flown], error_mm, **look)
     low, high = axes.get_ylim()
     low = max(low, LEAST_ERROR_MM)
     axes.set_ylim(low, max(high, 10 * low))
@@ -112,7 +111,8 @@ def draw_allocation(axes: Axes, log: FlightLog) -> None:
 def draw_weights(axes: Axes, log: FlightLog) -> None:
     """The weights of the MPC's cost that the allocation sets."""
     for key, color in zip(("w_q", "w_m", "w_d"), AXIS_COLORS, strict=True):
-        axes.semilogy(log.time_s, log[key], color=color, label=key)
+        weights = np.where(log[key] > 0, log[key], np.nan)  # Before the first tick there are none.
+        axes.semilogy(log.time_s, weights, color=color, label=key)
     plain_ticks(axes.yaxis)
     axes.set_ylabel("weights")
     axes.legend(loc="best", ncols=3)
@@ -140,7 +140,7 @@ def draw_series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) 
 
 def draw_distance(axes: Axes, log: FlightLog, scenario: Scenario, color: str = ACCENT) -> None:
     """d_o: how far the end-effector is from the centre of its learning space."""
-    flown = log.time_s >= 0
+    flown = log.is_flown
     d_o = np.linalg.norm(log.p_EB_m - Vehicle.load(scenario).p_O, axis=1)
     axes.plot(log.time_s[flown], d_o[flown], color=color)
     axes.set_ylabel("d_o / m")

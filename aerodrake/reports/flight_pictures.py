@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 from aerodrake.events import Span, spans
 from aerodrake.flight_log import FlightLog
+from aerodrake.reports.figures import cover
 from aerodrake.reports.flight_panels import (
     draw_allocation,
     draw_angle,
@@ -56,7 +57,8 @@ def residual_picture(log: FlightLog, scenario: Scenario, of: str = "") -> Pictur
         for name, axes in zip("xyz", panels, strict=False):
             axes.set_ylabel(f"Delta_{name} / mm/s")
         draw_prediction(panels[3], log.thinned(MOST_SAMPLES))
-        panels[3].set(xlabel="reference time / s", xlim=(max(log.time_s[0], -1.0), log.time_s[-1]))
+        panels[3].set_xlabel("reference time / s")
+        cover(panels[3], log.time_s[log.is_flown])
         figure.align_ylabels()
     return Picture(
         f"Residual{of}",
@@ -159,7 +161,8 @@ def _distance(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
 def _supervision(log: FlightLog, lasting: list[Span]) -> Picture:
     rows = len({(span.mode is None, span.name) for span in lasting})
     with sheet("supervision", 0.9 + 0.2 * rows, left=1.9, top=0.3) as (figure, done):
-        axes = figure.add_subplot(xlim=(log.time_s[0], log.time_s[-1]))
+        axes = figure.add_subplot()
+        cover(axes, log.time_s)
         draw_spans(axes, lasting)
         shade_safe_modes(axes, log)
         axes.set_xlabel("reference time / s")

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from aerodrake.flight_log import FlightLog
-from aerodrake.reports.figures import PAGE_STYLE, to_svg
+from aerodrake.reports.figures import PAGE_STYLE, cover, to_svg
 from aerodrake.reports.supervision_panels import shade_safe_modes
 
 WIDTH = 5.2
@@ -80,7 +80,7 @@ def timeline(name: str, title: str, caption: str, log: FlightLog, *draws: Draw) 
     with sheet(name, height) as (figure, done):
         panels = figure.subplots(len(draws), 1, sharex=True, squeeze=False)[:, 0]
         for axes, draw in zip(panels, draws, strict=True):
-            axes.set_xlim(log.time_s[0], log.time_s[-1])
+            cover(axes, log.time_s)
             draw(axes)
             shade_safe_modes(axes, log)
         panels[-1].set_xlabel("reference time / s")

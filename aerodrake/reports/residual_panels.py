@@ -50,7 +50,8 @@ def residuals(log: FlightLog, scenario: Scenario) -> tuple[np.ndarray, np.ndarra
     # Logs run several times a tick, and show the tick k from the sample after it on.
     stride = round(period / scenario.rates.flight_period_s)
     ticks = np.arange(3 * stride, len(log.time_s), stride)
-    ticks = ticks[log.time_s[ticks] >= 2 * period]
+    start = log.time_s[log.is_flown][0]
+    ticks = ticks[log.time_s[ticks] >= start + 2 * period]
     nominal = log["nominal_prediction_error_m_s"][ticks]
     estimated = (log["prediction_error_m_s"][ticks] - nominal) / gain
     return log.time_s[ticks] - 2 * period, estimated, -nominal / gain

@@ -25,8 +25,15 @@ MOST_CALLS = 40
 IDLE_S = 60.0
 """A child that was not called for so long ends: whose caller lives on, in a cluster say."""
 
+BEGUN = None
+"""What a child says once it has imported what it is to call."""
+
 _own = threading.local()
 _children: set[_Child] = set()
+
+
+class NeverBegan(ProcessDied):
+    """A child died before it came to what it was called for."""
 
 
 def apart(function: Callable[..., Result], *arguments: Any) -> Result:
@@ -42,7 +49,8 @@ def apart(function: Callable[..., Result], *arguments: Any) -> Result:
         arguments: What to call it with.
 
     Raises:
-        ProcessDied: if the child did.
+        ProcessDied: if the child did; `NeverBegan` if it was not yet in the function.
+        OSError: if there is no process to be had.
         Exception: what the function raises.
     """
     child = getattr(_own, "child", None)
@@ -88,13 +96,18 @@ class _Child:
     def call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
         """(result, None) or (None, error) of one call."""
         self._calls += 1
+        has_begun = False
         try:
             self._pipe.send((function, arguments))
             outcome = self._pipe.recv()
+            if has_begun := outcome is BEGUN:
+                outcome = self._pipe.recv()
         except (EOFError, OSError):
             self.kill()
-            cause = cause_of_death(self._process.returncode)
-            raise ProcessDied(f"its process died of {cause}") from None
+            cause = f"its process died of {cause_of_death(self._process.returncode)}"
+            if has_begun:
+                raise ProcessDied(cause) from None
+            raise NeverBegan(f"{cause} before it began") from None
         if self._calls == MOST_CALLS:
             self.kill()
         return outcome
@@ -125,6 +138,7 @@ def main(pipe: Connection) -> None:
             return
         try:
             function, arguments = pickle.loads(call)
+            pipe.send(BEGUN)
             outcome = function(*arguments), None
         except Exception as error:
             outcome = None, error

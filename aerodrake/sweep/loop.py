@@ -18,7 +18,7 @@ from typing import Any
 
 from aerodrake.compare import failure
 from aerodrake.errors import ProcessDied
-from aerodrake.sweep.child import apart, end_children
+from aerodrake.sweep.child import NeverBegan, apart, end_children
 from aerodrake.sweep.folder import SweepFolder
 from aerodrake.sweep.trial import Trial, fly_trial
 
@@ -47,7 +47,8 @@ def sweep(
         progress: Called with each row that was written.
 
     Raises:
-        ProcessDied: if the executor gives up.
+        ProcessDied: if the executor gives up, or what is no trial's own keeps one from being
+            flown, such as a full disk. It has no row then.
         BadInput: if a row cannot be written.
     """
     running: dict[Future, tuple[Trial, int]] = {}
@@ -91,9 +92,12 @@ def _take(
         if deaths + 1 < MOST_DEATHS:
             submit(trial, deaths + 1)
             return
+        if isinstance(error, NeverBegan):
+            raise
         row, timing = {**trial.head(), **failure(error)}, None
     except Exception as error:
-        row, timing = {**trial.head(), **failure(error)}, None
+        cause = failure(error)["exit_cause"]
+        raise ProcessDied(f"trial {trial.index} could not be flown: {cause}") from None
     folder.append(row, timing)
     progress(row)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from aerodrake.errors import BadInput
 from aerodrake.files import read_bounded
 from aerodrake.scenario_file import save_scenario
 from aerodrake.scenario_yaml import parse
+from aerodrake.sweep.distributions import Distribution, Linspace, parse_distribution
 from aerodrake.sweep.plan import Plan
 
 SCENARIO, PLAN = "scenario.yaml", "sweep.json"
@@ -31,12 +33,14 @@ def check_same(target: Path, plan: Plan) -> None:
         BadInput: if it is none, or another one: with the first key that differs.
         OSError: if it cannot be read.
     """
-    ours = _flat(_read_plan(target))
+    found = _read_plan(target)
+    ours = _flat(found) | {"vary": _grid(found["vary"])}
     with tempfile.TemporaryDirectory() as temporary:
         asked = Path(temporary)
         save_scenario(plan.scenario, asked)
         ours = _described(target) | ours
-        theirs = _described(asked) | _flat(plan.as_mapping())
+        wanted = {**plan.as_mapping(), "vary": plan.vary}
+        theirs = _described(asked) | _flat(wanted) | {"vary": _grid(plan.vary)}
         files = {p.relative_to(f) for f in (target, asked) for p in f.glob("inputs*/**/*")}
         for file in sorted(files):
             if not all((f / file).is_dir() for f in (target, asked)):
@@ -50,15 +54,22 @@ def check_same(target: Path, plan: Plan) -> None:
             raise BadInput("--resume", key, message)
 
 
+def _grid(vary: Mapping[str, Distribution]) -> list[str]:
+    """The keys of a grid, whose order is that of its trials."""
+    return [key for key, distribution in vary.items() if isinstance(distribution, Linspace)]
+
+
 def _read_plan(target: Path) -> dict[str, Any]:
+    """With the distributions themselves, which can be written in more than one way."""
     path = target / PLAN
     if not path.is_file():
         raise BadInput("--resume", "", f"{target} holds no sweep")
     try:
         plan = json.loads(read_bounded(path, MAX_BYTES))
-        if isinstance(plan["trials"], int) and isinstance(plan["vary"], dict):
-            return plan
-    except (ValueError, KeyError, TypeError, RecursionError):
+        if isinstance(plan["trials"], int):
+            vary = {key: parse_distribution(text, key) for key, text in plan["vary"].items()}
+            return {**plan, "vary": vary}
+    except (BadInput, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         pass
     raise BadInput(path, "", "expected the plan of a sweep")
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
-from aerodrake.errors import BadInput
+from aerodrake.errors import BadInput, ScenarioError
 from aerodrake.scenario import Scenario
 from aerodrake.scenario_file import set_key
 from aerodrake.scenario_yaml import dump_line
@@ -98,7 +98,8 @@ class Plan:
         """Builds the closed loop of a trial, which reads the files it names.
 
         Raises:
-            BadInput: if none of the first ten can be flown: what is wrong with the first.
+            BadInput: if none of the first ten can be flown: what is wrong with the scenario
+                that they share, or else with the values of the first.
         """
         refusals = []
         for index in range(min(TRIED, self.trials)):
@@ -107,7 +108,9 @@ class Plan:
                 return
             except BadInput as error:
                 refusals.append(error)
-        raise refusals[0]
+        make_closed_loop(self.scenario)
+        _, key, message = refusals[0].args
+        raise ScenarioError(VARY, key, f"trial 0: {message}")
 
     def as_mapping(self) -> dict[str, Any]:
         """What `sweep.json` holds; the scenario stands beside it."""

@@ -80,6 +80,9 @@ def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
         Its row: index, seed and parameters, then the figures of `summary.json` that
         are the same whenever it is flown, or `exit_reason` and `exit_cause` alone
         where there was no flight. And its timing: `trial`, `wall_s`, `host`, `process`.
+
+    Raises:
+        Exception: what is of the machine, not of the trial: no room on disk or in memory, say.
     """
     start = time.perf_counter()
     try:
@@ -87,11 +90,11 @@ def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
         with single_thread():
             figures = repeatable(summarize(scenario, Flight(scenario).fly()))
         ending = {k: v for k, v in figures.items() if k not in ("scenario", "seed", "version")}
-    except ScenarioError as error:
+    except (Exception, SystemExit) as error:  # Drake's conditions are the latter.
+        if _is_of_machine(error):
+            raise
         # Without the source, which is where the sweep's folder happens to be.
-        ending = refusal(error)
-    except Exception as error:  # A row, whatever it is: the others are flown all the same.
-        ending = failure(error)
+        ending = refusal(error) if isinstance(error, ScenarioError) else failure(error)
     timing = {
         "trial": trial.index,
         "wall_s": round(time.perf_counter() - start, 6),
@@ -99,6 +102,18 @@ def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
         "process": os.getpid(),
     }
     return {**trial.head(), **ending}, timing
+
+
+def _is_of_machine(error: BaseException) -> bool:
+    """Whether it began with what the machine refused, as much bad input does.
+
+    That the scenario names a file which is not there is its own.
+    """
+    began: BaseException | None = error
+    while began is not None and not isinstance(began, OSError | MemoryError):
+        began = began.__context__
+    is_missing = isinstance(error, ScenarioError) and isinstance(began, FileNotFoundError)
+    return began is not None and not is_missing
 
 
 def refusal(error: BadInput) -> dict[str, str]:

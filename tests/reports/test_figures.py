@@ -7,7 +7,7 @@ import pytest
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from aerodrake.reports.figures import PAGE_STYLE, to_svg
+from aerodrake.reports.figures import PAGE_STYLE, to_svg, write_png
 
 TICKS = ["0.0025", "1.23456789", "<b>&"]
 
@@ -34,6 +34,19 @@ def test_text_is_text_as_it_was_written():
     texts = re.findall(r"<text[^>]*>([^<]*)</text>", draw("a"))
     for tick in ("0.0025", "1.23456789", "&lt;b&gt;&amp;"):
         assert tick in texts
+
+
+@pytest.mark.filterwarnings("error")
+def test_names_may_be_of_any_script(tmp_path):
+    """The font has none of these; a browser may."""
+    name = "悬停 مرحبا 🚁"
+    figure = Figure()
+    figure.suptitle(name, parse_math=False)
+    with rc_context(PAGE_STYLE):
+        assert name in to_svg(figure, "a")
+    figure = Figure(layout="constrained")
+    figure.suptitle(name, parse_math=False)
+    write_png(figure, tmp_path / "a.png")
 
 
 def test_coordinates_are_to_a_hundredth():

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from aerodrake.flight_log import FlightLog
@@ -13,6 +14,7 @@ from aerodrake.reports.flight_panels import (
     draw_distance,
     draw_error,
     draw_inputs,
+    draw_paths,
     draw_ticks,
 )
 
@@ -25,6 +27,19 @@ def axes():
 def lines(axes) -> dict[str, np.ndarray]:
     """(points, 2) of each line by its label."""
     return {line.get_label(): line.get_xydata() for line in axes.lines}
+
+
+def test_rounding_errors_in_space_look_like_rest(short_flight):
+    """Once it is drawn, which is when axes are scaled."""
+    _, log = short_flight
+    noise = 1e-9 * np.sin(np.arange(3 * len(log.time_s))).reshape(-1, 3)
+    still = {key: log[key][:1] + noise for key in ("p_E_m", "p_Ed_m", "p_B_m")}
+    figure = Figure()
+    axes = figure.add_subplot(projection="3d")
+    draw_paths(axes, replace(log, signals={**log.signals, **still}))
+    FigureCanvasAgg(figure).draw()
+    for low, high in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim()):
+        assert high - low >= 0.49
 
 
 @pytest.mark.parametrize("ticks", [0, 1, 100, MOST_TICKS + 1, 20 * MOST_TICKS + 7])

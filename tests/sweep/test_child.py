@@ -16,7 +16,7 @@ import pytest
 
 from aerodrake.errors import ProcessDied
 from aerodrake.sweep import child
-from aerodrake.sweep.child import apart, end_children
+from aerodrake.sweep.child import NeverBegan, apart, end_children
 
 
 @pytest.fixture(autouse=True)
@@ -88,6 +88,15 @@ def test_one_that_dies_is_told_and_replaced(code, cause):
     with pytest.raises(ProcessDied, match=f"its process died of {cause}"):
         apart(exec, code)
     assert apart(os.getpid) != pid
+
+
+def test_one_that_dies_before_it_begins_is_told_apart(monkeypatch):
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    with pytest.raises(NeverBegan, match="its process died of exit code 1 before it began"):
+        apart(os.getpid)
+    monkeypatch.setattr(sys, "executable", "/no/such/python")
+    with pytest.raises(FileNotFoundError):
+        apart(os.getpid)
 
 
 def test_killed_while_nobody_calls_it_is_replaced():

@@ -118,6 +118,33 @@ def test_another_plan_is_refused_by_the_key_that_differs(other, said, tmp_path):
     assert files(tmp_path) == before
 
 
+def test_the_same_distributions_may_be_written_otherwise(tmp_path):
+    words = "residual.mode=choice(off,online)"
+    begin(tmp_path / "sweep", make(GUSTS, words), 1)
+    again = make("wind.gust_m_s[0]=uniform( 0.0, 1e0 )", "residual.mode=choice('off', online)")
+    with sweep_folder(tmp_path / "sweep", again, True) as folder:
+        assert folder.flown == {1}
+
+
+def test_a_grid_in_another_order_is_another_one(tmp_path):
+    """Its first key changes fastest; what is drawn is the same in any order."""
+    across, along = (f"wind.velocity_m_s[{axis}]=linspace(0, 1, 2)" for axis in (0, 1))
+    begin(tmp_path / "sweep", make(across, along, GUSTS), 1)
+    with sweep_folder(tmp_path / "sweep", make(GUSTS, across, along), True) as folder:
+        assert folder.flown == {1}
+    said = refusal(tmp_path / "sweep", make(along, across, GUSTS), True)
+    assert said.startswith("--resume: vary: the sweep in ") and said.endswith(
+        "[1]', 'wind.velocity_m_s[0]']"
+    )
+
+
+def test_distributions_that_cannot_be_read_are_no_plan(tmp_path):
+    begin(tmp_path / "sweep", make(), 1)
+    plan = tmp_path / "sweep" / "sweep.json"
+    plan.write_text(plan.read_text().replace("uniform(", "uniform"))
+    assert "sweep.json: expected the plan of a sweep" in refusal(tmp_path / "sweep", make(), True)
+
+
 def test_another_version_is_refused(tmp_path):
     begin(tmp_path / "sweep", make(), 1)
     plan = tmp_path / "sweep" / "sweep.json"

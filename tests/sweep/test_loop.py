@@ -284,7 +284,7 @@ def test_finished_it_can_be_resumed_for_more(flown, tmp_path):
         (["hover", "--trials", "2", "--set", "vehicle.robot=no.urdf"], "no.urdf: "),
         (
             ["hover", "--trials", "2", "--vary", "allocation.d_edge_m=choice(0.01)"],
-            "allocation.d_edge_m: expected more than d_h_m",
+            "--vary: allocation.d_edge_m: trial 0: expected more than d_h_m",
         ),
     ],
 )

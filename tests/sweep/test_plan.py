@@ -145,6 +145,19 @@ def test_trials_are_asked_for_unless_there_is_a_grid():
 
 def test_values_that_never_fit_each_other_are_told_before_anything_is_flown():
     late = Plan.make(Scenario(), ["sensors.base_delay_s=uniform(0.001, 0.009)"], 5)
-    with pytest.raises(BadInput, match="sensors.base_delay_s: expected a multiple"):
+    with pytest.raises(BadInput, match="sensors.base_delay_s: trial 0: expected a multiple"):
         late.check()
     Plan.make(Scenario(), ["sensors.base_delay_s=choice(0.0011, 0.002)"], 20).check()
+
+
+def test_values_that_are_out_of_range_are_of_what_draws_them():
+    drawn = Plan.make(Scenario(seed=5), ["payload.mass_kg=normal(0, 0.1)"], 1)
+    assert drawn.trial(0).parameters["payload.mass_kg"] < 0
+    with pytest.raises(BadInput, match=r"^--vary: payload.mass_kg: trial 0: expected .* got -0\."):
+        drawn.check()
+
+
+def test_what_is_wrong_with_every_trial_is_not_of_what_is_drawn():
+    scenario = load_scenario("hover", [("--set", "vehicle.working_rad=[0, 1]")])
+    with pytest.raises(BadInput, match=r"hover.yaml .*: vehicle.working_rad: expected 6 angles"):
+        Plan.make(scenario, ["duration=uniform(1, 2)"], 3).check()

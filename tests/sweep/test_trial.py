@@ -1,11 +1,13 @@
 """Trials: what `aerodrake run` flies, and a row however it ends."""
 
+import errno
 import json
 import shlex
 
 import pytest
 
 from aerodrake.cli import main
+from aerodrake.errors import BadInput
 from aerodrake.scenario_file import load_scenario, save_scenario
 from aerodrake.sweep import trial as module
 from aerodrake.sweep.plan import Plan
@@ -74,13 +76,48 @@ def test_values_out_of_range_are_a_row_that_tells_them():
         }  # fmt: skip
 
 
-def test_an_error_is_a_row_that_tells_it(monkeypatch):
+@pytest.mark.parametrize("error", [RuntimeError("no such\nluck"), SystemExit("no such")])
+def test_an_error_is_a_row_that_tells_it(error, monkeypatch):
+    """Drake's conditions are the latter."""
+
     def fail(_):
-        raise RuntimeError("no such\nluck")
+        raise error
 
     monkeypatch.setattr(module, "Flight", fail)
     row, _ = fly_trial(make().trial(0))
-    assert (row["exit_reason"], row["exit_cause"]) == ("failed", "RuntimeError: no such")
+    assert row["exit_reason"] == "failed"
+    assert row["exit_cause"] == f"{type(error).__name__}: no such"
+
+
+@pytest.mark.parametrize(
+    "error",
+    [OSError(errno.ENOSPC, "No space left on device"), MemoryError(), FileNotFoundError("/tmp")],
+)
+def test_what_the_machine_refuses_is_no_row(error, monkeypatch):
+    """Also if it was told as bad input."""
+
+    def fail(_):
+        raise error
+
+    def told(_):
+        try:
+            fail(_)
+        except (OSError, MemoryError):
+            raise BadInput("/tmp", "", "cannot be written") from None
+
+    for flight, kind in ((fail, type(error)), (told, BadInput)):
+        monkeypatch.setattr(module, "Flight", flight)
+        with pytest.raises(kind):
+            fly_trial(make().trial(0))
+
+
+def test_a_file_that_is_not_there_is_of_the_trial():
+    plan = make("vehicle.robot=choice(package://aerodrake/robots/none.urdf)")
+    row, _ = fly_trial(plan.trial(0))
+    assert row["exit_reason"] == "refused"
+    assert row["exit_cause"].endswith(
+        "none.urdf: expected a readable file: No such file or directory"
+    )
 
 
 @pytest.mark.parametrize("value", ["a b", "x'y", '"', "true", "1", "é"])

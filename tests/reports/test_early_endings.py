@@ -1,0 +1,68 @@
+"""Flights that end before reference time 0, or at once, are shown as far as they came."""
+
+import re
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from aerodrake.flight_log import PER_TICK, FlightLog
+from aerodrake.reports.comparison_figure import plot_comparison
+from aerodrake.reports.comparison_panels import draw_errors
+from aerodrake.reports.figures import LEAST_TIME_S, cover
+from aerodrake.reports.flight_panels import draw_distance, draw_error, draw_paths, draw_plan
+from aerodrake.reports.flight_pictures import flight_pictures
+from aerodrake.reports.residual_panels import residuals
+
+
+def early(log: FlightLog, samples: int) -> FlightLog:
+    """As if it had been lost while it hovered."""
+    signals = {k: rows if k in PER_TICK else rows[:samples] for k, rows in log.signals.items()}
+    return FlightLog({**signals, "time_s": signals["time_s"] - 5.0}, "lost", "", 1.0)
+
+
+@pytest.mark.parametrize("samples", [1, 30])
+def test_what_was_flown_is_drawn(samples, short_flight):
+    scenario, log = short_flight
+    log = early(log, samples)
+    flat, space = Figure().add_subplot, Figure().add_subplot
+    panels = [flat(), flat(), flat(), flat(), space(projection="3d")]
+    draw_plan(panels[0], log)
+    draw_error(panels[1], log)
+    draw_distance(panels[2], log, scenario)
+    draw_errors(panels[3], {"modified": log}, 1)
+    draw_paths(panels[4], log)
+    for axes in panels:
+        assert axes.lines and all(len(line.get_xdata()) == samples for line in axes.lines)
+
+
+def test_from_reference_time_0_on_the_hover_before_it_is_not(short_flight):
+    _, log = short_flight
+    assert log.time_s[0] < 0 < log.time_s[-1]
+    np.testing.assert_array_equal(log.is_flown, log.time_s >= 0)
+    assert early(log, 3).is_flown.all()
+
+
+def test_the_residual_begins_with_the_flight(short_flight):
+    scenario, log = short_flight
+    times, *_ = residuals(early(log, 60), scenario)
+    assert len(times) > 20 and -5.2 < times[0] < times[-1] < -4.5
+
+
+@pytest.mark.parametrize("times", [[-3.0], [-3.0, -2.0], [0.0, 9.0]])
+def test_time_runs_to_the_right(times):
+    axes = Figure().add_subplot()
+    cover(axes, np.array(times))
+    low, high = axes.get_xlim()
+    assert low == times[0] and high == max(times[-1], low + LEAST_TIME_S)
+
+
+@pytest.mark.parametrize("samples", [1, 12])
+@pytest.mark.filterwarnings("error")
+def test_all_pictures_are_drawn_in_silence(samples, short_flight, tmp_path):
+    scenario, log = short_flight
+    log = early(log, samples)
+    for picture in flight_pictures(log, scenario):
+        assert len(re.findall("<path", picture.svg)) > 3, picture.title
+    logs = {"modified": log, "modified+online": log}
+    plot_comparison(logs, "modified", scenario, "title", tmp_path / "a.png")
