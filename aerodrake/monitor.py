@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -12,6 +13,7 @@ from aerodrake.model.reference_check import JUMP_M
 from aerodrake.model.rotation import rotation_matrix
 from aerodrake.model.safe_mode import SafeMode
 from aerodrake.model.supervision import conditions
+from aerodrake.not_finite import not_finite
 from aerodrake.scenario import Scenario
 
 MONITOR_PERIOD_S = 0.1
@@ -95,6 +97,19 @@ class Monitor:
         if error > (LOST_ERROR_M if self._approached else self._farthest):
             return f"error of {error:.2f} m {when}"
         return ""
+
+    def broken(self, error: BaseException) -> str:
+        """Why the vehicle is lost where a step could not be made; empty if that is a defect.
+
+        The plant, for one, cannot step from or by what is not finite.
+
+        Args:
+            error: What the step ended by.
+        """
+        spoilt = ", ".join(not_finite(self._closed_loop, self._context))
+        cause = f"{spoilt} not finite at {self.time():.2f} s" if spoilt else self.lost()
+        said = re.sub(r"^Failure at \S+ in ", "", str(error)).partition("\n")[0]
+        return f"{cause}; {said}" if cause else ""
 
     def _begin_approach(self, p_E: np.ndarray) -> None:
         """A target that is far at first is to be approached before it can be left."""

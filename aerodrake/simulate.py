@@ -25,7 +25,6 @@ from aerodrake.model.supervision import conditions
 from aerodrake.model.vehicle import Vehicle
 from aerodrake.model.vehicle_state import parts
 from aerodrake.monitor import MONITOR_PERIOD_S, Monitor
-from aerodrake.not_finite import not_finite
 from aerodrake.recording import Recording
 from aerodrake.remote_coordinator import make_remote_coordinator
 from aerodrake.replacements import Replacements
@@ -145,14 +144,9 @@ class Flight:
             except (BadInput, OSError, MemoryError):
                 raise  # Of the machine, not of the flight.
             except (Exception, SystemExit) as error:  # Drake's conditions are the latter.
-                # The plant, for one, cannot step from or by what is not finite.
-                spoilt = ", ".join(not_finite(self.closed_loop, context))
-                cause = (
-                    f"{spoilt} not finite at {monitor.time():.2f} s" if spoilt else monitor.lost()
-                )
+                reason, cause = "lost", monitor.broken(error)
                 if not cause:
                     raise
-                reason, cause = "lost", f"{cause}; {error}".splitlines()[0]
             finally:
                 if self._link:
                     self._link.part(context.get_time())
