@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import pytest
 
-from aerodrake.compare import failure, make_variants
+from aerodrake.compare import make_variants
 from aerodrake.flight_log import FlightLog
 from aerodrake.margin_search import Outcome, Search
 from aerodrake.margins import DISTURBANCES, Margins
 from aerodrake.reports.comparison_page import Comparison, changes, comparison_page
 from aerodrake.reports.comparison_table import comparison_rows, papers_rows
-from aerodrake.summary import summarize
+from aerodrake.summary import failure, summarize
 from tests.browser import DESKTOP, PHONE, chromium, visit
 
 NAMES = ("integral", "modified", "modified+online", "clik")
