@@ -45,6 +45,21 @@ def _garbage():
     gc.freeze()
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Commands in this process draw nothing, where nobody looks: it takes most of a short run.
+
+    Figures are empty files, and pages have no pictures.
+    """
+    reports = "aerodrake.reports"
+    monkeypatch.setattr("aerodrake.flight_folder.plot_tracking", lambda *given: given[-1].touch())
+    monkeypatch.setattr(
+        f"{reports}.comparison_figure.plot_comparison", lambda *given: given[-1].touch()
+    )
+    monkeypatch.setattr(f"{reports}.flight_page.flight_pictures", lambda *_: [])
+    monkeypatch.setattr(f"{reports}.comparison_page._pictures", lambda *_: [])
+
+
 @pytest.fixture(scope="session")
 def scenario() -> Scenario:
     return Scenario()
