@@ -38,8 +38,8 @@ def main(arguments: argparse.Namespace) -> int:
     companion = Companion(scenario, lcm, say)
     say(f"note: waits for a station at {arguments.lcm}")
     with (
-        frozen_garbage(),
         held_interrupts() as check,
+        frozen_garbage(),
         tqdm(
             total=scenario.settle_s + scenario.duration,
             desc=scenario.name,
