@@ -1,8 +1,6 @@
 """`aerodrake run`: what it writes and where, and how it ends."""
 
 import json
-import subprocess
-import sys
 from importlib.metadata import version
 from pathlib import Path
 
@@ -272,11 +270,3 @@ def test_a_second_interrupt_leaves_nothing(tmp_path, monkeypatch, capsys):
     assert code == 130
     assert list(tmp_path.iterdir()) == []
     assert capsys.readouterr().err == "aerodrake: interrupted\n"
-
-
-def test_a_quiet_process_says_nothing_at_all(tmp_path):
-    """Not even what Drake has to say."""
-    command = [sys.executable, "-m", "aerodrake", "run", "hover", *TINY, "--out", "run"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=100, cwd=tmp_path)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert sorted(p.name for p in (tmp_path / "run").iterdir()) == FILES
