@@ -60,6 +60,19 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(f"{reports}.comparison_page._pictures", lambda *_: [])
 
 
+@pytest.fixture
+def write(tmp_path):
+    """Writes a scenario file and returns its path."""
+
+    def write(content: str | bytes, name: str = "flight.yaml") -> str:
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return str(path)
+
+    return write
+
+
 @pytest.fixture(scope="session")
 def scenario() -> Scenario:
     return Scenario()
