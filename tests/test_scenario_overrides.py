@@ -5,9 +5,7 @@ import pytest
 from aerodrake.fault_kinds import Push, SampleNan
 from aerodrake.reference_kinds import Clover, FixedAxis, OrientationOff
 from aerodrake.scenario import Model, Mpc
-from aerodrake.scenario_file import (
-    load_scenario,
-)
+from aerodrake.scenario_file import load_scenario
 from tests.refusals import refuses
 
 
