@@ -49,7 +49,7 @@ def _garbage():
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Commands in this process draw nothing, where nobody looks: it takes most of a short run.
 
-    Figures are empty files, and pages have no pictures.
+    Figures are empty files, and pages have no pictures and no replay.
     """
     reports = "aerodrake.reports"
     monkeypatch.setattr("aerodrake.flight_folder.plot_tracking", lambda *given: given[-1].touch())
@@ -58,6 +58,8 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     monkeypatch.setattr(f"{reports}.flight_page.flight_pictures", lambda *_: [])
     monkeypatch.setattr(f"{reports}.comparison_page._pictures", lambda *_: [])
+    for place in ("replay", "comparison_page"):
+        monkeypatch.setattr(f"{reports}.{place}.replay_page", lambda *_: "")
 
 
 @pytest.fixture

@@ -42,6 +42,9 @@ def test_the_command(tmp_path, monkeypatch, capfd):
 
     first = read()
     monkeypatch.setattr(module, "run_parallel", in_this_process)
+    # What is not compared is not drawn.
+    monkeypatch.setattr("aerodrake.flight_folder.plot_tracking", lambda *_: None)
+    monkeypatch.setattr("aerodrake.reports.comparison_page._pictures", lambda *_: [])
     assert main([*command, "--quiet", "--out", str(tmp_path / "a")]) == 0
     assert capfd.readouterr() == ("", "")
     assert read() == first
