@@ -18,6 +18,7 @@ from aerodrake.scenario import Scenario
 from aerodrake.scenario_rules import check
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop
+from aerodrake.summary import failure
 from aerodrake.systems.sensors import is_exact
 
 FILES = ("comparison.json", "comparison.png", "report.html")
@@ -205,10 +206,3 @@ def _fly(flight: tuple[Scenario, Path]) -> dict[str, Any]:
     title = f"{scenario.name} as {folder.name}, seed {scenario.seed}"
     summary, _ = fly_into(folder, Flight(scenario), title)
     return summary
-
-
-def failure(error: Exception) -> dict[str, str]:
-    """What stands for the summary of a flight whose process raised or died."""
-    lines = str(error).splitlines() or [""]
-    cause = f"{type(error).__name__}: {lines[0]}".removesuffix(": ")
-    return {"exit_reason": "failed", "exit_cause": cause}

@@ -9,12 +9,11 @@ from functools import partial
 from itertools import takewhile
 from typing import Any
 
-from aerodrake.compare import failure
 from aerodrake.margin_search import Outcome, Search
 from aerodrake.processes import run_parallel
 from aerodrake.scenario import Scenario
 from aerodrake.simulate import Flight
-from aerodrake.summary import summarize
+from aerodrake.summary import failure, summarize
 
 R40 = (
     *(1.00, 1.06, 1.12, 1.18, 1.25, 1.32, 1.40, 1.50, 1.60, 1.70, 1.80, 1.90, 2.00, 2.12),

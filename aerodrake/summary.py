@@ -107,6 +107,13 @@ def headline(summaries: Summaries) -> str:
     return next((k for k in HEADLINES if any(e[k] is not None for e in flown)), "mean_m")
 
 
+def failure(error: Exception) -> dict[str, str]:
+    """What stands for the summary of a flight whose process raised or died."""
+    lines = str(error).splitlines() or [""]
+    cause = f"{type(error).__name__}: {lines[0]}".removesuffix(": ")
+    return {"exit_reason": "failed", "exit_cause": cause}
+
+
 WALL_TIMES = ("wall_s", "real_time_factor")
 MPC_WALL_TIMES = ("median_ms", "p99_ms", "overruns")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -71,6 +72,42 @@ class Visit:
         # Out of sight, it need not be drawn all the while.
         self.page.evaluate("scrollTo(0, document.documentElement.scrollHeight)")
         return seen
+
+
+def assert_silent(visited: Visit, path: Path, screenshot: Path) -> None:
+    """A page with a replay opens without a word, and asks for nothing but itself.
+
+    The replay plays, too: it is unpacked once it is near.
+    """
+    visited.show(visited.page.locator("#replay"))
+    visited.page.screenshot(path=screenshot, full_page=True)
+    assert visited.messages == []
+    asked = [url for url in visited.requests if not url.startswith(("data:", "blob:"))]
+    assert asked == [path.as_uri()]
+
+
+def assert_no_wider_than_its_window(page: Page) -> None:
+    width = page.viewport_size["width"]
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    page.evaluate("scrollTo(1000, 0)")
+    assert page.evaluate("scrollX") == 0
+
+
+def assert_replay_draws(visited: Visit) -> None:
+    """Sky and ground are shades of grey; propellers, arm and path are orange."""
+    seen = visited.show(visited.page.locator("#replay"))
+    assert min(seen.shape[:2]) > 300
+    assert np.count_nonzero((seen[..., 0] > 0.7) & (seen[..., 2] < 0.35)) > 100
+    assert len(np.unique(seen.reshape(-1, 3), axis=0)) > 1000
+
+
+def assert_ids_are_found(page: Page, path: Path) -> None:
+    """Ids are unique, and what refers to one finds it."""
+    ids = page.locator("[id]").evaluate_all("all => all.map(element => element.id)")
+    assert len(ids) == len(set(ids)) > 100
+    text = path.read_text()
+    assert set(re.findall(r'(?:href|aria-labelledby)="#?([^"]+)"', text)) - {"data:,"} <= set(ids)
+    assert set(re.findall(r"url\(#([^)]+)\)", text)) <= set(ids)
 
 
 @contextmanager

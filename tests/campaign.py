@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -165,18 +166,26 @@ class Verdict:
     wrong: str
 
 
-def judge(seed: int, folder: Path) -> Verdict:
+def in_a_process(arguments: list[str]) -> tuple[int, str]:
+    """Exit code of `aerodrake`, and what it said on stderr."""
+    command = [sys.executable, "-m", "aerodrake", *arguments]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=MOST_S, check=False)
+    return ran.returncode, ran.stderr
+
+
+def judge(
+    seed: int, folder: Path, run: Callable[[list[str]], tuple[int, str]] = in_a_process
+) -> Verdict:
     """Flies one scenario by the command line, in `folder`, and looks at all that it leaves."""
     scenario = draw(seed)
     path, out = folder / f"{seed}.yaml", folder / f"{seed}"
     path.write_text(yaml.safe_dump(scenario, sort_keys=False))
-    command = [sys.executable, "-m", "aerodrake", "run", str(path), "--out", str(out), "--quiet"]
     try:
-        ran = subprocess.run(command, capture_output=True, text=True, timeout=MOST_S, check=False)
+        code, said = run(["run", str(path), "--out", str(out), "--quiet"])
     except subprocess.TimeoutExpired:
         return Verdict(seed, "", "hangs")
-    if ran.returncode not in (0, 1) or ran.stderr:
-        return Verdict(seed, "", f"exit code {ran.returncode}: {ran.stderr.strip()[-500:]}")
+    if code not in (0, 1) or said:
+        return Verdict(seed, "", f"exit code {code}: {said.strip()[-500:]}")
     text = (out / "summary.json").read_text()
     summary = json.loads(text, parse_constant=lambda name: name)
     ending = summary["exit_reason"]
@@ -191,8 +200,8 @@ def judge(seed: int, folder: Path) -> Verdict:
         wrong.append(f"log.npz has numbers that are none: {', '.join(broken)}")
     if ending not in ENDINGS:
         wrong.append(f"ends without a name: {ending}")
-    if (ran.returncode == 0) != (ending == "completed"):
-        wrong.append(f"exit code {ran.returncode} of a flight that is {ending}")
+    if (code == 0) != (ending == "completed"):
+        wrong.append(f"exit code {code} of a flight that is {ending}")
     if is_ridden_out(scenario) and ending != "completed":
         wrong.append(f"to be ridden out, but {ending}: {summary['exit_cause']}")
     return Verdict(seed, ending, "; ".join(wrong))

@@ -45,6 +45,36 @@ def _garbage():
     gc.freeze()
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Commands in this process draw nothing, where nobody looks: it takes most of a short run.
+
+    Figures are empty files, and pages have no pictures and no replay.
+    """
+    reports = "aerodrake.reports"
+    monkeypatch.setattr("aerodrake.flight_folder.plot_tracking", lambda *given: given[-1].touch())
+    monkeypatch.setattr(
+        f"{reports}.comparison_figure.plot_comparison", lambda *given: given[-1].touch()
+    )
+    monkeypatch.setattr(f"{reports}.flight_page.flight_pictures", lambda *_: [])
+    monkeypatch.setattr(f"{reports}.comparison_page._pictures", lambda *_: [])
+    for place in ("replay", "comparison_page"):
+        monkeypatch.setattr(f"{reports}.{place}.replay_page", lambda *_: "")
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Writes a scenario file and returns its path."""
+
+    def write(content: str | bytes, name: str = "flight.yaml") -> str:
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return str(path)
+
+    return write
+
+
 @pytest.fixture(scope="session")
 def scenario() -> Scenario:
     return Scenario()

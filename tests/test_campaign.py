@@ -1,17 +1,26 @@
 """Flights in which anything fails end by name, with numbers, and without a word on stderr.
 
-A few by default, 500 with `--long`; `python -m tests.campaign` flies any others.
+A few in this process by default, 500 with `--long`, in processes of their own; `python -m
+tests.campaign` flies any others.
 """
 
 import pytest
 
-from tests.campaign import DURATION_S, campaign, draw, is_ridden_out
+from aerodrake.cli import main
+from tests.campaign import DURATION_S, campaign, draw, is_ridden_out, judge
 
 SAMPLE, ALL = 2, 500
 
 
-def test_nothing_is_wrong_with_any_flight(long, tmp_path):
-    verdicts = campaign(range(ALL if long else SAMPLE), 2, tmp_path)
+def test_nothing_is_wrong_with_any_flight(long, tmp_path, capfd):
+    def run(arguments):
+        code = main(arguments)
+        return code, capfd.readouterr().err
+
+    if long:
+        verdicts = campaign(range(ALL), 2, tmp_path)
+    else:
+        verdicts = [judge(seed, tmp_path, run) for seed in range(SAMPLE)]
     assert not [verdict for verdict in verdicts if verdict.wrong]
 
 

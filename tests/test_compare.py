@@ -1,8 +1,7 @@
-"""Variants of a scenario, and what a comparison leaves behind."""
+"""Variants of a scenario, and how they are flown."""
 
 import dataclasses
 import json
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,12 +9,14 @@ import pytest
 
 from aerodrake import compare as module
 from aerodrake.cli import main
-from aerodrake.compare import OWN_VARIANT, VARIANTS, compare, make_variants, notes
+from aerodrake.compare import OWN_VARIANT, compare, make_variants, notes
 from aerodrake.errors import BadInput
 from aerodrake.flight_log import FlightLog
 from aerodrake.scenario import Model, Scenario
 from aerodrake.scenario_file import load_scenario
 from aerodrake.schema import as_mapping
+from aerodrake.summary import repeatable
+from tests.in_this_process import in_this_process
 
 SHORT = [("--set", "duration=0.3"), ("--set", "settle_s=0.1")]
 
@@ -104,24 +105,19 @@ def test_baseline_weights_of_another_arm_are_named(paper):
         make_variants(wrong)
 
 
-# Flown, in processes.
+# Flown.
 
 
 @pytest.fixture(scope="module")
 def flown(tmp_path_factory):
-    """(scenario, folder, summaries) of all variants, 0.3 s each."""
+    """(scenario, folder, summaries) of some variants, 0.3 s each."""
     scenario = load_scenario("clover_paper", SHORT)
     folder = tmp_path_factory.mktemp("comparison")
     names = ("modified", "clik", "fixed_weights")
     variants = {name: make_variants(scenario)[name] for name in names}
-    return scenario, folder, compare(variants, folder, jobs=2)
-
-
-def repeatable(figures: dict) -> dict:
-    """A summary without its wall times."""
-    mpc = {k: v for k, v in figures["mpc"].items() if k not in ("median_ms", "p99_ms", "overruns")}
-    rest = {k: v for k, v in figures.items() if k not in ("wall_s", "real_time_factor")}
-    return rest | {"mpc": mpc}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "run_parallel", in_this_process)
+        return scenario, folder, compare(variants, folder, jobs=2)
 
 
 def test_each_variant_has_the_folder_of_a_run(flown):
@@ -135,6 +131,7 @@ def test_each_variant_has_the_folder_of_a_run(flown):
         assert (folder / name / "tracking.png").exists()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_variant_flies_again_by_itself(flown, tmp_path):
     _, folder, summaries = flown
     scenario, out = folder / "clik" / "scenario.yaml", tmp_path / "again"
@@ -169,15 +166,6 @@ def test_a_variant_that_raises_or_dies_is_a_row_and_no_folder(monkeypatch, tmp_p
     assert [path.name for path in tmp_path.iterdir()] == ["integral"]
 
 
-def in_this_process(function, items, jobs):
-    """As `run_parallel`, last first."""
-    for index in reversed(range(len(items))):
-        try:
-            yield index, function(items[index])
-        except Exception as error:
-            yield index, error
-
-
 def fail_or_lose(flight):
     _, folder = flight
     folder.mkdir()
@@ -186,142 +174,3 @@ def fail_or_lose(flight):
     if folder.name == "modified":
         raise MemoryError
     return {"exit_reason": "lost", "exit_cause": "tilt"}
-
-
-# The command.
-
-
-def test_the_command(tmp_path, monkeypatch, capfd):
-    """Writes and says what it should, twice the same."""
-    two = {name: VARIANTS[name] for name in ("integral", "modified+online")}
-    monkeypatch.setattr(module, "VARIANTS", two)
-    settings = [word for pair in SHORT for word in pair] + ["--set", "residual.checkpoint=''"]
-    command = ["compare", "clover_paper", *settings, "--jobs", "2"]
-    assert main([*command, "--out", str(tmp_path / "a")]) == 0
-    said, progress = capfd.readouterr()
-    assert "note: residual.checkpoint names no network" in said
-    assert re.search(r"^integral +\d", said, re.MULTILINE)
-    assert re.search(r"^modified\+online +\d.* -?\+?\d+\.\d %.* completed$", said, re.MULTILINE)
-    assert re.search(r"^paper: proposed +12.20|^paper: proposed", said, re.MULTILINE)
-    assert "2/2" in progress
-    written = sorted(path.name for path in (tmp_path / "a").iterdir())
-    assert written == [
-        *("comparison.json", "comparison.png", "integral", "modified+online", "report.html")
-    ]
-
-    def read():
-        comparison = json.loads((tmp_path / "a" / "comparison.json").read_text())
-        assert comparison["scenario"] == "clover_paper" and list(comparison["variants"]) == list(
-            two
-        )
-        figures = {name: repeatable(s) for name, s in comparison["variants"].items()}
-        return figures, (tmp_path / "a" / "comparison.png").read_bytes()
-
-    first = read()
-    monkeypatch.setattr(module, "run_parallel", in_this_process)
-    assert main([*command, "--quiet", "--out", str(tmp_path / "a")]) == 0
-    assert capfd.readouterr() == ("", "")
-    assert read() == first
-
-
-def test_variants_that_are_not_asked_for_are_not_flown(tmp_path, monkeypatch, capsys):
-    """Not even the scenario's own, and none of them need be fit to be flown."""
-    monkeypatch.setattr(module, "run_parallel", in_this_process)
-    flown = ["--variant", "fixed_weights", "--variant", "integral", "--variant", "integral"]
-    settings = ["--set", "duration=0.1", "--set", "settle_s=0", "--set", "allocation.k_m=0"]
-    out = tmp_path / "out"
-    assert main(["compare", "hover", *settings, *flown, "--out", str(out)]) == 0
-    said = capsys.readouterr().out
-    assert re.search(r"^integral +0.00", said, re.MULTILINE) and "modified " not in said
-    variants = json.loads((out / "comparison.json").read_text())["variants"]
-    assert list(variants) == ["integral", "fixed_weights"]
-    assert sorted(path.name for path in out.iterdir()) == [
-        *("comparison.json", "comparison.png", "fixed_weights", "integral", "report.html")
-    ]
-
-
-def test_lost_is_an_ending(tmp_path, monkeypatch, capsys):
-    """Rotors that do not carry it: it falls, in every variant."""
-    monkeypatch.setattr(module, "VARIANTS", {"modified": VARIANTS["modified"]})
-    monkeypatch.setattr(module, "run_parallel", in_this_process)
-    weak = ["--set", "vehicle.rotor.max_thrust_n=2", "--set", "vehicle.base_position_m=[0, 0, 9]"]
-    fall = [*weak, "--set", "duration=1", "--set", "settle_s=0"]
-    assert main(["compare", "hover", *fall, "--out", str(tmp_path / "out")]) == 0
-    said = capsys.readouterr().out
-    assert re.search(r"^modified +\d.*  lost: .+ at 0\.\d+ s$", said, re.MULTILINE)
-
-
-def test_failed_is_none(tmp_path, monkeypatch, capsys):
-    """It is shown, and the others are there."""
-    fly = module._fly
-
-    def fail_one(flight):
-        if flight[1].name == "clik":
-            raise RuntimeError("out of luck")
-        return fly(flight)
-
-    monkeypatch.setattr(module, "VARIANTS", {n: VARIANTS[n] for n in ("modified", "clik")})
-    monkeypatch.setattr(module, "run_parallel", in_this_process)
-    monkeypatch.setattr(module, "_fly", fail_one)
-    out = tmp_path / "out"
-    command = ["compare", "hover", "--set", "duration=0.1", "--set", "settle_s=0"]
-    assert main([*command, "--out", str(out)]) == 1
-    said = capsys.readouterr().out
-    assert re.search(r"^clik +failed: RuntimeError: out of luck$", said, re.MULTILINE)
-    assert re.search(r"^modified +0.00 .* completed$", said, re.MULTILINE)
-    variants = json.loads((out / "comparison.json").read_text())["variants"]
-    assert variants["clik"] == {"exit_reason": "failed", "exit_cause": "RuntimeError: out of luck"}
-    assert variants["modified"]["exit_reason"] == "completed"
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["clovr"], "did you mean 'clover'?"),
-        (["hover", "--variant", "clic"], "--variant: no such variant 'clic'; did you mean 'clik'?"),
-        (["hover", "--margins", "--variant", "clic"], "did you mean 'clik'?"),
-        (["hover", "--set", "controler=clik"], "--set: controler: unknown key"),
-        (["hover", "--set", "controller=pid"], "controller: unknown value 'pid'"),
-        (["hover", "--set", "allocation.kind=none"], "allocation.kind: unknown value"),
-        (["hover", "--set", "allocation.fixed_gamma=2"], "allocation.fixed_gamma: expected a num"),
-        (["hover", "--set", "clik.damping=0"], "clik.damping: expected a number in [0.0001, 10]"),
-        (["hover", "--set", "baseline.w_4=[1]"], "baseline.w_4: expected a list of 3 numbers"),
-        (["hover", "--set", "baseline.w_2_joints=[]"], "baseline.w_2_joints: expected 1 value"),
-        (
-            ["hover", "--set", "allocation.k_m=0"],
-            "hover.yaml --set allocation.k_m=0 as clik: alloc",
-        ),
-        (["hover", "--set", "residual.checkpoint=none.pt"], "none.pt: "),
-        (["hover", "--set", "vehicle.robot=none.urdf"], "none.urdf: "),
-        (["hover", "--out", "file"], "--out: expected a folder"),
-        (["hover", "--out", "mine"], "mine holds files that are not of an earlier run"),
-    ],
-)
-def test_bad_input_is_one_line_and_nothing_is_written(options, said, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(module, "run_parallel", lambda *_: pytest.fail("flown"))
-    (tmp_path / "file").write_text("precious")
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "comparison.json").write_text("precious")
-    assert main(["compare", *options]) == 2
-    out, error = capsys.readouterr()
-    assert out == "" or out.startswith("note: ")
-    assert said in error and len(error.splitlines()) == 1
-    assert sorted(path.name for path in tmp_path.rglob("*")) == ["comparison.json", "file", "mine"]
-
-
-@pytest.mark.parametrize("jobs", ["0", "-1", "x", "1.5", "1e9"])
-def test_jobs_are_counted_from_one(jobs, capsys):
-    with pytest.raises(SystemExit, match="2"):
-        main(["compare", "hover", "--jobs", jobs])
-    assert "--jobs: expected a whole number in [1, 1000]" in capsys.readouterr().err
-
-
-def test_an_interrupted_comparison_leaves_nothing(tmp_path, monkeypatch, capsys):
-    def interrupt(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(module, "run_parallel", interrupt)
-    assert main(["compare", "hover", "--quiet", "--out", str(tmp_path / "out")]) == 130
-    assert list(tmp_path.iterdir()) == []
-    assert capsys.readouterr().err == "aerodrake: interrupted\n"

@@ -1,9 +1,9 @@
 """README and the guides say what is so: their blocks run, their links lead somewhere.
 
 A page's blocks run from top to bottom, as a reader would, in a folder that has
-`diagrams/`. Flights are cut to tenths of a second, and commands that take minutes are only
-checked: their options exist, their scenarios and keys are valid. `pytest --long` runs
-all of them as they stand, but for those that need another process beside them.
+`diagrams/`. Flights are cut to tenths of a second and draw nothing, and commands that take
+minutes are only checked: their options exist, their scenarios and keys are valid. `pytest
+--long` runs all of them as they stand, but for those that need another process beside them.
 """
 
 import re
@@ -55,7 +55,9 @@ def test_there_is_something_to_check():
 
 
 @pages
-def test_every_block_runs(page, tmp_path, monkeypatch, long):
+def test_every_block_runs(page, tmp_path, monkeypatch, long, request):
+    if not long:
+        request.getfixturevalue("undrawn")
     shutil.copytree(ROOT / "diagrams", tmp_path / "diagrams")
     monkeypatch.chdir(tmp_path)
     if not long:  # Of a training that is not run here.

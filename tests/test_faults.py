@@ -21,7 +21,7 @@ from aerodrake.simulate import Flight
 
 PAGE = (Path(__file__).parents[1] / "diagrams" / "faults.md").read_text()
 SETTLE_S = 0.5
-RECOVERY_S, LANDING_S = 4.0, 14.0
+RECOVERY_S, LANDING_S = 3.0, 14.0
 """Flown after a fault is over; and where there is a landing."""
 
 HELD_WITHIN_M = 0.005

@@ -1,26 +1,26 @@
 """A disk that is full, at any file: one line, exit code 2, and earlier results as they were."""
 
 import resource
-import subprocess
-import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-ARGV = ["run", "hover", "--set", "settle_s=0", "--duration", "0.2", "--quiet", "--out", "results"]
+from aerodrake.cli import main
+
+ARGV = ["run", "hover", "--set", "settle_s=0", "--duration", "0.2", "--quiet", "--out"]
 
 
-def run(folder: Path, most_bytes: int | None = None) -> subprocess.CompletedProcess:
-    """With files that can grow no longer than that, as on a disk without room."""
-
-    def limit() -> None:
-        if most_bytes is not None:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
-
-    command = [sys.executable, "-m", "aerodrake", *ARGV]
-    return subprocess.run(
-        command, cwd=folder, preexec_fn=limit, capture_output=True, text=True, timeout=600
-    )
+@contextmanager
+def room_for(most_bytes: int) -> Iterator[None]:
+    """Files can grow no longer than that, as on a disk without room."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def content(folder: Path) -> dict[str, bytes]:
@@ -30,7 +30,7 @@ def content(folder: Path) -> dict[str, bytes]:
 @pytest.fixture(scope="module")
 def flown(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("flown")
-    assert run(folder).returncode == 0
+    assert main([*ARGV, str(folder / "results")]) == 0
     return folder
 
 
@@ -39,10 +39,11 @@ def flown(tmp_path_factory) -> Path:
     [(1000, "during the flight"), (100_000, "results"), (1_000_000, "results")],
     ids=["recording", "plot", "replay"],
 )
-def test_earlier_results_stay(flown, most_bytes, what):
+def test_earlier_results_stay(flown, most_bytes, what, capsys):
     before = content(flown)
-    done = run(flown, most_bytes)
-    assert done.returncode == 2 and done.stdout == ""
-    assert len(done.stderr.splitlines()) == 1 and "File too large" in done.stderr
-    assert what in done.stderr
+    with room_for(most_bytes):
+        assert main([*ARGV, str(flown / "results")]) == 2
+    said, error = capsys.readouterr()
+    assert said == "" and len(error.splitlines()) == 1
+    assert "File too large" in error and what in error
     assert content(flown) == before and [p.name for p in flown.iterdir()] == ["results"]

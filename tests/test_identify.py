@@ -28,17 +28,9 @@ from aerodrake.processes import run_parallel
 from aerodrake.scenario import Flight, Model, Rates, Scenario
 from aerodrake.scenario_file import load_scenario
 from aerodrake.world import Sensors
+from tests.in_this_process import in_this_process
 
 TRUE_K_B = (2.0, 3.0, 4.0)
-
-
-def in_this_process(function, items, jobs):
-    """In the place of `run_parallel`, last item first."""
-    for i, item in reversed([*enumerate(items)]):
-        try:
-            yield i, function(item)
-        except BadInput as error:
-            yield i, error
 
 
 def first_order(manoeuvre: Manoeuvre) -> Record:

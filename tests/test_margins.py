@@ -207,6 +207,7 @@ FILES = [
 ]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_command(short, tmp_path, capfd):
     out = tmp_path / "out"
     assert main([*short, "--out", str(out)]) == 0
@@ -231,6 +232,7 @@ def test_the_command(short, tmp_path, capfd):
         assert [row[0] for row in found["payload_kg"]["flown"]] == [0.0, 1.9, 2.0]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_flights_that_fail_are_told_and_lost_ones_are_an_ending(
     short, tmp_path, monkeypatch, capsys
 ):
@@ -255,6 +257,7 @@ def test_flights_that_fail_are_told_and_lost_ones_are_an_ending(
     }
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_interrupt_leaves_what_was_there(short, tmp_path, monkeypatch, capsys):
     def interrupt(*_):
         raise KeyboardInterrupt

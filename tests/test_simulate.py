@@ -209,9 +209,14 @@ def test_an_interrupt_while_samples_are_moved_neither_loses_nor_doubles_any(
 
 
 def test_a_flight_without_network_needs_no_torch():
-    """Nor do its figures and its replay: torch takes a second to import."""
+    """Nor do its figures and its replay: torch takes a second to import.
+
+    Processes of sweeps and trainings do without figures, too.
+    """
     code = (
         "import sys; from aerodrake.scenario import Scenario\n"
+        "import aerodrake.sweep.trial, aerodrake.learning.collection\n"
+        "assert not {'torch', 'matplotlib'} & set(sys.modules)\n"
         "from aerodrake.simulate import Flight\n"
         "import aerodrake.flight_folder, aerodrake.reports.replay\n"
         "Flight(Scenario(settle_s=0, duration=0.02)).fly(); assert 'torch' not in sys.modules"

@@ -1,6 +1,7 @@
 """Station and coordinator as processes, over a wire of their own. No test looks at the clock."""
 
 import json
+import os
 import re
 import signal
 import socket
@@ -9,6 +10,7 @@ import sys
 import time
 
 import pytest
+import tqdm
 
 from aerodrake.cli import main
 
@@ -187,13 +189,22 @@ def test_an_interrupted_coordinator_says_what_it_did(start, url, tmp_path):
 
 
 @pytest.mark.parametrize("command", ["run", "coordinator"])
-def test_who_waits_can_be_interrupted(start, url, tmp_path, command):
-    process = start(command, *SHORT, "--lcm", url)
-    waits(process)
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=300)
-    assert process.returncode == 130
-    assert b"Traceback" not in errors and b"aerodrake: interrupted" in errors
+def test_who_waits_can_be_interrupted(url, tmp_path, monkeypatch, capsys, command):
+    """In this process, the third time that it looks up: else it would wait for ever."""
+    monkeypatch.chdir(tmp_path)
+    looks = []
+
+    def update(bar, step):
+        looks.append(step)
+        if len(looks) == 3:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(tqdm.tqdm, "update", update)
+    assert main([command, *SHORT, "--lcm", url]) == 130
+    said, errors = capsys.readouterr()
+    assert "waits" in said and looks == [0.0, 0.0, 0.0]
+    assert "Traceback" not in errors and "aerodrake: interrupted" in errors
+    assert not list(tmp_path.rglob("*.*"))
 
 
 @pytest.mark.parametrize("command", ["run", "coordinator"])

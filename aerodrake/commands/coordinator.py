@@ -41,8 +41,8 @@ def main(arguments: argparse.Namespace) -> int:
     say(f"note: waits for a station at {arguments.lcm}")
     try:
         with (
-            frozen_garbage(),
             held_interrupts() as check,
+            frozen_garbage(),
             tqdm(
                 total=scenario.settle_s + scenario.duration,
                 desc=scenario.name,

@@ -96,8 +96,8 @@ def main(arguments: argparse.Namespace) -> int:
             say(f"note: waits in trim for a coordinator at {arguments.lcm}")
         with (
             view or nullcontext(),
-            frozen_garbage() if link else nullcontext(),
             held_interrupts() as check,
+            frozen_garbage() if link else nullcontext(),
             run_folder(target) as folder,
             tqdm(
                 total=scenario.settle_s + scenario.duration,

@@ -15,8 +15,7 @@ from aerodrake.learning.dataset import load_samples, save_samples
 from aerodrake.learning.stages import Stage, fly_stage
 from aerodrake.model.equivalent_model import EquivalentModel
 from aerodrake.model.residual_features import feature_names
-from aerodrake.model.residual_samples import residual_samples
-from aerodrake.model.training import Flight
+from aerodrake.model.residual_samples import Samples, residual_samples
 from aerodrake.processes import run_parallel
 from aerodrake.scenario import Scenario
 from aerodrake.schema import as_mapping
@@ -32,7 +31,7 @@ def collect(
     folder: Path,
     jobs: int,
     progress: Callable[[Stage], None] = lambda stage: None,
-) -> dict[str, Flight]:
+) -> dict[str, Samples]:
     """The samples of all stages, by name: read where there is a file, else flown.
 
     A stage's file is named after the stage and a hash of all that determines it,
@@ -51,7 +50,7 @@ def collect(
             stage cannot be flown.
         ProcessDied: if the process of a stage did; stages flown before stay.
     """
-    flights: dict[str, Flight] = {}
+    flights: dict[str, Samples] = {}
     files = {stage.name: describe(scenario, stage) for stage in stages}
     missing = []
     for stage in stages:
@@ -105,7 +104,7 @@ def place(folder: Path, metadata: dict[str, Any]) -> Path:
     return folder / f"{metadata['stage']['name']}-{digest(metadata)}.npz"
 
 
-def _fly(scenario: Scenario, model: EquivalentModel, stage: Stage) -> Flight:
+def _fly(scenario: Scenario, model: EquivalentModel, stage: Stage) -> Samples:
     flown = fly_stage(scenario, stage)
     return residual_samples(
         model,

@@ -11,7 +11,7 @@ import numpy as np
 
 from aerodrake.errors import BadInput
 from aerodrake.files import is_stored_zip, read_bounded, write_whole
-from aerodrake.model.training import Flight
+from aerodrake.model.residual_samples import Samples
 
 MAX_BYTES = 100_000_000
 """No dataset is larger: a guard against hostile files."""
@@ -19,7 +19,7 @@ MAX_BYTES = 100_000_000
 ARRAYS = ("features", "targets")
 
 
-def save_samples(path: Path, samples: Flight, metadata: dict[str, Any]) -> None:
+def save_samples(path: Path, samples: Samples, metadata: dict[str, Any]) -> None:
     """Writes a dataset: all of it, or nothing.
 
     Args:
@@ -36,7 +36,7 @@ def save_samples(path: Path, samples: Flight, metadata: dict[str, Any]) -> None:
     write_whole(path, content.getvalue())
 
 
-def load_samples(path: Path, metadata: dict[str, Any], size: tuple[int, int]) -> Flight:
+def load_samples(path: Path, metadata: dict[str, Any], size: tuple[int, int]) -> Samples:
     """Reads a dataset that `save_samples` wrote, without running any code in it.
 
     Args:

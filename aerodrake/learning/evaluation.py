@@ -13,7 +13,7 @@ from aerodrake.learning.stages import Stage
 from aerodrake.model.linear_residual import LinearResidual
 from aerodrake.model.online_learner import OnlineLearner
 from aerodrake.model.residual_network import ResidualNetwork
-from aerodrake.model.training import Flight
+from aerodrake.model.residual_samples import Samples
 from aerodrake.scenario import Residual
 
 METHODS = ("none", "offline", "online", "linear", "ridge")
@@ -83,7 +83,7 @@ class Evaluation:
 
 def evaluate(
     stages: Sequence[Stage],
-    flights: Mapping[str, Flight],
+    flights: Mapping[str, Samples],
     network: ResidualNetwork,
     gain: np.ndarray,
     residual: Residual,

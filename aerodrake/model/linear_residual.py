@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aerodrake.model.training import Flight
+from aerodrake.model.residual_samples import Samples
 
 ALPHAS = tuple(10.0 ** np.arange(-6, 2))
 """Ridge penalties that are tried, for standardised features."""
@@ -29,7 +29,7 @@ class LinearResidual:
     alpha: float
 
     @classmethod
-    def fit(cls, flights: Sequence[Flight], alpha: float) -> LinearResidual:
+    def fit(cls, flights: Sequence[Samples], alpha: float) -> LinearResidual:
         """Minimises mean squared error + alpha |coefficients|^2, the intercept left free.
 
         Args:
@@ -48,7 +48,7 @@ class LinearResidual:
         return cls(mean, scale, np.column_stack([slope.T, targets.mean(axis=0)]), alpha)
 
     @classmethod
-    def fit_ridge(cls, flights: Sequence[Flight], validation: Sequence[Flight]) -> LinearResidual:
+    def fit_ridge(cls, flights: Sequence[Samples], validation: Sequence[Samples]) -> LinearResidual:
         """The fit whose penalty, of `ALPHAS`, errs least on the validation flights."""
         fits = [cls.fit(flights, alpha) for alpha in ALPHAS]
         return min(

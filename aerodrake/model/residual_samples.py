@@ -9,6 +9,9 @@ from aerodrake.model.initial_state import Thrust
 from aerodrake.model.residual_features import feature_names, features
 from aerodrake.model.vehicle_state import VehicleState
 
+Samples = tuple[np.ndarray, np.ndarray]
+"""(T, 12 + 3 n) features and (T, 3) m/s targets of one flight."""
+
 
 def residual_samples(
     model: EquivalentModel,
@@ -18,7 +21,7 @@ def residual_samples(
     specific_thrust: np.ndarray,
     external_acceleration: np.ndarray,
     disturbance: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> Samples:
     """What the residual estimator would have seen, at the ticks k = 1 ... T-2.
 
     The features of the sample k are those of the state measured at t_k and of

@@ -11,9 +11,7 @@ import numpy as np
 import torch
 
 from aerodrake.model.residual_network import FeatureScaler, ResidualNetwork
-
-Flight = tuple[np.ndarray, np.ndarray]
-"""(T, 12 + 3 n) features and (T, 3) m/s targets of one flight, as `residual_samples` has them."""
+from aerodrake.model.residual_samples import Samples
 
 RMS_FLOOR = 1e-3
 """m/s: flights whose residual is smaller than this count as if it were this large."""
@@ -68,8 +66,8 @@ class Trained:
 
 
 def train(
-    flights: Sequence[Flight],
-    validation: Sequence[Flight],
+    flights: Sequence[Samples],
+    validation: Sequence[Samples],
     gain: np.ndarray,
     joints: int,
     seed: int,
@@ -140,7 +138,7 @@ def train(
 
 
 def _stack(
-    flights: Sequence[Flight], gain: np.ndarray
+    flights: Sequence[Samples], gain: np.ndarray
 ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
     """Features, Delta and weights (T, 1) of all flights; the weights' mean square Delta is 1."""
     weights = []

@@ -16,8 +16,8 @@ from contextlib import contextmanager
 from threading import Thread
 from typing import Any
 
-from aerodrake.compare import failure
 from aerodrake.errors import ProcessDied
+from aerodrake.summary import failure
 from aerodrake.sweep.child import NeverBegan, apart, end_children
 from aerodrake.sweep.folder import SweepFolder
 from aerodrake.sweep.trial import Trial, fly_trial

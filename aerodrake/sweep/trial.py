@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from aerodrake.compare import failure
 from aerodrake.errors import BadInput, ScenarioError
 from aerodrake.scenario import Scenario
 from aerodrake.scenario_file import override
 from aerodrake.scenario_yaml import dump_line
 from aerodrake.simulate import Flight
-from aerodrake.summary import repeatable, summarize
+from aerodrake.summary import failure, repeatable, summarize
 from aerodrake.threads import single_thread
 
 FAILURES = ("failed", "refused")

@@ -14,6 +14,7 @@ from aerodrake.model.checkpoint import load
 from aerodrake.model.training import Training
 from aerodrake.scenario import Model
 from aerodrake.scenario_file import load_scenario
+from tests.in_this_process import in_this_process
 
 STAGES = [
     Stage("one", "training", 3.0, 5.0, 0.0, circle(0.1, 0.1, 0.3), turn_s=6.0),
@@ -138,13 +139,16 @@ def test_the_integral_model_has_no_residual(tmp_path, scenario):
         train(tmp_path, integral)
 
 
-def test_a_stage_that_cannot_be_flown_is_named_and_those_flown_are_kept(tmp_path, scenario):
+def test_a_stage_that_cannot_be_flown_is_named_and_those_flown_are_kept(
+    tmp_path, scenario, monkeypatch
+):
+    monkeypatch.setattr(collection, "run_parallel", in_this_process)
     wild = dataclasses.replace(STAGES[0], name="wild", lap_s=0.3)
     with pytest.raises(BadInput, match="stage wild could not be flown: the joints' limits"):
-        train(tmp_path, scenario, [*STAGES[:1], wild])
-    for path in (tmp_path / "stages").iterdir():
-        with np.load(path) as file:
-            assert set(file.files) == {"features", "targets", "metadata"}
+        train(tmp_path, scenario, [wild, *STAGES[:1]])
+    (path,) = (tmp_path / "stages").iterdir()
+    with np.load(path) as file:
+        assert set(file.files) == {"features", "targets", "metadata"}
 
 
 def test_samples_that_cannot_be_fitted_leave_the_network_that_was_there(

@@ -1,6 +1,5 @@
-"""The state filter's equations: gains, errors as predicted, lateness, rotations, disturbances."""
+"""The state filter's observer: gains, errors as predicted, rotations, disturbances."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -12,63 +11,17 @@ from scipy.interpolate import PPoly
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from aerodrake.model.sample import GROUPS, group_columns
-from aerodrake.model.sample_check import SampleCheck, Verdict
 from aerodrake.model.state_filter import (
-    ARM_DECAY_S,
-    JOINT_WALK_RAD,
     StateFilter,
-    arm_follows,
-    correct_joints,
-    correct_motion,
-    correct_rotation,
     follow,
-    initial_memory,
-    passed,
-    update,
 )
 from aerodrake.model.vehicle_state import VehicleState
 from aerodrake.scenario import Filter
-from aerodrake.world import Sensors
-
-DT = 0.01
-JOINTS = 6
-CONFIG = Filter(
-    position_noise_m=0.002,
-    velocity_noise_m_s=0.05,
-    attitude_noise_rad=0.004,
-    rate_noise_rad_s=0.02,
-    disturbance_m_s3=40.0,
-    disturbance_rad_s3=7.0,
-)
-"""Of noise and disturbances that make a fast filter, so that few samples tell much."""
+from tests.estimates import CONFIG, DT, correct, estimate, rest, state_of
 
 small = arrays(float, 3, elements=st.floats(-1, 1))
 vector = arrays(float, 3, elements=st.floats(-10, 10))
 rotation = arrays(float, 4, elements=st.floats(-1, 1)).filter(lambda q: np.linalg.norm(q) > 0.1)
-
-
-def rest(**parts: np.ndarray) -> VehicleState:
-    """At the origin and upright, but for `parts`."""
-    zero = VehicleState.from_vector(np.zeros(VehicleState.size(JOINTS)))
-    return replace(zero, **{"quaternion": np.array([1.0, 0, 0, 0]), **parts})
-
-
-def estimate(d=(0, 0, 0), delta=(0, 0, 0), **parts: np.ndarray) -> np.ndarray:
-    """(19 + 2 n,)"""
-    return np.concatenate([d, delta, rest(**parts).to_vector()])
-
-
-def correct(gains: StateFilter, predicted: np.ndarray, sample: np.ndarray) -> np.ndarray:
-    """(19 + 2 n,) the estimate at a sample's own time, with all groups taken in."""
-    found = predicted.copy()
-    for group in (correct_motion, correct_rotation, correct_joints):
-        group(gains, found, sample)
-    return found
-
-
-def state_of(estimate: np.ndarray) -> VehicleState:
-    return VehicleState.from_vector(estimate[6:])
 
 
 def quaternion(turn: Rotation) -> np.ndarray:
@@ -169,11 +122,6 @@ def test_known_accelerations_make_up_for_lateness_exactly(start, d, held):
     np.testing.assert_array_equal(now[:3], d)
 
 
-@pytest.mark.parametrize(("delay_s", "steps"), [(0.0, 0), (0.01, 1), (0.03, 3), (0.07, 7)])
-def test_lateness_is_counted_in_samples(delay_s, steps):
-    assert StateFilter.make(Filter(delay_s=delay_s), DT).steps == steps
-
-
 @given(attitude=rotation, axis=rotation, motion=arrays(float, 3, elements=st.floats(-30, 30)))
 def test_rotation_about_an_axis_that_stays_is_composed_exactly(attitude, axis, motion):
     """Of any attitude, unit quaternion or not, through any angle, speeding up as is known."""
@@ -263,103 +211,3 @@ def test_a_step_of_the_disturbances_is_followed_without_bias(config):
     np.testing.assert_allclose(state_of(now).p_B, sample.p_B, rtol=1e-8)
     np.testing.assert_allclose(state_of(now).v_B, sample.v_B, rtol=1e-7)
     np.testing.assert_allclose(turn_of(state_of(now)).as_matrix(), sample.R_B, atol=1e-8)
-
-
-def test_joints_follow_their_scalar_kalman_filter():
-    """From q' = (measured rates' mean) + noise: the gain where its own recursion ends."""
-    config = Filter(joint_noise_rad=0.003)
-    P = 1.0
-    for _ in range(1000):
-        P += JOINT_WALK_RAD**2
-        K = P / (P + config.joint_noise_rad**2)
-        P *= 1 - K
-    q, rate, new_rate, measured = np.random.default_rng(1).normal(size=(4, JOINTS))
-    sample = rest(q=measured, qdot=new_rate).to_vector()
-    found = correct(StateFilter.make(config, DT), estimate(q=q, qdot=rate), sample)
-    predicted = q + DT * (rate + new_rate) / 2
-    np.testing.assert_allclose(state_of(found).q, (1 - K) * predicted + K * measured, rtol=1e-10)
-    np.testing.assert_array_equal(state_of(found).qdot, new_rate)
-
-
-def test_joints_that_speed_up_steadily_are_followed_exactly():
-    gains = StateFilter.make(Filter(), DT)
-    start, speed_up = np.linspace(-1, 1, JOINTS), np.linspace(5, -3, JOINTS)
-    now = estimate(q=start)
-    for k in range(1, 51):
-        t = k * DT
-        sample = rest(q=start + speed_up * t**2 / 2, qdot=speed_up * t)
-        now = correct(gains, follow(gains, now, np.zeros(6)), sample.to_vector())
-    np.testing.assert_allclose(state_of(now).q, sample.q, atol=1e-12)
-
-
-@pytest.mark.parametrize("steps", [0, 1, 3])
-def test_a_late_sample_corrects_the_estimate_of_its_own_time(steps):
-    """All samples and accelerations at hand, the filter is run from the start each time."""
-    random = np.random.default_rng(2)
-    gains = StateFilter.make(replace(CONFIG, delay_s=steps * DT), DT)
-    bounds = SampleCheck.make(CONFIG, Sensors(), DT)
-    rows = 12
-    accelerations = random.normal(size=(rows + steps, 6))
-    accelerations[:steps] = accelerations[0]
-    start = rest(q=np.ones(JOINTS)).to_vector()
-    samples = start + 0.003 * random.normal(size=(rows, len(start)))
-    memory = initial_memory(gains, start, accelerations[0])
-    first = np.concatenate([-accelerations[0], start])
-    for k in range(rows):
-        memory, now, health = update(
-            gains,
-            bounds,
-            memory,
-            accelerations[steps + k],
-            samples[k],
-            np.full(3, k * DT),
-            np.zeros(3 * JOINTS),
-        )
-        np.testing.assert_array_equal(health, 0)
-        expected = first
-        for a, sample in zip(accelerations[: k + 1], samples[: k + 1], strict=False):
-            expected = correct(gains, follow(gains, expected, a), sample)
-        for a in accelerations[k + 1 : k + 1 + steps]:
-            expected = follow(gains, expected, a)
-        np.testing.assert_array_equal(now, expected)
-
-
-@pytest.mark.parametrize("wrong", [np.nan, np.inf])
-@pytest.mark.parametrize("group", GROUPS)
-def test_what_is_not_believed_is_predicted_and_the_rest_corrected(group, wrong):
-    gains = StateFilter.make(CONFIG, DT)
-    bounds = SampleCheck.make(CONFIG, Sensors(), DT)
-    a, start = np.arange(6.0), rest(q=np.ones(JOINTS)).to_vector()
-    memory = initial_memory(gains, start, np.zeros(6))
-    setpoint = np.linspace(0.9, 1.1, 3 * JOINTS)
-    sample, stamps = start + 1e-3, np.zeros(3)
-    _, well, health = update(gains, bounds, memory, a, sample, stamps, setpoint)
-    np.testing.assert_array_equal(health, 0)
-    columns = group_columns(group, JOINTS)
-    broken = sample.copy()
-    broken[columns[-1]] = wrong
-    _, found, health = update(gains, bounds, memory, a, broken, stamps, setpoint)
-    expected = arm_follows(gains, follow(gains, np.append(np.zeros(6), start), a), setpoint)
-    struck = np.isin(np.arange(len(start)), columns)
-    np.testing.assert_array_equal(found[6:][struck], expected[6:][struck])
-    np.testing.assert_array_equal(found[6:][~struck], well[6:][~struck])
-    assert list(health) == [
-        *[DT * (g == group) for g in GROUPS],
-        *[float(Verdict.NOT_FINITE) * (g == group) for g in GROUPS],
-    ]
-    shown = passed(broken, found[6:], health)
-    np.testing.assert_array_equal(shown[struck], expected[6:][struck])
-    np.testing.assert_array_equal(shown[~struck], broken[~struck])
-
-
-@given(q=arrays(float, JOINTS, elements=st.floats(-3, 3)), times=st.integers(1, 100))
-def test_an_arm_without_samples_comes_to_its_setpoints(q, times):
-    """Which speed up steadily: as exp(-t / ARM_DECAY_S), in rates too."""
-    gains, a = StateFilter.make(CONFIG, DT), np.linspace(-2, 2, JOINTS)
-    now = estimate(q=q, qdot=np.ones(JOINTS))
-    for k in range(1, times + 1):
-        t = k * DT
-        now = arm_follows(gains, now, np.concatenate([a * t**2 / 2, a * t, a]))
-    left = np.exp(-t / ARM_DECAY_S)
-    np.testing.assert_allclose(state_of(now).q, a * t**2 / 2 + left * q, atol=1e-12)
-    np.testing.assert_allclose(state_of(now).qdot, a * t + left, atol=1e-12)

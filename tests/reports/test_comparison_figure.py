@@ -7,8 +7,8 @@ import pytest
 from matplotlib import pyplot as plt
 
 from aerodrake.compare import VARIANTS
-from aerodrake.flight_log import FlightLog
 from aerodrake.reports.comparison_figure import plot_comparison
+from tests.flights import lost_early
 
 
 def draw(short_flight, path: Path, logs=None) -> np.ndarray:
@@ -21,12 +21,11 @@ def draw(short_flight, path: Path, logs=None) -> np.ndarray:
 
 def test_the_figure_shows_every_variant(short_flight, tmp_path):
     _, log = short_flight
-    all_of_them = draw(short_flight, tmp_path / "a.png")
-    draw(short_flight, tmp_path / "again.png")
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "again.png").read_bytes()
-    assert min(all_of_them.shape[:2]) > 1000
     three = ("integral", "clik", "modified+online")
-    one_row = draw(short_flight, tmp_path / "c.png", dict.fromkeys(three, log))
+    one_row = draw(short_flight, tmp_path / "a.png", dict.fromkeys(three, log))
+    draw(short_flight, tmp_path / "again.png", dict.fromkeys(three, log))
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "again.png").read_bytes()
+    assert min(one_row.shape[:2]) > 1000
     for missing in ("clik", "modified+online"):
         others = dict.fromkeys(set(three) - {missing}, log)
         fewer = draw(short_flight, tmp_path / "b.png", others)
@@ -46,10 +45,7 @@ def test_there_is_room_for_all_variants_that_there_are(short_flight, tmp_path):
 def test_flights_that_ended_early_are_drawn(samples, short_flight, tmp_path):
     """Before and just after reference time 0, beside none that failed."""
     _, log = short_flight
-    early = {key: rows[:samples].copy() for key, rows in log.signals.items()}
-    for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
-        early[key][-1] = np.nan
-    lost = FlightLog(early, "lost", "", 1.0)
+    lost = lost_early(log, samples)
     draw(short_flight, tmp_path / "a.png", {"modified+online": lost})
     draw(short_flight, tmp_path / "b.png", {"modified+online": lost, "clik": log})
     draw(short_flight, tmp_path / "c.png", {})

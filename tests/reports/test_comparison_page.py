@@ -1,18 +1,22 @@
 """`report.html` of a comparison, as a person opens it."""
 
-import re
 from dataclasses import replace
 
 import pytest
 
-from aerodrake.compare import failure, make_variants
-from aerodrake.flight_log import FlightLog
+from aerodrake.compare import make_variants
 from aerodrake.margin_search import Outcome, Search
 from aerodrake.margins import DISTURBANCES, Margins
 from aerodrake.reports.comparison_page import Comparison, changes, comparison_page
 from aerodrake.reports.comparison_table import comparison_rows, papers_rows
-from aerodrake.summary import summarize
-from tests.browser import DESKTOP, PHONE, chromium, visit
+from aerodrake.summary import failure, summarize
+from tests.browser import (
+    assert_ids_are_found,
+    assert_no_wider_than_its_window,
+    assert_replay_draws,
+    assert_silent,
+)
+from tests.flights import lost_early
 
 NAMES = ("integral", "modified", "modified+online", "clik")
 NAME, CAUSE = "<b>&amp;", "<script>boom()</script>"
@@ -41,45 +45,16 @@ def path(comparison, tmp_path_factory):
     return file
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as found:
-        yield found
+def test_it_opens_in_silence_and_asks_for_nothing(visited, path, tmp_path):
+    assert_silent(visited, path, tmp_path / "report.png")
 
 
-@pytest.fixture(scope="module")
-def desktop(browser, path):
-    with visit(browser, path, DESKTOP) as visited:
-        yield visited
-
-
-@pytest.fixture(scope="module")
-def phone(browser, path):
-    with visit(browser, path, PHONE, color_scheme="dark") as visited:
-        yield visited
-
-
-@pytest.mark.parametrize("visited", ["desktop", "phone"])
-def test_it_opens_in_silence_and_asks_for_nothing(visited, path, tmp_path, request):
-    visited = request.getfixturevalue(visited)
-    visited.show(visited.page.locator("#replay"))
-    visited.page.screenshot(path=tmp_path / "report.png", full_page=True)
-    assert visited.messages == []
-    assert [url for url in visited.requests if not url.startswith(("data:", "blob:"))] == [
-        path.as_uri()
-    ]
-
-
-@pytest.mark.parametrize("visited", ["desktop", "phone"])
-def test_nothing_is_wider_than_the_page(visited, request):
-    page = request.getfixturevalue(visited).page
-    width = page.viewport_size["width"]
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
+def test_nothing_is_wider_than_the_page(visited):
+    assert_no_wider_than_its_window(visited.page)
 
 
 def test_the_replay_of_the_scenarios_own_variant_draws(desktop):
-    seen = desktop.show(desktop.page.locator("#replay"))
-    assert ((seen[..., 0] > 0.7) & (seen[..., 2] < 0.35)).sum() > 100  # Orange.
+    assert_replay_draws(desktop)
 
 
 def test_its_rows_are_those_of_the_table(desktop, comparison):
@@ -113,10 +88,8 @@ def test_there_is_a_picture_of_each_subject(desktop):
     assert set(NAMES) <= set(paths)
 
 
-def test_ids_are_unique(desktop, path):
-    ids = desktop.page.locator("[id]").evaluate_all("all => all.map(element => element.id)")
-    assert len(ids) == len(set(ids)) > 100
-    assert set(re.findall(r"url\(#([^)]+)\)", path.read_text())) <= set(ids)
+def test_ids_are_unique_and_what_refers_to_them_finds_them(desktop, path):
+    assert_ids_are_found(desktop.page, path)
 
 
 def test_what_a_variant_changes_is_told_by_key(comparison, desktop):
@@ -144,9 +117,5 @@ def test_where_nothing_was_flown_there_is_little_to_be_seen(comparison):
 @pytest.mark.filterwarnings("error")
 def test_flights_that_ended_early_have_one(samples, comparison):
     _, log = next(iter(comparison.logs.items()))
-    early = {key: rows[:samples].copy() for key, rows in log.signals.items()}
-    for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
-        early[key][-1] = float("nan")
-    lost = FlightLog(early, "lost", "", 1.0)
-    logs = comparison.logs | {"modified+online": lost}
+    logs = comparison.logs | {"modified+online": lost_early(log, samples)}
     assert "<figure" in comparison_page(comparison._replace(logs=logs), "", COMMANDS)

@@ -8,16 +8,7 @@ from matplotlib import pyplot as plt
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.reports.flight_figure import plot_tracking
-
-
-def test_the_tools_angle_has_a_panel_where_there_is_one(short_flight, tmp_path):
-    _, log = short_flight
-    heights = []
-    for d in (0 * log["tool_axis"], log["tool_axis"]):
-        pointed = FlightLog({**log.signals, "tool_axis_d": d}, "completed", "", 1.0)
-        plot_tracking(pointed, short_flight[0], "title", tmp_path / "a.png")
-        heights.append(plt.imread(tmp_path / "a.png").shape[0])
-    assert heights[1] > heights[0]
+from tests.flights import lost_early
 
 
 @pytest.fixture(scope="module")
@@ -25,6 +16,14 @@ def figure(short_flight, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("report") / "a.png"
     plot_tracking(short_flight[1], short_flight[0], "title", path)
     return path
+
+
+def test_the_tools_angle_has_a_panel_where_there_is_one(figure, short_flight, tmp_path):
+    scenario, log = short_flight
+    assert log.tool_angle_rad is None
+    pointed = FlightLog({**log.signals, "tool_axis_d": log["tool_axis"]}, "completed", "", 1.0)
+    plot_tracking(pointed, scenario, "title", tmp_path / "a.png")
+    assert plt.imread(tmp_path / "a.png").shape[0] > plt.imread(figure).shape[0]
 
 
 def test_the_same_flight_gives_the_same_bytes(figure, short_flight, tmp_path):
@@ -56,8 +55,5 @@ def test_titles_are_plain_text(title, short_flight, tmp_path):
 def test_flights_that_ended_early_are_drawn(samples, short_flight, tmp_path):
     """Before and just after reference time 0; and to numbers that are none."""
     _, log = short_flight
-    signals = {key: rows[:samples].copy() for key, rows in log.signals.items()}
-    for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
-        signals[key][-1] = np.nan
-    plot_tracking(FlightLog(signals, "lost", "", 1.0), short_flight[0], "early", tmp_path / "a.png")
+    plot_tracking(lost_early(log, samples), short_flight[0], "early", tmp_path / "a.png")
     assert (tmp_path / "a.png").stat().st_size > 10_000

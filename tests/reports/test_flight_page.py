@@ -3,7 +3,6 @@
 import json
 import re
 
-import numpy as np
 import pytest
 import yaml
 
@@ -13,7 +12,13 @@ from aerodrake.reports.flight_page import report_page
 from aerodrake.reports.flight_table import table_rows
 from aerodrake.scenario_file import load_scenario
 from aerodrake.simulate import Flight
-from tests.browser import DESKTOP, PHONE, chromium, visit
+from tests.browser import (
+    assert_ids_are_found,
+    assert_no_wider_than_its_window,
+    assert_replay_draws,
+    assert_silent,
+)
+from tests.flights import lost_early
 
 NAME = "<img src=x onerror=boom()> & \"'{{ 7 * 7 }}"
 """Whatever it may be to HTML, scripts and templates, it is a name."""
@@ -27,8 +32,6 @@ SCENARIO = {
     "residual": {"mode": "online", "judge_s": 0.0},
     "faults": [{"kind": "sample_nan", "start_s": 0.1, "duration_s": 0.4}],
 }
-
-IDS = "elements => elements.map(element => element.id)"
 
 
 @pytest.fixture(scope="module")
@@ -46,47 +49,16 @@ def path(folder):
 
 
 @pytest.fixture(scope="module")
-def browser():
-    with chromium() as found:
-        yield found
-
-
-@pytest.fixture(scope="module")
-def desktop(browser, path):
-    with visit(browser, path, DESKTOP) as visited:
-        yield visited
-
-
-@pytest.fixture(scope="module")
-def phone(browser, path):
-    with visit(browser, path, PHONE, color_scheme="dark") as visited:
-        yield visited
-
-
-@pytest.fixture(scope="module")
 def summary(folder):
     return json.loads((folder / "summary.json").read_text())
 
 
-@pytest.mark.parametrize("visited", ["desktop", "phone"])
-def test_it_opens_in_silence_and_asks_for_nothing(visited, path, tmp_path, request):
-    """The replay plays, too: it is unpacked once it is near."""
-    visited = request.getfixturevalue(visited)
-    visited.show(visited.page.locator("#replay"))
-    visited.page.screenshot(path=tmp_path / "report.png", full_page=True)
-    assert visited.messages == []
-    assert [url for url in visited.requests if not url.startswith(("data:", "blob:"))] == [
-        path.as_uri()
-    ]
+def test_it_opens_in_silence_and_asks_for_nothing(visited, path, tmp_path):
+    assert_silent(visited, path, tmp_path / "report.png")
 
 
 def test_the_replay_draws(desktop):
-    seen = desktop.show(desktop.page.locator("#replay"))
-    assert min(seen.shape[:2]) > 300
-    # Sky and ground are shades of grey; propellers, arm and path are orange.
-    orange = (seen[..., 0] > 0.7) & (seen[..., 2] < 0.35)
-    assert np.count_nonzero(orange) > 100
-    assert len(np.unique(seen.reshape(-1, 3), axis=0)) > 1000
+    assert_replay_draws(desktop)
 
 
 def test_the_camera_is_taken_on_request(desktop):
@@ -98,13 +70,8 @@ def test_the_camera_is_taken_on_request(desktop):
     assert not button.is_visible()
 
 
-@pytest.mark.parametrize("visited", ["desktop", "phone"])
-def test_nothing_is_wider_than_the_page(visited, request):
-    page = request.getfixturevalue(visited).page
-    width = page.viewport_size["width"]
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
-    page.evaluate("scrollTo(1000, 0)")
-    assert page.evaluate("scrollX") == 0
+def test_nothing_is_wider_than_the_page(visited):
+    assert_no_wider_than_its_window(visited.page)
 
 
 def test_figures_can_be_read_on_a_phone(phone):
@@ -152,11 +119,7 @@ def test_there_is_a_picture_of_each_subject(desktop):
 
 
 def test_ids_are_unique_and_what_refers_to_them_finds_them(desktop, path):
-    ids = desktop.page.locator("[id]").evaluate_all(IDS)
-    assert len(ids) == len(set(ids)) > 100
-    text = path.read_text()
-    assert set(re.findall(r'(?:href|aria-labelledby)="#?([^"]+)"', text)) - {"data:,"} <= set(ids)
-    assert set(re.findall(r"url\(#([^)]+)\)", text)) <= set(ids)
+    assert_ids_are_found(desktop.page, path)
 
 
 def test_the_chart_is_of_what_flew(desktop):
@@ -189,10 +152,7 @@ def test_the_same_flight_gives_the_same_page(folder, summary):
 def test_flights_that_ended_early_have_one(samples, folder, summary):
     """Before and just after reference time 0; and to numbers that are none."""
     log = FlightLog.read(folder / "log.npz", summary)
-    signals = {key: log[key][:samples].copy() for key in log.signals}
-    for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
-        signals[key][-1] = np.nan
-    lost = FlightLog(signals, "lost", "tilt & <b>", 1.0)
+    lost = lost_early(log, samples, "tilt & <b>")
     ended = summary | {"exit_reason": "lost", "exit_cause": "tilt & <b>"}
     flight = Flight(load_scenario(str(folder / "scenario.yaml")))
     page = report_page(flight, ended, lost, "", folder, folder)

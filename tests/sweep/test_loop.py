@@ -234,32 +234,6 @@ def test_interrupted_it_ends_at_once_and_says_how_to_go_on(tmp_path):
     assert not (out / SUMMARY).exists()
 
 
-# What is asked for.
-
-
-@pytest.mark.usefixtures("_here")
-def test_failures_are_rows_and_an_exit_code(tmp_path, capsys):
-    """A payload below 0 is drawn for some of them."""
-    options = ["hover", "--trials", "8", "--vary", "payload.mass_kg=normal(0, 0.1)"]
-    short = ["--set", "settle_s=0", "--set", "duration=0.04", "--jobs", "1"]
-    assert main(["sweep", *options, *short, "--out", str(tmp_path / "sweep")]) == 1
-    endings = [row["exit_reason"] for row in read_rows(tmp_path / "sweep")]
-    said = capsys.readouterr().out
-    assert 0 < endings.count("refused") < 8
-    assert f"{endings.count('refused')} refused" in said
-
-
-@pytest.mark.usefixtures("_here")
-def test_lost_flights_are_results(tmp_path):
-    weak = ["vehicle.rotor.max_thrust_n=2", "vehicle.base_position_m=[0, 0, 9]", "duration=1"]
-    options = [word for change in weak for word in ("--set", change)]
-    out = tmp_path / "sweep"
-    options += ["--trials", "1", "--jobs", "1", "--quiet", "--out", str(out)]
-    assert main(["sweep", "hover", *options]) == 0
-    assert [row["exit_reason"] for row in read_rows(out)] == ["lost"]
-    assert json.loads((out / SUMMARY).read_text())["error"] is None
-
-
 @pytest.mark.usefixtures("_here")
 def test_finished_it_can_be_resumed_for_more(flown, tmp_path):
     out, quiet = str(tmp_path / "sweep"), ["--quiet", "--jobs", "1"]
@@ -267,41 +241,3 @@ def test_finished_it_can_be_resumed_for_more(flown, tmp_path):
     assert main(["sweep", *fewer, "--out", out, *quiet]) == 0
     assert main(["sweep", *OPTIONS, "--out", out, "--resume", *quiet]) == 0
     assert rows(tmp_path / "sweep") == flown
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["clovr", "--trials", "1"], "did you mean 'clover'?"),
-        (["hover"], "--trials: expected how many, since no linspace() spans a grid"),
-        (["hover", "--trials", "2", "--vary", "duraton=uniform(1,2)"], "--vary: duraton: unknown"),
-        (["hover", "--trials", "2", "--vary", "duration=gamma(1)"], "no such distribution 'gamma'"),
-        (["hover", "--trials", "2", "--resume"], "--resume: expected the folder of a sweep"),
-        (["hover", "--trials", "2", "--resume", "--out", "no"], "the folder of a sweep, got no"),
-        (["hover", "--trials", "2", "--out", "file"], "--out: cannot write file: "),
-        (["hover", "--trials", "2", "--out", "mine"], "mine holds files that are not of an ear"),
-        (["hover", "--trials", "2", "--seed", "x"], "seed: expected a whole number"),
-        (["hover", "--trials", "2", "--set", "vehicle.robot=no.urdf"], "no.urdf: "),
-        (
-            ["hover", "--trials", "2", "--vary", "allocation.d_edge_m=choice(0.01)"],
-            "--vary: allocation.d_edge_m: trial 0: expected more than d_h_m",
-        ),
-    ],
-)
-def test_bad_input_is_one_line_and_nothing_is_written(options, said, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(module, "sweep", lambda *_: pytest.fail("flown"))
-    (tmp_path / "file").write_text("precious")
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / ROWS).write_text("precious")
-    assert main(["sweep", *options, "--quiet"]) == 2
-    out, error = capsys.readouterr()
-    assert out == "" and said in error and len(error.splitlines()) == 1
-    assert sorted(path.name for path in tmp_path.rglob("*")) == ["file", "mine", ROWS]
-
-
-@pytest.mark.parametrize("options", [["--trials", "0"], ["--jobs", "0"], ["--trials", "100001"]])
-def test_counts_are_from_one(options, capsys):
-    with pytest.raises(SystemExit, match="2"):
-        main(["sweep", "hover", *options])
-    assert f"argument {options[0]}: expected a whole number in [1, " in capsys.readouterr().err

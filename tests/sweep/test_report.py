@@ -124,6 +124,7 @@ def test_rows_are_read_by_trial_whatever_their_order(tmp_path):
     np.testing.assert_allclose(outcomes.error_m, [0, 1e-3, 2e-3, 3e-3])
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_worst_ones_command_flies_it_again_to_the_same_error(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("aerodrake.sweep.loop.apart", lambda function, *trial: function(*trial))
     out, short = tmp_path / "my sweep", ["--set", "settle_s=0.02", "--set", "duration=0.06"]

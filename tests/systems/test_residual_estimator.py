@@ -9,82 +9,25 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context
 
 from aerodrake.model.axis_models import AXIS_MODELS
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.learner_health import Cause
 from aerodrake.model.residual_features import features
 from aerodrake.model.residual_network import ResidualNetwork
 from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.scenario import Model, Residual, Scenario
 from aerodrake.systems.residual_estimator import ResidualEstimator
-
-# Threads that wait for each other cost a hundred times the arithmetic.
-torch.set_num_threads(1)
-
-JOINTS = 6
-DT = 0.02
-PORTS = ("state", "x_0", "base_setpoint", "joint_setpoint", "saturated")
-OUTPUTS = ("delta", "prediction_error", "nominal_prediction_error")
-
-
-def equivalent_model(kind: str = "exact") -> EquivalentModel:
-    return EquivalentModel.of(Scenario(model=Model(kind=kind, k_b=(1.8, 2.0, 2.4))), JOINTS)
-
-
-def trained(seed: int = 5) -> ResidualNetwork:
-    network = ResidualNetwork.untrained(JOINTS, seed)
-    rng = np.random.default_rng(seed)
-    with torch.no_grad():
-        network.last.weight.copy_(torch.tensor(0.1 * rng.normal(size=(3, 32))))
-        network.last.bias.copy_(torch.tensor(0.1 * rng.normal(size=3)))
-    return network
-
-
-def inputs(ticks: int, seed: int = 0, nx: int = 12 + 2 * JOINTS) -> list[dict[str, np.ndarray]]:
-    """Values of the input ports at each tick; nothing in them is the same twice."""
-    rng = np.random.default_rng(seed)
-    sizes = (VehicleState.size(JOINTS), nx, 9, 3 * JOINTS, 1)
-    flight = [
-        {port: 0.3 * rng.normal(size=size) for port, size in zip(PORTS, sizes, strict=True)}
-        for _ in range(ticks)
-    ]
-    for tick in flight:
-        tick["state"][0] = 1
-    return flight
-
-
-def plain(mode: str, learning_rate: float, batch: int) -> Residual:
-    """The paper's printed form: no guards, no judge."""
-    return Residual(
-        mode=mode,
-        learning_rate=learning_rate,
-        batch=batch,
-        max_step=0.0,
-        max_drift=0.0,
-        max_error_m_s=0.0,
-        freeze_saturated=False,
-        judge_s=0.0,
-    )
-
-
-def drive(estimator: ResidualEstimator, context: Context, flight) -> dict[str, np.ndarray]:
-    """Runs tick by tick; `delta` as sampled at the tick, the errors as they are after it."""
-    log = {name: [] for name in OUTPUTS}
-    for tick in flight:
-        for port, value in tick.items():
-            estimator.GetInputPort(port).FixValue(context, value)
-        log["delta"].append(estimator.GetOutputPort("delta").Eval(context))
-        context.SetDiscreteState(estimator.EvalUniquePeriodicDiscreteUpdate(context))
-        for name in OUTPUTS[1:]:
-            log[name].append(estimator.GetOutputPort(name).Eval(context))
-    return {name: np.array(values) for name, values in log.items()}
-
-
-def fly(network, model, mode, learning_rate, batch, flight) -> dict[str, np.ndarray]:
-    estimator = ResidualEstimator(network, model, plain(mode, learning_rate, batch))
-    return drive(estimator, estimator.CreateDefaultContext(), flight)
+from tests.estimator_flights import (
+    DT,
+    JOINTS,
+    OUTPUTS,
+    PORTS,
+    assert_same,
+    drive,
+    equivalent_model,
+    fly,
+    inputs,
+    plain,
+    trained,
+)
 
 
 @dataclass
@@ -129,11 +72,6 @@ def straightforward(network, model, mode, learning_rate, batch, flight):
         if valid:
             pending = Pending(tick["x_0"], now, delta)
     return {name: np.array(values) for name, values in log.items()}
-
-
-def assert_same(log, expected):
-    for name in OUTPUTS:
-        np.testing.assert_allclose(log[name], expected[name], rtol=0, atol=1e-10, err_msg=name)
 
 
 @pytest.mark.parametrize("mode", ["off", "offline", "online"])
@@ -295,103 +233,6 @@ def test_the_network_is_copied():
             parameter.zero_()
     log = drive(estimator, estimator.CreateDefaultContext(), inputs(3))
     assert_same(log, fly(trained(), equivalent_model(), "offline", 0.01, 20, inputs(3)))
-
-
-def steady(ticks: int) -> list[dict[str, np.ndarray]]:
-    """At rest on its setpoint, but for a residual that the untrained network can learn."""
-    flight = inputs(1)[0] | {"saturated": np.zeros(1), "x_0": np.zeros(12 + 2 * JOINTS)}
-    velocity = VehicleState.from_vector(flight["state"]).v_B
-    velocity[:] = 0.10, -0.05, 0.02
-    flight["base_setpoint"] *= 0
-    found = []
-    for k in range(ticks):  # The base goes where its velocity takes it.
-        state = flight["state"].copy()
-        VehicleState.from_vector(state).p_B[:] = k * DT * velocity
-        found.append(flight | {"state": state})
-    return found
-
-
-def judged() -> tuple[ResidualEstimator, Context]:
-    """Of an untrained network that learns fast, and has been heard for long."""
-    config = Residual(mode="online", learning_rate=0.005, judge_s=0.2)
-    estimator = ResidualEstimator(ResidualNetwork.untrained(JOINTS, 0), equivalent_model(), config)
-    context = estimator.CreateDefaultContext()
-    log = drive(estimator, context, steady(200))
-    assert np.all(log["delta"][0] == 0) and np.all(log["delta"][-1] != 0)
-    return estimator, context
-
-
-def health(estimator: ResidualEstimator, context: Context) -> tuple[Cause, float]:
-    cause, held_s = estimator.GetOutputPort("learner_health").Eval(context)
-    return Cause(int(cause)), held_s
-
-
-@pytest.mark.parametrize(
-    ("theta", "cause"),
-    [(np.nan, Cause.NOT_FINITE), (-np.inf, Cause.NOT_FINITE), (1e6, Cause.DIVERGED)],
-)
-def test_a_layer_that_is_lost_is_never_heard_and_begins_again(theta, cause):
-    estimator, context = judged()
-    assert health(estimator, context) == (Cause.OK, 0.0)
-    port = estimator.GetInputPort("fault")
-    port.FixValue(context, [theta, 0.0, 0.0, 0.0])
-    last = drive(estimator, context.Clone(), steady(200)[199:])["delta"][0]
-    at_first = drive(estimator, context, steady(202)[200:201])["delta"][0]
-    np.testing.assert_allclose(at_first, last, atol=1e-3)  # It goes slowly.
-    assert health(estimator, context) == (cause, 0.0)
-    for group in range(4):  # The layer as it was trained, here at zero, and an empty ring.
-        assert not context.get_discrete_state(group).value().any()
-
-    port.FixValue(context, np.zeros(4))
-    delta = drive(estimator, context, steady(400)[201:])["delta"]
-    zero = np.flatnonzero(~delta.any(axis=1))  # After 0.1 s, until it has helped for 0.2 s.
-    assert zero[0] == 4 and np.all(np.diff(zero) == 1) and zero[-1] < 100
-    assert np.all(np.diff(np.abs(delta[:4]), axis=0) < 0)
-    assert health(estimator, context) == (Cause.OK, 0.0)
-
-
-def test_one_number_of_the_layer_is_enough():
-    """Lost wherever it stands: in the Context, as a stray write would leave it."""
-    estimator, context = judged()
-    theta = context.get_discrete_state(0).value().copy()
-    theta[40] = np.nan
-    context.SetDiscreteState(0, theta)
-    log = drive(estimator, context, steady(202)[200:201])
-    assert all(np.isfinite(values).all() for values in log.values())
-    assert health(estimator, context)[0] == Cause.NOT_FINITE
-    assert np.isfinite(context.get_discrete_state(0).value()).all()
-
-
-def test_poisoned_labels_are_not_learned_once_they_are_known():
-    estimator, context = judged()
-    estimator.GetInputPort("fault").FixValue(context, [0.0, 0.0, 0.3, 0.0])
-    delta = drive(estimator, context, steady(230)[200:])["delta"]
-    assert not delta[-20:].any()
-    assert health(estimator, context)[0] == Cause.POISONED
-    assert not context.get_discrete_state(0).value().any()
-
-
-def test_what_is_wrong_is_wrong_with_the_label_alone():
-    """Nothing that the network sees; its prediction stands as it was."""
-    estimator = ResidualEstimator(trained(), equivalent_model(), plain("offline", 0.01, 20))
-    context, offset = estimator.CreateDefaultContext(), np.array([0.1, -0.2, 0.3])
-    estimator.GetInputPort("fault").FixValue(context, [0.0, *offset])
-    log = drive(estimator, context, inputs(10))
-    clean = fly(trained(), equivalent_model(), "offline", 0.01, 20, inputs(10))
-    np.testing.assert_array_equal(log["delta"], clean["delta"])
-    for name in OUTPUTS[1:]:
-        np.testing.assert_allclose(log[name][1:], clean[name][1:] - offset, atol=1e-12)
-
-
-def test_clones_of_a_judge_agree():
-    estimator, context = judged()
-    clone = context.Clone()
-    assert_same(drive(estimator, clone, inputs(40)), drive(estimator, context, inputs(40)))
-    assert context.num_discrete_state_groups() == clone.num_discrete_state_groups()
-    for group in range(context.num_discrete_state_groups()):
-        np.testing.assert_array_equal(
-            clone.get_discrete_state(group).value(), context.get_discrete_state(group).value()
-        )
 
 
 def test_feedthrough_is_that_of_delta_alone():

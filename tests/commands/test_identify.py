@@ -10,9 +10,10 @@ import pytest
 
 import aerodrake.identify
 from aerodrake.cli import main
-from aerodrake.errors import BadInput, ProcessDied
+from aerodrake.errors import ProcessDied
 from aerodrake.identify import Manoeuvre, Record
 from aerodrake.scenario_file import load_scenario, packaged_scenarios
+from tests.in_this_process import in_this_process
 
 FILES = ["identification.json", "identification.png", "scenario.yaml"]
 K_B = [1.5, 2.0, 2.5]
@@ -27,15 +28,8 @@ def ideal(monkeypatch):
         error = 0.1 * np.cos(t)
         return Record(t, error, 0 * t, K_B[manoeuvre.axis] * error)
 
-    def run_parallel(function, items, jobs):
-        for i, item in enumerate(items):
-            try:
-                yield i, function(item)
-            except BadInput as error:
-                yield i, error
-
     monkeypatch.setattr(aerodrake.identify, "fly", fly)
-    monkeypatch.setattr(aerodrake.identify, "run_parallel", run_parallel)
+    monkeypatch.setattr(aerodrake.identify, "run_parallel", in_this_process)
 
 
 @pytest.fixture

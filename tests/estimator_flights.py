@@ -1,0 +1,82 @@
+"""A residual estimator, driven tick by tick."""
+
+import numpy as np
+import torch
+from pydrake.systems.framework import Context
+
+from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.model.residual_network import ResidualNetwork
+from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.scenario import Model, Residual, Scenario
+from aerodrake.systems.residual_estimator import ResidualEstimator
+
+# Threads that wait for each other cost a hundred times the arithmetic.
+torch.set_num_threads(1)
+
+JOINTS = 6
+DT = 0.02
+PORTS = ("state", "x_0", "base_setpoint", "joint_setpoint", "saturated")
+OUTPUTS = ("delta", "prediction_error", "nominal_prediction_error")
+
+
+def equivalent_model(kind: str = "exact") -> EquivalentModel:
+    return EquivalentModel.of(Scenario(model=Model(kind=kind, k_b=(1.8, 2.0, 2.4))), JOINTS)
+
+
+def trained(seed: int = 5) -> ResidualNetwork:
+    network = ResidualNetwork.untrained(JOINTS, seed)
+    rng = np.random.default_rng(seed)
+    with torch.no_grad():
+        network.last.weight.copy_(torch.tensor(0.1 * rng.normal(size=(3, 32))))
+        network.last.bias.copy_(torch.tensor(0.1 * rng.normal(size=3)))
+    return network
+
+
+def inputs(ticks: int, seed: int = 0, nx: int = 12 + 2 * JOINTS) -> list[dict[str, np.ndarray]]:
+    """Values of the input ports at each tick; nothing in them is the same twice."""
+    rng = np.random.default_rng(seed)
+    sizes = (VehicleState.size(JOINTS), nx, 9, 3 * JOINTS, 1)
+    flight = [
+        {port: 0.3 * rng.normal(size=size) for port, size in zip(PORTS, sizes, strict=True)}
+        for _ in range(ticks)
+    ]
+    for tick in flight:
+        tick["state"][0] = 1
+    return flight
+
+
+def plain(mode: str, learning_rate: float, batch: int) -> Residual:
+    """The paper's printed form: no guards, no judge."""
+    return Residual(
+        mode=mode,
+        learning_rate=learning_rate,
+        batch=batch,
+        max_step=0.0,
+        max_drift=0.0,
+        max_error_m_s=0.0,
+        freeze_saturated=False,
+        judge_s=0.0,
+    )
+
+
+def drive(estimator: ResidualEstimator, context: Context, flight) -> dict[str, np.ndarray]:
+    """Runs tick by tick; `delta` as sampled at the tick, the errors as they are after it."""
+    log = {name: [] for name in OUTPUTS}
+    for tick in flight:
+        for port, value in tick.items():
+            estimator.GetInputPort(port).FixValue(context, value)
+        log["delta"].append(estimator.GetOutputPort("delta").Eval(context))
+        context.SetDiscreteState(estimator.EvalUniquePeriodicDiscreteUpdate(context))
+        for name in OUTPUTS[1:]:
+            log[name].append(estimator.GetOutputPort(name).Eval(context))
+    return {name: np.array(values) for name, values in log.items()}
+
+
+def fly(network, model, mode, learning_rate, batch, flight) -> dict[str, np.ndarray]:
+    estimator = ResidualEstimator(network, model, plain(mode, learning_rate, batch))
+    return drive(estimator, estimator.CreateDefaultContext(), flight)
+
+
+def assert_same(log, expected):
+    for name in OUTPUTS:
+        np.testing.assert_allclose(log[name], expected[name], rtol=0, atol=1e-10, err_msg=name)

@@ -1,0 +1,13 @@
+"""Logs of flights that nobody would like to fly."""
+
+import numpy as np
+
+from aerodrake.flight_log import FlightLog
+
+
+def lost_early(log: FlightLog, samples: int, cause: str = "") -> FlightLog:
+    """A flight that was lost after so many samples, the last of which is no number."""
+    signals = {key: rows[:samples].copy() for key, rows in log.signals.items()}
+    for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
+        signals[key][-1] = np.nan
+    return FlightLog(signals, "lost", cause, 1.0)

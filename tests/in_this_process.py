@@ -1,0 +1,15 @@
+"""In the place of `aerodrake.processes.run_parallel`, where processes are not what is tested."""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+
+def in_this_process(
+    function: Callable[[Any], Any], items: Sequence[Any], jobs: int
+) -> Iterator[tuple[int, Any]]:
+    """As there, the last item first."""
+    for index in reversed(range(len(items))):
+        try:
+            yield index, function(items[index])
+        except Exception as error:
+            yield index, error
