@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
@@ -36,6 +35,9 @@ from aerodrake.wire_message import Phase
 
 LOG_SAMPLES = 1000
 """Samples that are held in memory before they are moved to a file."""
+
+REFUSALS = (BadInput, OSError, MemoryError)
+"""Of the machine, or of the other end of a wire: no fault of the flight's."""
 
 
 class Flight:
@@ -88,8 +90,12 @@ class Flight:
         # What is compiled is loaded now, lest the first ticks wait for it.
         with single_thread():
             context = make_context(self.closed_loop, scenario.seed)
-            with suppress(Exception, SystemExit):  # What is wrong is so again in flight.
+            try:
                 Simulator(self.closed_loop, context).AdvanceTo(scenario.rates.mpc_period_s)
+            except REFUSALS:
+                raise
+            except (Exception, SystemExit):
+                pass  # What is wrong with the vehicle is so again in flight.
 
     def fly(
         self,
@@ -141,8 +147,8 @@ class Flight:
                     reason, cause = monitor.ended(in_time=True)
             except KeyboardInterrupt:
                 reason, cause = "interrupted", f"at {monitor.time():.2f} s"
-            except (BadInput, OSError, MemoryError):
-                raise  # Of the machine, not of the flight.
+            except REFUSALS:
+                raise
             except (Exception, SystemExit) as error:  # Drake's conditions are the latter.
                 reason, cause = "lost", monitor.broken(error)
                 if not cause:

@@ -1,17 +1,21 @@
 """A flight over a wire is the flight without one, as far as the wire lets it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
+from pydrake.lcm import DrakeLcm
 
 from aerodrake.companion import Companion
 from aerodrake.coordinator import make_coordinator
+from aerodrake.errors import BadInput
 from aerodrake.model.qp import QpStatus
 from aerodrake.model.safe_mode import SafeMode
-from aerodrake.remote_coordinator import make_remote_coordinator, make_station_link
+from aerodrake.remote_coordinator import make_layouts, make_remote_coordinator, make_station_link
 from aerodrake.scenario_file import load_scenario
 from aerodrake.simulate import Flight
 from aerodrake.summary import summarize
-from aerodrake.wire import COORDINATOR, STATION
+from aerodrake.wire import COORDINATOR, STATION, Link
 from aerodrake.wire_message import Phase
 from tests.lockstep import Lockstep, fly_over
 
@@ -176,3 +180,14 @@ def test_a_tick_that_the_mpc_misses_is_missed_over_the_wire_too():
         for log in (Flight(scenario).fly(), fly_over(Lockstep(3), scenario))
     ]
     assert [f["missed"] for f in figures] == [3, 3]
+
+
+def test_a_refusal_counts_as_soon_as_it_is_heard(scenario):
+    """Systems that are tried out before the flight speak over the wire already."""
+    lcm, other = DrakeLcm("memq://"), dataclasses.replace(scenario, settle_s=9.0)
+    link = make_station_link(scenario, lcm)
+    coordinator = Link(lcm, *make_layouts(make_coordinator(other), other), False)
+    coordinator.station, coordinator.phase = link.station, Phase.OVER
+    coordinator.tell(0.0, {})
+    with pytest.raises(BadInput, match=r"expected a coordinator .* that differs in settle_s$"):
+        Flight(scenario, link=link)
