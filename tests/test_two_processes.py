@@ -70,7 +70,7 @@ def begins(process):
         said += came
 
 
-def test_they_fly_and_leave_a_runs_folder(start, url, tmp_path):
+def test_they_fly_whoever_is_held_up_and_leave_a_runs_folder(start, url, tmp_path):
     """The station first; the other order is that of `diagrams/fly_over_lcm.py`."""
     options = [*SHORT, *PATIENT, "--lcm", url]
     commands = {"station": ["run", *options, "--out", tmp_path / "out"]}
@@ -78,6 +78,10 @@ def test_they_fly_and_leave_a_runs_folder(start, url, tmp_path):
     station = start(*commands["station"])
     waits(station)
     coordinator = start(*commands["coordinator"])
+    begins(coordinator)
+    coordinator.send_signal(signal.SIGSTOP)
+    time.sleep(0.3)
+    coordinator.send_signal(signal.SIGCONT)
     outputs = [process.communicate(timeout=300) for process in (station, coordinator)]
     assert (station.returncode, coordinator.returncode) == (0, 0), outputs
     assert b" ticks, " in outputs[1][0]
@@ -87,6 +91,7 @@ def test_they_fly_and_leave_a_runs_folder(start, url, tmp_path):
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["exit_reason"] == "completed"
     assert summary["wall_s"] > 0.99 * summary["simulated_s"] == 0.99
+    assert summary["mpc"]["missed"] >= 10 and summary["mpc"]["ticks"] > 10
     assert summary["mpc"]["ticks"] + summary["mpc"]["missed"] == 50
     assert summary["error"]["max_m"] < 0.01
 
@@ -106,21 +111,6 @@ def test_a_killed_coordinator_is_an_mpc_without_an_answer(start, url, tmp_path):
     assert summary["simulated_s"] == 1.2
 
 
-def test_a_coordinator_that_is_held_up_goes_on(start, url, tmp_path):
-    options = [*SHORT, *PATIENT, "--lcm", url]
-    station = start("run", *options, "--out", tmp_path / "out", "--duration", 3)
-    coordinator = start("coordinator", *options)
-    begins(coordinator)
-    coordinator.send_signal(signal.SIGSTOP)
-    time.sleep(0.3)
-    coordinator.send_signal(signal.SIGCONT)
-    outputs = [process.communicate(timeout=300) for process in (station, coordinator)]
-    assert (station.returncode, coordinator.returncode) == (0, 0), outputs
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["mpc"]["missed"] >= 10 and summary["mpc"]["ticks"] > 10
-    assert summary["exit_reason"] == "completed" and summary["error"]["max_m"] < 0.01
-
-
 def test_a_killed_station_ends_its_coordinator(start, url, tmp_path):
     station = start("run", *SHORT, "--duration", 60, "--lcm", url, "--out", tmp_path / "out")
     coordinator = start("coordinator", *SHORT, "--lcm", url)
@@ -133,47 +123,18 @@ def test_a_killed_station_ends_its_coordinator(start, url, tmp_path):
     assert b" ticks, " in report
 
 
-@pytest.mark.parametrize("first", ["run", "coordinator"])
-@pytest.mark.parametrize(
-    "assignments, differing",
-    [
-        (["rates.mpc_period_s=0.04"], "rates"),
-        (["reference.kind=clover", "mpc.horizon=7"], "reference, mpc"),
-    ],
-    ids=["period", "reference"],
-)
-def test_two_scenarios_are_found_out_at_both_ends(
-    start, url, tmp_path, first, assignments, differing
-):
-    options = {"run": ["--out", tmp_path / "out"], "coordinator": []}
-    options["coordinator"] += [word for key in assignments for word in ("--set", key)]
-    processes = {}
-    for command in sorted(options, key=lambda command: command != first):
-        processes[command] = start(command, *SHORT, "--quiet", "--lcm", url, *options[command])
-    for command, other in (("run", "coordinator"), ("coordinator", "station")):
-        said, errors = processes[command].communicate(timeout=300)
-        expected = f"expected a {other} of the same scenario, got one that differs in {differing}"
-        assert errors.decode() == f"aerodrake: --lcm: {expected}\n"
-        assert processes[command].returncode == 2 and said == b""
+def test_two_scenarios_are_found_out_at_both_ends(start, url, tmp_path):
+    other = ["--set", "rates.mpc_period_s=0.04", "--set", "mpc.horizon=7"]
+    ends = {
+        "coordinator": start("run", *SHORT, "--quiet", "--lcm", url, "--out", tmp_path / "out"),
+        "station": start("coordinator", *SHORT, "--quiet", "--lcm", url, *other),
+    }
+    for expected, process in ends.items():
+        said, errors = process.communicate(timeout=300)
+        problem = f"expected a {expected} of the same scenario, got one that differs in rates, mpc"
+        assert errors.decode() == f"aerodrake: --lcm: {problem}\n"
+        assert process.returncode == 2 and said == b""
     assert not list(tmp_path.iterdir())
-
-
-def test_of_two_stations_one_flies_and_the_other_waits(start, url, tmp_path):
-    options = [*SHORT, *PATIENT, "--lcm", url]
-    coordinator = start("coordinator", *options)
-    stations = [start("run", *options, "--out", tmp_path / name) for name in ("a", "b")]
-    _, errors = coordinator.communicate(timeout=300)
-    assert coordinator.returncode == 0, errors
-    while not (ended := [process for process in stations if process.poll() is not None]):
-        time.sleep(0.1)
-    (waiting,) = set(stations) - set(ended)
-    waiting.send_signal(signal.SIGINT)
-    _, errors = waiting.communicate(timeout=300)
-    assert (ended[0].returncode, waiting.returncode) == (0, 130), errors
-    (folder,) = tmp_path.iterdir()
-    summary = json.loads((folder / "summary.json").read_text())
-    assert summary["exit_reason"] == "completed"
-    assert summary["mpc"]["ticks"] + summary["mpc"]["missed"] == 50
 
 
 def test_an_interrupted_coordinator_says_what_it_did(start, url, tmp_path):
