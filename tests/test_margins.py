@@ -212,7 +212,7 @@ def test_the_command(short, tmp_path, capfd):
     out = tmp_path / "out"
     assert main([*short, "--out", str(out)]) == 0
     said, progress = capfd.readouterr()
-    assert re.search(r"^clik +0.00 +0.00 .* completed$", said, re.MULTILINE)
+    assert re.search(r"^clik +0.000 +0.000 .* completed$", said, re.MULTILINE)
     assert re.search(r"^clik +0.00 +0 +> 2$", said, re.MULTILINE)
     assert (
         said.rstrip()
@@ -243,7 +243,7 @@ def test_flights_that_fail_are_told_and_lost_ones_are_an_ending(
     assert main([*short[:-2], "--out", str(tmp_path / "out")]) == 1  # In its place.
     said = capsys.readouterr().out
     assert re.search(
-        r"^modified +0.00 +0 +0  2 flights failed: RuntimeError: too heavy$", said, re.M
+        r"^modified +0.000 +0 +0  2 flights failed: RuntimeError: too heavy$", said, re.M
     )
     figures = json.loads((tmp_path / "out" / "margins.json").read_text())
     assert figures["variants"]["modified"]["payload_kg"] == {

@@ -97,7 +97,7 @@ def test_failed_is_none(tmp_path, monkeypatch, capsys):
     assert main([*command, "--out", str(out)]) == 1
     said = capsys.readouterr().out
     assert re.search(r"^clik +failed: RuntimeError: out of luck$", said, re.MULTILINE)
-    assert re.search(r"^modified +0.00 .* completed$", said, re.MULTILINE)
+    assert re.search(r"^modified +0.000 .* completed$", said, re.MULTILINE)
     variants = json.loads((out / "comparison.json").read_text())["variants"]
     assert variants["clik"] == {"exit_reason": "failed", "exit_cause": "RuntimeError: out of luck"}
     assert variants["modified"]["exit_reason"] == "completed"
