@@ -213,7 +213,7 @@ def test_the_command(short, tmp_path, capfd):
     assert main([*short, "--out", str(out)]) == 0
     said, progress = capfd.readouterr()
     assert re.search(r"^clik +0.000 +0.000 .* completed$", said, re.MULTILINE)
-    assert re.search(r"^clik +0.00 +0 +> 2$", said, re.MULTILINE)
+    assert re.search(r"^clik +0.000 +0 +> 2$", said, re.MULTILINE)
     assert (
         said.rstrip()
         .splitlines()[-1]
