@@ -214,11 +214,8 @@ def test_the_command(short, tmp_path, capfd):
     said, progress = capfd.readouterr()
     assert re.search(r"^clik +0.000 +0.000 .* completed$", said, re.MULTILINE)
     assert re.search(r"^clik +0.000 +0 +> 2$", said, re.MULTILINE)
-    assert (
-        said.rstrip()
-        .splitlines()[-1]
-        .startswith(f"{out}: {', '.join([*FILES[1:5], FILES[-1]])}, and")
-    )
+    *_, last = said.rstrip().splitlines()
+    assert last.startswith(f"{out}: ") and all(file in last for file in FILES if "." in file)
     assert "hover margins: 4flight" in progress
     assert sorted(path.name for path in out.iterdir()) == FILES
     figures = json.loads((out / "margins.json").read_text())
