@@ -25,6 +25,9 @@ from aerodrake.wire_message import Message, Phase
 PATIENCE_MS = 50
 """How long it waits for a message before it looks up."""
 
+BEFORE = -1e-6
+"""s: no flight has begun."""
+
 
 @dataclass
 class Service:
@@ -141,7 +144,10 @@ class Companion:
             if message.phase is Phase.WAITING and self.link.phase is Phase.WAITING:
                 is_there = True
                 self.link.tell(0.0, {})
-            elif message.phase is Phase.FLYING and self._is_believed(message):
+            elif message.phase is Phase.FLYING and not self._is_believed(message):
+                if message.time > self._time:  # Others are late, or were told twice.
+                    self.link.refuse("samples come that no vehicle has, or of no time of a flight")
+            elif message.phase is Phase.FLYING:
                 is_there = True
                 self._take_in(message)
                 if self._is_tick(message.time):
@@ -161,7 +167,7 @@ class Companion:
         # Nobody is silent for so long and comes back.
         latest = self._time + self.scenario.supervisor.plan_lost_s
         is_next = self.link.phase is Phase.WAITING or message.time < latest
-        is_new = is_next and self._time < message.time < ABSURD
+        is_new = is_next and max(self._time, BEFORE) < message.time < ABSURD
         return is_sane and abs(length - 1) < UNIT_LENGTH and is_new
 
     def _take_in(self, message: Message) -> None:

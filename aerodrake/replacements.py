@@ -63,9 +63,15 @@ class Replacements:
         self._met.add(name)
         if name not in self._by_name:
             return ours
-        theirs = self._by_name[name](ours)
+        make = self._by_name[name]
+        if not callable(make):
+            message = "expected a function that is given ours and returns a system, got"
+            raise BadInput("replacements", name, f"{message} {type(make).__name__}")
+        theirs = make(ours)
         if not isinstance(theirs, System):
             raise BadInput("replacements", name, f"expected a system, got {type(theirs).__name__}")
+        if theirs is not ours and theirs.GetSystemPathname().count("::") > 1:
+            raise BadInput("replacements", name, "expected a new system, got one of a diagram")
         for kind, ports_of in (("an input", _inputs), ("an output", _outputs)):
             have = ports_of(theirs)
             for port, wanted in ports_of(ours).items():

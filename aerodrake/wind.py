@@ -7,7 +7,7 @@ from pydrake.common import RandomDistribution
 from pydrake.systems.framework import Diagram
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
-from aerodrake.model.wind import discrete_gusts
+from aerodrake.model.wind import discrete_gusts, is_at_rest
 from aerodrake.replacements import Replacements
 from aerodrake.systems.wind_force import WindForce
 from aerodrake.world import Wind
@@ -42,7 +42,8 @@ def make_wind(
     )
     gusts.configure_random_state(np.diag(np.square(config.gust_m_s)))  # They have always blown.
     air = builder.AddNamedSystem("air", gusts)
-    wind_force = builder.AddNamedSystem("wind_force", WindForce(config, joints, period))
+    moves = air is not gusts or not is_at_rest(config)  # Of another's air nothing is known.
+    wind_force = builder.AddNamedSystem("wind_force", WindForce(config, joints, period, moves))
     builder.Connect(gust_noise.get_output_port(), air.get_input_port())
     builder.Connect(air.get_output_port(), wind_force.GetInputPort("air_velocity"))
     builder.ExportInput(wind_force.GetInputPort("true_state"), "true_state")

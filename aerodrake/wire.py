@@ -129,7 +129,7 @@ class Link:
                 self.station = message.station
             differing = ", ".join(message.differing)
             if message.station != self.station:
-                self._refuse(
+                self.refuse(
                     "the coordinator answers another station"
                     if self._is_station
                     else "another station is there, and is not answered"
@@ -144,7 +144,7 @@ class Link:
                 )
                 raise BadInput("--lcm", "", problem)
             else:
-                self._refuse(f"messages come of another scenario, which differs in {differing}")
+                self.refuse(f"messages come of another scenario, which differs in {differing}")
         return messages
 
     def _take(self, patience_ms: int) -> list[Message]:
@@ -154,12 +154,13 @@ class Link:
         while self._came:
             message = self.hears.decode(self._came.popleft())
             if message is None:
-                self._refuse("messages come that are not of ours, or of another version")
+                self.refuse("messages come that are not of ours, or of another version")
             else:
                 messages.append(message)
         return messages
 
-    def _refuse(self, reason: str) -> None:
+    def refuse(self, reason: str) -> None:
+        """Counts a message that is not heard; says why, once for each reason."""
         self.refused += 1
         if reason not in self._said:
             self._said.add(reason)

@@ -52,13 +52,9 @@ class PdController(LeafSystem):
 def main() -> None:
     scenario = load_scenario("clover", [("--set", "duration=8")])
     vehicle = Vehicle.load(scenario)
-    mine = PdController(
-        vehicle, scenario.vehicle.rotor.torque_ratio_m, scenario.rates.flight_period_s
-    )
-    for name, replacements in (
-        ("ours", Replacements()),
-        ("mine", Replacements({"flight_controller": lambda ours: mine})),
-    ):
+    ratio, period = scenario.vehicle.rotor.torque_ratio_m, scenario.rates.flight_period_s
+    mine = {"flight_controller": lambda ours: PdController(vehicle, ratio, period)}
+    for name, replacements in (("ours", Replacements()), ("mine", Replacements(mine))):
         error = summarize(scenario, Flight(scenario, replacements).fly())["error"]
         print(f"{name}: {1e3 * error['mean_m']:.3f} mm")
 

@@ -93,6 +93,17 @@ def assert_no_wider_than_its_window(page: Page) -> None:
     assert page.evaluate("scrollX") == 0
 
 
+def assert_no_text_is_cut(page: Page) -> None:
+    """What a picture says is within it, to a pixel."""
+    over = page.locator("figure svg text").evaluate_all(
+        """texts => texts.filter(text => {
+            const [inner, outer] = [text, text.ownerSVGElement].map(e => e.getBoundingClientRect());
+            return inner.right > outer.right + 1 || inner.left < outer.left - 1;
+        }).map(text => text.textContent)"""
+    )
+    assert not over, over
+
+
 def assert_replay_draws(visited: Visit) -> None:
     """Sky and ground are shades of grey; propellers, arm and path are orange."""
     seen = visited.show(visited.page.locator("#replay"))

@@ -160,9 +160,16 @@ def test_absurd_samples_are_not_answered(bench, part, value):
     assert bench.station.hear() == []
 
 
-def test_a_time_that_no_flight_comes_to_is_not_believed(bench):
-    assert bench.answers(1e6) == []
+@pytest.mark.parametrize("time", [1e6, -1.0])
+def test_a_time_that_no_flight_comes_to_is_not_believed_and_said(bench, time):
+    assert bench.answers(time) == []
     assert bench.companion.link.phase is Phase.WAITING
+    assert bench.notes == ["note: samples come that no vehicle has, or of no time of a flight"]
+
+
+def test_what_is_late_or_told_twice_is_no_news(bench):
+    assert len(bench.answers(0.0, 0.01, 0.02, 0.02, 0.01)) == 2
+    assert bench.notes == [] and bench.companion.link.refused == 0
 
 
 def test_it_ends_with_the_flight(bench):

@@ -15,8 +15,10 @@ from aerodrake.replacements import FIXED, Replacements
 from aerodrake.scenario import Residual, Scenario
 from aerodrake.simulate import Flight
 from aerodrake.station import make_closed_loop, make_coordinator, make_station
+from aerodrake.world import Wind
 
 SHORT = Scenario(duration=0.3, settle_s=0.1, reference=Clover(start_s=0.2))
+BREEZE = Wind(velocity_m_s=(1.0, 0.0, 0.0), gust_m_s=(0.5, 0.5, 0.5))
 NAMES = sorted(systems_by_name(make_closed_loop(SHORT)).keys() - FIXED - {"closed_loop"})
 
 
@@ -49,6 +51,33 @@ def test_a_system_in_the_place_of_ours_is_the_one_that_flies(ours):
     np.testing.assert_array_equal(log["gamma"][ticked], 0.5)
     np.testing.assert_array_equal(log["w_m"][ticked], 20.0)
     assert not np.array_equal(log["q_rad"], ours["q_rad"])
+
+
+class Gale(LeafSystem):
+    """Air that moves where the scenario's does not."""
+
+    def __init__(self):
+        super().__init__()
+        self.DeclareVectorInputPort("u0", 3)
+        self.DeclareVectorOutputPort("y0", 3, self._calc, {self.nothing_ticket()})
+
+    def _calc(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector([2.0, 0.0, 0.0])
+
+
+def test_another_air_blows_in_a_calm(ours):
+    """0.25 |v| v + 0.15 v, less what the base is blown along with it."""
+    log = flown(SHORT, air=lambda ours: Gale())
+    np.testing.assert_allclose(log["wind_force_n"][-1], [1.3, 0, 0], atol=0.1)
+    np.testing.assert_array_equal(ours["wind_force_n"], 0.0)
+
+
+def test_a_system_flies_in_one_diagram():
+    fixed = Fixed()
+    mine = Replacements({"weight_allocator": lambda ours: fixed})
+    make_closed_loop(SHORT, mine)
+    with pytest.raises(BadInput, match="weight_allocator: expected a new system, got one of a"):
+        make_closed_loop(SHORT, mine)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -152,7 +181,7 @@ def wrapped(ours):
 )
 def test_a_diagram_around_ours_flies_as_ours(name):
     faults = (RotorDegraded(start_s=0.1), LearnerPoisoned(start_s=0.1))
-    scenario = replace(SHORT, faults=faults, residual=Residual(mode="online"))
+    scenario = replace(SHORT, faults=faults, residual=Residual(mode="online"), wind=BREEZE)
     log, ours = flown(scenario, **{name: wrapped}), flown(scenario)
     for key in set(log.signals) - {"tick_ms"}:
         np.testing.assert_array_equal(log[key], ours[key])
@@ -164,6 +193,10 @@ def test_a_diagram_around_ours_flies_as_ours(name):
         (
             {"mpc": lambda ours: None},
             "replacements: mpc: expected a system, got NoneType",
+        ),
+        (
+            {"mpc": Fixed()},
+            "replacements: mpc: expected a function that is given ours .*, got Fixed",
         ),
         (
             {"wieght_allocator": lambda ours: Fixed()},

@@ -55,6 +55,8 @@ def main(arguments: argparse.Namespace) -> int:
 
     if arguments.rate is not None and not arguments.live:
         raise BadInput("--rate", "", "expected --live beside it: other flights take what they take")
+    if arguments.rate is not None and arguments.lcm:
+        raise BadInput("--rate", "", "expected none beside --lcm, where flights are in real time")
     scenario = load_scenario(arguments.scenario, overrides(arguments))
     target = arguments.out or new_folder(scenario.name)
 

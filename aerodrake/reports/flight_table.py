@@ -56,6 +56,8 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
         ("MPC tick, 99 %", _unit(mpc["p99_ms"], "ms"), ""),
         ("MPC fallbacks", f"{mpc['solver_fallbacks']} of {mpc['ticks']}", ""),
     ]
+    if mpc["missed"]:
+        rows.append(("MPC ticks missed", f"{mpc['missed']} of {mpc['missed'] + mpc['ticks']}", ""))
     rows += [
         (f"supervisor in {mode}", _unit(seconds, "s"), "")
         for mode, seconds in summary["safe_modes"].items()

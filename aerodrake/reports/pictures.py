@@ -18,7 +18,7 @@ WIDTH = 5.2
 """In inches, of every picture: on a phone its type is as large as the page's."""
 ROW = 1.35
 """Height of a panel of a timeline."""
-LEFT, RIGHT, TOP, BOTTOM = 0.75, 0.1, 0.1, 0.42
+LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.2, 0.1, 0.42
 """Around panels, for their labels: a layout engine would take as long as all else."""
 GAP = 0.14
 

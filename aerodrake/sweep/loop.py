@@ -96,7 +96,7 @@ def _take(
             raise
         row, timing = {**trial.head(), **failure(error)}, None
     except Exception as error:
-        cause = failure(error)["exit_cause"]
+        cause = failure(error)["exit_cause"].removeprefix("BadInput: ")
         raise ProcessDied(f"trial {trial.index} could not be flown: {cause}") from None
     folder.append(row, timing)
     progress(row)

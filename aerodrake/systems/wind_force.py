@@ -6,12 +6,12 @@ import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.model.wind import drag_on_base, is_at_rest
+from aerodrake.model.wind import drag_on_base
 from aerodrake.world import Wind
 
 
 class WindForce(LeafSystem):
-    """Samples the drag on the base and holds it: none, ever, where the air is at rest.
+    """Samples the drag on the base and holds it: none, ever, where the air cannot move.
 
     Ports:
         in `true_state` (13 + 2 n): the plant's state.
@@ -24,16 +24,17 @@ class WindForce(LeafSystem):
     Rate:
         `period`, by a discrete update: it sees the velocities of its instant,
         and the plant feels the force from its next step on. Without any event
-        if the air is at rest. Both outputs change with the state alone, so that
+        if the air cannot move. Both outputs change with the state alone, so that
         the plant's own steps call no Python.
 
     Args:
-        config: Drag, and whether the air moves.
+        config: Drag.
         joints: n.
         period: s.
+        moves: Whether the air may.
     """
 
-    def __init__(self, config: Wind, joints: int, period: float):
+    def __init__(self, config: Wind, joints: int, period: float, moves: bool):
         super().__init__()
         self._drag = config.quadratic_drag_n_s2_m2, config.linear_drag_n_s_m
         self._true_state = self.DeclareVectorInputPort("true_state", VehicleState.size(joints))
@@ -46,7 +47,7 @@ class WindForce(LeafSystem):
             self._calc_generalized_force,
             {self.discrete_state_ticket(self._force)},
         )
-        if not is_at_rest(config):
+        if moves:
             self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:

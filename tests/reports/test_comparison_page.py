@@ -12,6 +12,7 @@ from aerodrake.reports.comparison_table import comparison_rows, papers_rows
 from aerodrake.summary import failure, summarize
 from tests.browser import (
     assert_ids_are_found,
+    assert_no_text_is_cut,
     assert_no_wider_than_its_window,
     assert_replay_draws,
     assert_silent,
@@ -51,6 +52,7 @@ def test_it_opens_in_silence_and_asks_for_nothing(visited, path, tmp_path):
 
 def test_nothing_is_wider_than_the_page(visited):
     assert_no_wider_than_its_window(visited.page)
+    assert_no_text_is_cut(visited.page)
 
 
 def test_the_replay_of_the_scenarios_own_variant_draws(desktop):

@@ -14,6 +14,7 @@ from aerodrake.scenario_file import load_scenario
 from aerodrake.simulate import Flight
 from tests.browser import (
     assert_ids_are_found,
+    assert_no_text_is_cut,
     assert_no_wider_than_its_window,
     assert_replay_draws,
     assert_silent,
@@ -72,6 +73,7 @@ def test_the_camera_is_taken_on_request(desktop):
 
 def test_nothing_is_wider_than_the_page(visited):
     assert_no_wider_than_its_window(visited.page)
+    assert_no_text_is_cut(visited.page)
 
 
 def test_figures_can_be_read_on_a_phone(phone):

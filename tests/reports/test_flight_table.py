@@ -80,3 +80,9 @@ def test_highlights_begin_with_the_figure_by_which_flights_are_compared(summary)
     lap = ("error, one lap", "1.25 mm", "the paper: 12.20 mm")
     assert highlights(summary, "clover")[0] == lap
     assert highlights(summary, "lissajous")[0] == (*lap[:2], "")
+
+
+def test_ticks_that_were_missed_are_told(summary):
+    assert "MPC ticks missed" not in table(summary, "clover")
+    summary["mpc"] |= {"ticks": 48, "missed": 277}
+    assert cell(table(summary, "clover"), "MPC ticks missed") == ["277 of 325"]
