@@ -12,7 +12,7 @@ from tests.campaign import DURATION_S, campaign, draw, is_ridden_out, judge
 SAMPLE, ALL = 2, 500
 
 
-def test_nothing_is_wrong_with_any_flight(long, tmp_path, capfd):
+def test_nothing_is_wrong_with_any_flight(long, tmp_path, capfd, undrawn):
     def run(arguments):
         code = main(arguments)
         return code, capfd.readouterr().err

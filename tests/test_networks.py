@@ -18,8 +18,8 @@ from aerodrake.scenario_file import load_scenario, packaged_scenarios
 
 JOINTS = 6
 FLIGHTS = [
-    *weathers(Stage("a", "held_out", 25.0, 7.0, -0.9, circle(0.12, 0.15, -0.8)), 1.0, 77),
-    *weathers(Stage("b", "held_out", 25.0, 9.0, 0.8), -2.0, 78),
+    *weathers(Stage("a", "held_out", 16.0, 7.0, -0.9, circle(0.12, 0.15, -0.8)), 1.0, 77),
+    *weathers(Stage("b", "held_out", 16.0, 9.0, 0.8), -2.0, 78),
 ]
 SHIPPED = {
     name: scenario

@@ -96,15 +96,21 @@ def test_they_fly_whoever_is_held_up_and_leave_a_runs_folder(start, url, tmp_pat
     assert summary["error"]["max_m"] < 0.01
 
 
-def test_a_killed_coordinator_is_an_mpc_without_an_answer(start, url, tmp_path):
+def test_a_coordinator_that_ends_is_an_mpc_without_an_answer(start, url, tmp_path):
+    """Interrupted, it says what it did; to the station that is as if it were killed."""
     options = [*SHORT, "--set", "supervisor.plan_lost_s=0.2", "--lcm", url]
     station = start("run", *options, "--out", tmp_path / "out", "--duration", 1)
     coordinator = start("coordinator", *options)
     begins(coordinator)
-    coordinator.send_signal(signal.SIGKILL)
+    coordinator.send_signal(signal.SIGINT)
+    report, errors = coordinator.communicate(timeout=300)
+    assert coordinator.returncode == 130
+    assert re.search(rb"[\d.]+ s, \d+ ticks, \d+ missed, ", report)
+    assert b"Traceback" not in errors and b"aerodrake: interrupted" in errors
     table, errors = station.communicate(timeout=300)
     assert station.returncode == 1, errors
     assert b"Traceback" not in errors
+    assert b"MPC ticks missed" in table
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     # Hover is 1.2 m above the ground, which a second of descent do not reach.
     assert (summary["exit_reason"], summary["exit_cause"][:9]) == ("descend", "plan_lost")
@@ -135,18 +141,6 @@ def test_two_scenarios_are_found_out_at_both_ends(start, url, tmp_path):
         assert errors.decode() == f"aerodrake: --lcm: {problem}\n"
         assert process.returncode == 2 and said == b""
     assert not list(tmp_path.iterdir())
-
-
-def test_an_interrupted_coordinator_says_what_it_did(start, url, tmp_path):
-    station = start("run", *SHORT, "--duration", 60, "--lcm", url, "--out", tmp_path / "out")
-    coordinator = start("coordinator", *SHORT, "--lcm", url)
-    begins(coordinator)
-    coordinator.send_signal(signal.SIGINT)
-    report, errors = coordinator.communicate(timeout=300)
-    station.kill()
-    assert coordinator.returncode == 130
-    assert re.search(rb"[\d.]+ s, \d+ ticks, \d+ missed, ", report)
-    assert b"Traceback" not in errors and b"aerodrake: interrupted" in errors
 
 
 @pytest.mark.parametrize("command", ["run", "coordinator"])

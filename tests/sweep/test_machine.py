@@ -2,13 +2,14 @@
 
 import json
 import resource
-import subprocess
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
+from contextlib import contextmanager
 
 import pytest
 
+from aerodrake.cli import main
 from aerodrake.errors import ProcessDied
 from aerodrake.scenario_file import load_scenario
 from aerodrake.sweep import loop as module
@@ -25,28 +26,27 @@ def plan() -> Plan:
     return Plan.make(load_scenario("hover"), [], 3)
 
 
-def call(folder: Path, *more: str, most_bytes: int | None = None) -> subprocess.CompletedProcess:
-    """With files that can grow no longer than that, as on a disk without room."""
-
-    def limit() -> None:
-        if most_bytes is not None:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
-
-    command = [sys.executable, "-m", "aerodrake", *ARGV, *more]
-    return subprocess.run(
-        command, cwd=folder, preexec_fn=limit, capture_output=True, text=True, timeout=600
-    )
+@contextmanager
+def files_no_longer_than(size: int) -> Iterator[None]:
+    """In bytes, here and in children: as on a disk without room."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
-def test_a_disk_that_is_full_leaves_no_row(tmp_path):
+def test_a_disk_that_is_full_leaves_no_row(tmp_path, monkeypatch, capfd):
     """Large enough for the sweep's folder, too small for a flight."""
-    done = call(tmp_path, most_bytes=12_000)
-    assert done.returncode == 1 and done.stdout == ""
-    hint, said = done.stderr.splitlines()
+    monkeypatch.chdir(tmp_path)
+    with files_no_longer_than(12_000):
+        code = main(ARGV)
+    said, errors = capfd.readouterr()
+    assert code == 1 and said == ""
+    hint, said = errors.splitlines()
     assert "0 of 2 trials are in swept; to go on: aerodrake sweep hover" in hint
     assert said.startswith("aerodrake: trial 0 could not be flown: ") and "File too large" in said
     assert [*read_rows(tmp_path / "swept")] == []
-    assert call(tmp_path, "--resume").returncode == 0
+    assert main([*ARGV, "--resume"]) == 0
     assert {row["exit_reason"] for row in read_rows(tmp_path / "swept")} == {"completed"}
 
 
