@@ -37,10 +37,15 @@ def sources(tmp_path) -> Path:
 
 
 def run(folder: Path) -> int:
-    """What `calls.g` returns in a process of its own."""
+    """What `calls.g` returns in a process of its own, without Python's bytecode: that of a source
+    of the same time and size would do for it."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run(
-        [sys.executable, "-c", RUN], cwd=folder, env=environment, capture_output=True, check=True
+        [sys.executable, "-B", "-c", RUN],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        check=True,
     )
     return int(done.stdout)
 
