@@ -1,26 +1,13 @@
 """A disk that is full, at any file: one line, exit code 2, and earlier results as they were."""
 
-import resource
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from aerodrake.cli import main
+from tests.room import room_for
 
 ARGV = ["run", "hover", "--set", "settle_s=0", "--duration", "0.2", "--quiet", "--out"]
-
-
-@contextmanager
-def room_for(most_bytes: int) -> Iterator[None]:
-    """Files can grow no longer than that, as on a disk without room."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def content(folder: Path) -> dict[str, bytes]:

@@ -1,11 +1,8 @@
 """What the machine has no room for ends a sweep, and is flown when it goes on."""
 
 import json
-import resource
 import sys
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 
 import pytest
 
@@ -16,6 +13,7 @@ from aerodrake.sweep import loop as module
 from aerodrake.sweep.folder import ROWS, read_rows, sweep_folder
 from aerodrake.sweep.loop import processes, sweep
 from aerodrake.sweep.plan import Plan
+from tests.room import room_for
 
 SCENARIO = ("hover", "--set", "settle_s=0", "--set", "duration=0.2")
 ARGV = ["sweep", *SCENARIO, "--trials", "2", "--jobs", "1", "--quiet", "--out", "swept"]
@@ -26,19 +24,10 @@ def plan() -> Plan:
     return Plan.make(load_scenario("hover"), [], 3)
 
 
-@contextmanager
-def files_no_longer_than(size: int) -> Iterator[None]:
-    """In bytes, here and in children: as on a disk without room."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-
-
 def test_a_disk_that_is_full_leaves_no_row(tmp_path, monkeypatch, capfd):
     """Large enough for the sweep's folder, too small for a flight."""
     monkeypatch.chdir(tmp_path)
-    with files_no_longer_than(12_000):
+    with room_for(12_000):
         code = main(ARGV)
     said, errors = capfd.readouterr()
     assert code == 1 and said == ""
