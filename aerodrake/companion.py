@@ -115,16 +115,14 @@ class Companion:
                 asked = time.monotonic()  # What came while this process was held up counts.
                 if self.answer(PATIENCE_MS):
                     heard = time.monotonic()
-                elif asked - heard <= lost_s:
-                    pass
-                elif self.link.phase is Phase.WAITING:
+                elif asked - heard > lost_s:
+                    if self.link.phase is Phase.FLYING:
+                        self.service.fault = (
+                            f"no sample of the station for {lost_s:g} s, "
+                            f"since {self.service.flown_s:.2f} s"
+                        )
+                        break
                     self.link.station = None  # It has gone before it flew: another one may come.
-                else:
-                    self.service.fault = (
-                        f"no sample of the station for {lost_s:g} s, "
-                        f"since {self.service.flown_s:.2f} s"
-                    )
-                    break
                 progress(self.service.flown_s)
         return self.service
 

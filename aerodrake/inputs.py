@@ -34,7 +34,7 @@ def frozen(scenario: Scenario) -> Iterator[Scenario]:
             copies = copy_inputs(scenario, home / "inputs")
         except OSError as error:
             raise BadInput("temporary folder", "", f"cannot be written: {error.strerror}") from None
-        originals = dict(zip(_files(copies), _files(scenario), strict=True))
+        originals = dict(zip(named_files(copies), named_files(scenario), strict=True))
         try:
             yield copies
         except BadInput as error:
@@ -77,7 +77,8 @@ def copy_inputs(scenario: Scenario, folder: Path) -> Scenario:
     return map_files(scenario, copy)
 
 
-def _files(scenario: Scenario) -> list[str]:
+def named_files(scenario: Scenario) -> list[str]:
+    """The paths of the files that a scenario names, but for those in the package."""
     found: list[str] = []
 
     def note(file: Path) -> Path:

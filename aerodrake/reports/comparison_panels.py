@@ -10,7 +10,12 @@ from matplotlib.axes import Axes
 
 from aerodrake.flight_log import FlightLog
 from aerodrake.reports.figures import ACCENT, REFERENCE, plain_ticks
-from aerodrake.reports.flight_panels import LEAST_ERROR_MM, draw_boundaries, draw_distance
+from aerodrake.reports.flight_panels import (
+    LEAST_ERROR_MM,
+    draw_boundaries,
+    draw_distance,
+    plot_error,
+)
 from aerodrake.scenario import Scenario
 
 COLORS = {
@@ -80,9 +85,7 @@ def draw_distances(axes: Axes, logs: Mapping[str, FlightLog], scenario: Scenario
 def draw_errors(axes: Axes, logs: Mapping[str, FlightLog], columns: int) -> None:
     """Distance of the end-effector from its reference, by variant; their names above."""
     for name, log in logs.items():
-        flown = log.is_flown
-        error_mm = np.maximum(1e3 * log.error_m[flown], LEAST_ERROR_MM / 10)  # For the logarithm.
-        axes.semilogy(log.time_s[flown], error_mm, color=COLORS[name], label=name)
+        plot_error(axes, log, log.error_m, color=COLORS[name], label=name)
     errors = np.concatenate([log.error_m[log.is_flown] for log in logs.values()])
     errors = errors[np.isfinite(errors)]
     if len(errors):

@@ -68,15 +68,16 @@ def draw_axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
         axes.legend(loc="best", ncols=2)
 
 
+def plot_error(axes: Axes, log: FlightLog, error_m: np.ndarray, **look: Any) -> None:
+    """A line of a distance error_m (T,) m in mm, over a logarithmic axis."""
+    error_mm = np.maximum(1e3 * error_m[log.is_flown], LEAST_ERROR_MM / 10)
+    axes.semilogy(log.time_s[log.is_flown], error_mm, **look)
+
+
 def draw_error(axes: Axes, log: FlightLog) -> None:
     """Distances of end-effector and base from where they are to be."""
-    flown = log.is_flown
-    for error_m, look in (
-        (log.error_m, {"color": ACCENT, "label": "end-effector"}),
-        (log.base_error_m, {"color": AXIS_COLORS[2], "label": "base", "alpha": 0.7}),
-    ):
-        error_mm = np.maximum(1e3 * error_m[flown], LEAST_ERROR_MM / 10)  # For the logarithm.
-        axes.semilogy(log.time_s[flown], error_mm, **look)
+    plot_error(axes, log, log.error_m, color=ACCENT, label="end-effector")
+    plot_error(axes, log, log.base_error_m, color=AXIS_COLORS[2], alpha=0.7, label="base")
     low, high = axes.get_ylim()
     low = max(low, LEAST_ERROR_MM)
     axes.set_ylim(low, max(high, 10 * low))

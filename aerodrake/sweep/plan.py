@@ -10,10 +10,11 @@ from importlib.metadata import version
 from typing import Any
 
 from aerodrake.errors import BadInput, ScenarioError
+from aerodrake.inputs import named_files
 from aerodrake.scenario import Scenario
 from aerodrake.scenario_file import set_key
 from aerodrake.scenario_yaml import dump_line
-from aerodrake.schema import as_mapping, map_files
+from aerodrake.schema import as_mapping
 from aerodrake.station import make_closed_loop
 from aerodrake.sweep.distributions import VARY, Choice, Distribution, Linspace, make_rng
 from aerodrake.sweep.distributions import parse_distribution as parse
@@ -128,13 +129,13 @@ def _whole(scenario: Scenario, vary: Mapping[str, Distribution]) -> frozenset[st
 
     A key stands on those before it: `reference.kind` makes keys that another kind has not.
     """
-    whole, files = set(), _files(scenario)
+    whole, files = set(), {*named_files(scenario)}
     for key, distribution in vary.items():
         probed = [
             set_key(scenario, VARY, f"{key}={dump_line(value)}") for value in distribution.probes
         ]
         for other in probed:
-            if _files(other) - files:
+            if {*named_files(other)} - files:
                 raise BadInput(VARY, key, "expected no file of your own; set it for a whole sweep")
         scenario = probed[0]
         if type(_value(scenario, key)) is int:
@@ -166,14 +167,3 @@ def _value(scenario: Scenario, key: str) -> Any:
     for name in key.replace("[", ".[").split("."):
         node = node[int(name[1:-1])] if name.startswith("[") else node[name]
     return node
-
-
-def _files(scenario: Scenario) -> set[str]:
-    found = set()
-
-    def note(file: Any) -> Any:
-        found.add(str(file))
-        return file
-
-    map_files(scenario, note)
-    return found
