@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from importlib.metadata import version
 
 from aerodrake.commands import bench, compare, coordinator, graph, identify, run, sweep, train
-from aerodrake.errors import BadInput, ProcessDied
-from aerodrake.interrupts import termination_as_interrupt
+from aerodrake.support.errors import BadInput, ProcessDied
+from aerodrake.support.interrupts import termination_as_interrupt
 
 COMMANDS = {
     "run": run,

@@ -13,33 +13,33 @@ from typing import Any
 import numpy as np
 from pydrake.systems.framework import Diagram
 
-from aerodrake.errors import file_at
-from aerodrake.fault_kinds import MPC_FAULTS
-from aerodrake.guidance import make_guidance
-from aerodrake.model.clik import InverseKinematics
-from aerodrake.model.direction import make_direction
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.horizon import stage_times
-from aerodrake.model.kinematics import Kinematics
-from aerodrake.model.mpc import MpcFormulation
-from aerodrake.model.safe_mode import SafeMotion
-from aerodrake.model.scenario_network import network_for
-from aerodrake.model.setpoint import SetpointLimits
-from aerodrake.model.supervision import conditions
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.replacements import Replacements
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.clik import InverseKinematics
+from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.horizon import stage_times
+from aerodrake.model.reference.direction import make_direction
+from aerodrake.model.residual.scenario_network import network_for
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.supervision.conditions import conditions
+from aerodrake.model.supervision.safe_mode import SafeMotion
+from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Scenario
+from aerodrake.scenario.faults import MPC_FAULTS
+from aerodrake.support.errors import file_at
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.equivalent_state import EquivalentState
+from aerodrake.systems.faults.learner import make_learner_fault
+from aerodrake.systems.faults.mpc import MpcFaultSystem
 from aerodrake.systems.kinematics import KinematicsSystem
-from aerodrake.systems.learner_fault import make_learner_fault
 from aerodrake.systems.mpc import MpcSystem
-from aerodrake.systems.mpc_fault import MpcFaultSystem
 from aerodrake.systems.pointing import PointingSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.supervisor import Supervisor
 from aerodrake.systems.weight_allocator import WeightAllocator
+from aerodrake.wiring.guidance import make_guidance
+from aerodrake.wiring.replacements import Replacements
 
 
 def make_coordinator(scenario: Scenario, replacements: Replacements | None = None) -> Diagram:

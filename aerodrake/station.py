@@ -43,18 +43,18 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPo
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.coordinator import make_coordinator
-from aerodrake.model.joint_pid import JointPid
-from aerodrake.model.rotor_monitor import RotorMonitor
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.physics import add_physics, through
-from aerodrake.replacements import Replacements
+from aerodrake.model.low_level.joint_pid import JointPid
+from aerodrake.model.supervision.rotor_monitor import RotorMonitor
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Scenario
-from aerodrake.sensors import make_sensors
-from aerodrake.systems.actuator_faults import make_joint_faults, make_pushes
 from aerodrake.systems.arm_controller import ArmController
+from aerodrake.systems.faults.actuators import make_joint_faults, make_pushes
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.rotor_monitor import RotorMonitorSystem
-from aerodrake.wind import make_wind
+from aerodrake.wiring.physics import add_physics, through
+from aerodrake.wiring.replacements import Replacements
+from aerodrake.wiring.sensors import make_sensors
+from aerodrake.wiring.wind import make_wind
 
 SEAM = (
     "state",

@@ -3,10 +3,10 @@
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.vehicle import GRAVITY, Vehicle
-from aerodrake.scenario_file import load_scenario
+from aerodrake.model.vehicle.vehicle import GRAVITY, Vehicle
+from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_context, make_coordinator
-from aerodrake.threads import single_thread
+from aerodrake.support.threads import single_thread
 
 
 def main() -> None:

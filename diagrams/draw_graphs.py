@@ -1,12 +1,12 @@
 """Draws every diagram and system, with a page for each, into diagrams/graphs.
 
 The same as `aerodrake graph --out diagrams/graphs`; for a diagram of your own, hand over
-`aerodrake.graph.systems_by_name(diagram)`.
+`aerodrake.gallery.graph.systems_by_name(diagram)`.
 """
 
 from pathlib import Path
 
-from aerodrake.gallery import export_all, gallery
+from aerodrake.gallery.export import export_all, gallery
 
 
 def main() -> None:

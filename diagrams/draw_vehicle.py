@@ -17,9 +17,9 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
-from aerodrake.model.reference import make_reference
-from aerodrake.model.vehicle import Vehicle, add_robot
-from aerodrake.scenario_file import load_scenario
+from aerodrake.model.reference.curves import make_reference
+from aerodrake.model.vehicle.vehicle import Vehicle, add_robot
+from aerodrake.scenario.load import load_scenario
 
 EYE, TARGET = np.array([0.75, 1.35, 1.75]), np.array([-0.22, 0.12, 1.33])
 WIDTH, HEIGHT = 1200, 640

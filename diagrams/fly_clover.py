@@ -3,11 +3,11 @@
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.kinematics import Kinematics
-from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.scenario_file import load_scenario
+from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
-from aerodrake.threads import single_thread
+from aerodrake.support.threads import single_thread
 
 
 def main() -> None:

@@ -12,13 +12,13 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from aerodrake.compare import make_variants
-from aerodrake.processes import run_parallel
-from aerodrake.reference_kinds import FigureEight, Lissajous
+from aerodrake.comparison.compare import make_variants
+from aerodrake.flight.simulate import Flight
+from aerodrake.flight.summary import summarize
 from aerodrake.scenario import Scenario
-from aerodrake.scenario_file import load_scenario
-from aerodrake.simulate import Flight
-from aerodrake.summary import summarize
+from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.references import FigureEight, Lissajous
+from aerodrake.support.processes import run_parallel
 
 START = {"w_2_base": 1e-3, "w_2_joints": 10.0, "w_3_base": 30.0, "w_3_joints": 30.0, "w_4": 300.0}
 PATHS = ((FigureEight(), 15.0), (Lissajous(), 19.0))  # And how long a lap takes, s.

@@ -1,6 +1,6 @@
 """One system under test: the weight allocator alone, with its inputs fixed by hand."""
 
-from aerodrake.model.weight_allocation import Mode
+from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.scenario import Allocation
 from aerodrake.systems.weight_allocator import WeightAllocator
 

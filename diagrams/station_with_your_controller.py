@@ -5,10 +5,10 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource
 
-from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context, make_station
-from aerodrake.threads import single_thread
+from aerodrake.support.threads import single_thread
 
 
 class Circle(LeafSystem):

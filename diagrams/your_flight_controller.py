@@ -3,12 +3,12 @@
 import numpy as np
 from pydrake.systems.framework import LeafSystem
 
-from aerodrake.model.vehicle import GRAVITY, Vehicle
-from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.replacements import Replacements
-from aerodrake.scenario_file import load_scenario
-from aerodrake.simulate import Flight
-from aerodrake.summary import summarize
+from aerodrake.flight.simulate import Flight
+from aerodrake.flight.summary import summarize
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.vehicle import GRAVITY, Vehicle
+from aerodrake.scenario.load import load_scenario
+from aerodrake.wiring.replacements import Replacements
 
 
 class PdController(LeafSystem):

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from aerodrake.scenario_file import packaged_scenarios
+from aerodrake.scenario.load import packaged_scenarios
 
 SETTLE_S, DURATION_S = 1.0, 8.0
 ENDINGS = {"completed", "hold", "descend", "landed", "stopped", "lost"}

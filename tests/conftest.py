@@ -4,7 +4,7 @@ Campaigns fly, kill or feed a small sample by default, and all of it by
 
     pytest --long
 
-or `pytest --long tests/test_scenario_fuzz.py` for one of them. Each asks the
+or `pytest --long tests/scenario/test_fuzz.py` for one of them. Each asks the
 fixture `long` which of the two it is.
 """
 
@@ -14,8 +14,9 @@ import hypothesis
 import pytest
 from threadpoolctl import threadpool_limits
 
-from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Scenario
+from tests.browser import DESKTOP, PHONE, chromium, visit
 
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("repeatable")
@@ -51,15 +52,15 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
     Figures are empty files, and pages have no pictures and no replay.
     """
-    reports = "aerodrake.reports"
-    monkeypatch.setattr("aerodrake.flight_folder.plot_tracking", lambda *given: given[-1].touch())
-    monkeypatch.setattr(
-        f"{reports}.comparison_figure.plot_comparison", lambda *given: given[-1].touch()
-    )
-    monkeypatch.setattr(f"{reports}.flight_page.flight_pictures", lambda *_: [])
-    monkeypatch.setattr(f"{reports}.comparison_page._pictures", lambda *_: [])
-    for place in ("replay", "comparison_page"):
-        monkeypatch.setattr(f"{reports}.{place}.replay_page", lambda *_: "")
+    for figure in (
+        "reports.flight_folder.plot_tracking",
+        "comparison.figure.plot_comparison",
+    ):
+        monkeypatch.setattr(f"aerodrake.{figure}", lambda *given: given[-1].touch())
+    for pictures in ("reports.flight_page.flight_pictures", "comparison.page._pictures"):
+        monkeypatch.setattr(f"aerodrake.{pictures}", lambda *_: [])
+    for page in ("reports.replay", "comparison.page"):
+        monkeypatch.setattr(f"aerodrake.{page}.replay_page", lambda *_: "")
 
 
 @pytest.fixture
@@ -88,9 +89,9 @@ def vehicle(scenario) -> Vehicle:
 @pytest.fixture(scope="session")
 def short_flight():
     """A scenario that has something of everything, and the log of its flight of 0.6 s."""
-    from aerodrake.reference_kinds import Clover
+    from aerodrake.flight.simulate import Flight
     from aerodrake.scenario import Residual, Scenario
-    from aerodrake.simulate import Flight
+    from aerodrake.scenario.references import Clover
 
     scenario = Scenario(
         name="short",
@@ -100,3 +101,27 @@ def short_flight():
         residual=Residual(mode="online", judge_s=0.0),  # Delta is used from the first.
     )
     return scenario, Flight(scenario).fly()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def desktop(browser, path):
+    with visit(browser, path, DESKTOP) as visited:
+        yield visited
+
+
+@pytest.fixture(scope="module")
+def phone(browser, path):
+    with visit(browser, path, PHONE, color_scheme="dark") as visited:
+        yield visited
+
+
+@pytest.fixture(params=["desktop", "phone"])
+def visited(request):
+    """The page in a window of either size."""
+    return request.getfixturevalue(request.param)

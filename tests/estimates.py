@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from aerodrake.model.state_filter import (
+from aerodrake.model.sensing.state_filter import (
     StateFilter,
     correct_joints,
     correct_motion,
     correct_rotation,
 )
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import Filter
 
 DT = 0.01

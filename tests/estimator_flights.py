@@ -4,9 +4,9 @@ import numpy as np
 import torch
 from pydrake.systems.framework import Context
 
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.residual_network import ResidualNetwork
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.residual.network import ResidualNetwork
+from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import Model, Residual, Scenario
 from aerodrake.systems.residual_estimator import ResidualEstimator
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.log import FlightLog
 
 
 def lost_early(log: FlightLog, samples: int, cause: str = "") -> FlightLog:

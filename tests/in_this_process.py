@@ -1,4 +1,4 @@
-"""In the place of `aerodrake.processes.run_parallel`, where processes are not what is tested."""
+"""Replaces `run_parallel` of `aerodrake.support.processes` where processes are not tested."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any

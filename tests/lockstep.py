@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 from pydrake.lcm import DrakeLcm
 
-from aerodrake.companion import Companion
-from aerodrake.flight_log import FlightLog
-from aerodrake.remote_coordinator import make_station_link
+from aerodrake.flight.log import FlightLog
+from aerodrake.flight.simulate import Flight
 from aerodrake.scenario import Scenario
-from aerodrake.simulate import Flight
-from aerodrake.wire import COORDINATOR
+from aerodrake.wire.companion import Companion
+from aerodrake.wire.link import COORDINATOR
+from aerodrake.wire.remote_coordinator import make_station_link
 
 
 class Lockstep:

@@ -1,8 +1,12 @@
 """The package's modules, for tests that read them."""
 
+import inspect
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
+from pydrake.systems.framework import LeafSystem
 
 import aerodrake
 
@@ -21,3 +25,15 @@ def dotted(path: Path) -> str:
 
 
 everywhere = pytest.mark.parametrize("path", MODULES, ids=relative)
+
+
+def _leaf_systems() -> Iterator[type[LeafSystem]]:
+    for path in MODULES:
+        if path.relative_to(PACKAGE).parts[0] in ("systems", "wire"):
+            for _, kind in inspect.getmembers(import_module(dotted(path)), inspect.isclass):
+                if issubclass(kind, LeafSystem) and kind.__module__ == dotted(path):
+                    yield kind
+
+
+SYSTEMS = list(_leaf_systems())
+"""Every LeafSystem of the package."""

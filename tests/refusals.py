@@ -2,8 +2,8 @@
 
 import pytest
 
-from aerodrake.errors import ScenarioError
-from aerodrake.scenario_file import load_scenario
+from aerodrake.scenario.load import load_scenario
+from aerodrake.support.errors import ScenarioError
 
 
 def refuses(path: str, *overrides: tuple[str, str]) -> str:

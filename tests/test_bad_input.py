@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from aerodrake.cli import main
-from aerodrake.files import locate
 from aerodrake.scenario import Vehicle
+from aerodrake.support.files import locate
 
 HEADER = "t,x,y,z\n"
 

@@ -10,12 +10,12 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 import aerodrake
-from aerodrake.reference_kinds import Clover
+from aerodrake.flight.simulate import Flight
 from aerodrake.scenario import Mpc, Residual, Scenario
-from aerodrake.simulate import Flight
+from aerodrake.scenario.references import Clover
+from aerodrake.scenario.world import Mismatch, Payload, Sensors, Wind
 from aerodrake.station import make_closed_loop, make_context
-from aerodrake.threads import single_thread
-from aerodrake.world import Mismatch, Payload, Sensors, Wind
+from aerodrake.support.threads import single_thread
 
 
 def noisy(seed: int = 7) -> Scenario:

@@ -17,7 +17,7 @@ import pytest
 
 from aerodrake.cli import main, make_parser
 from aerodrake.commands.options import overrides
-from aerodrake.scenario_file import load_scenario, packaged_scenarios
+from aerodrake.scenario.load import load_scenario, packaged_scenarios
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 import yaml
 
-from aerodrake.events import events
-from aerodrake.fault_kinds import AnyFault
-from aerodrake.flight_log import FlightLog
-from aerodrake.model.setpoint import SetpointLimits
-from aerodrake.model.supervision import NEVER, Condition, conditions
-from aerodrake.model.vehicle import Vehicle
+from aerodrake.flight.events import events
+from aerodrake.flight.log import FlightLog
+from aerodrake.flight.simulate import Flight
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.supervision.conditions import NEVER, Condition, conditions
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Scenario
-from aerodrake.scenario_file import load_scenario
-from aerodrake.simulate import Flight
+from aerodrake.scenario.faults import AnyFault
+from aerodrake.scenario.load import load_scenario
 
 PAGE = (Path(__file__).parents[1] / "diagrams" / "faults.md").read_text()
 SETTLE_S = 0.5

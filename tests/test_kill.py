@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 from aerodrake.learning.dataset import ARRAYS
-from aerodrake.model.checkpoint import load
-from aerodrake.scenario_file import load_scenario
+from aerodrake.model.residual.checkpoint import load
+from aerodrake.scenario.load import load_scenario
 
 TINY = ["hover", "--set", "settle_s=0", "--set", "duration=0.2"]
 COMMANDS = {

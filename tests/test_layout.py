@@ -3,92 +3,61 @@
 import ast
 import inspect
 import re
-from importlib import import_module
 from pathlib import Path
 
 import pytest
-from pydrake.systems.framework import LeafSystem
 
-from tests.modules import MODULES, PACKAGE, dotted, everywhere, relative
+from tests.modules import MODULES, PACKAGE, SYSTEMS, dotted, everywhere
 
-STOREYS = {
-    0: (
-        "__init__",
-        "compiled",
-        "errors",
-        "files",
-        "fingerprint",
-        "garbage",
-        "inputs",
-        "reference_kinds",
-        "schema",
-        "scenario",
-        "scenario_edit",
-        "scenario_file",
-        "scenario_rules",
-        "fault_kinds",
-        "world",
-        "scenario_yaml",
-        "scratch",
-        "threads",
-        "wire",
-        "wire_message",
-        "urdf",
-    ),
-    1: ("model",),
-    2: ("systems",),
-    3: (
-        "station",
-        "coordinator",
-        "remote_coordinator",
-        "physics",
-        "bare_plant",
-        "open_loop",
-        "sensors",
-        "wind",
-        "guidance",
-        "replacements",
-    ),
-    4: (
-        "simulate",
-        "not_finite",
-        "monitor",
-        "recording",
-        "flight_log",
-        "events",
-        "summary",
-        "flight_folder",
-        "run_folder",
-        "reports",
-        "graph",
-        "gallery",
-        "system_page",
-        "docstring",
-        "companion",
-        "interrupts",
-        "processes",
-        "compare",
-        "margin_search",
-        "margins",
-        "identify",
-        "identify_report",
-        "excitation",
-        "learning",
-        "sweep",
-        "bench",
-    ),
-    5: ("commands", "cli", "__main__"),
-}
+ROOMS = (
+    "support",
+    "scenario",
+    "model",
+    "systems",
+    "wiring",
+    "coordinator",
+    "station",
+    "wire",
+    "gallery",
+    "flight",
+    "reports",
+    "identification",
+    "learning",
+    "comparison",
+    "sweeps",
+    "bench",
+    "commands",
+    "cli",
+    "__main__",
+)
+"""Folders and loose files of the package, from the ground up; each imports from those before it."""
+
+MODEL_ROOMS = (
+    "vehicle",
+    "reference",
+    "sensing",
+    "low_level",
+    "equivalent",
+    "setpoint",
+    "qp",
+    "mpc",
+    "residual",
+    "supervision",
+)
+"""Folders of `model`, likewise."""
+
+LOOSE = {"__init__", "__main__", "cli", "coordinator", "station"}
 
 MOST_LINES = 300
 
 
-def storey(module: str) -> int:
-    """Of `aerodrake.simulate`, `aerodrake.model.mpc` and so on."""
-    name = (module.split(".") + ["__init__"])[1]
-    found = [number for number, names in STOREYS.items() if name in names]
-    assert len(found) == 1, f"{module} stands on no storey"
-    return found[0]
+def height(module: str) -> tuple[int, int]:
+    """Position in `ROOMS`, and for a module of `model` in `MODEL_ROOMS`; -1 for a folder's own."""
+    _, *parts = module.split(".")
+    if not parts:
+        return -1, -1
+    in_model = parts[0] == "model" and len(parts) > 1
+    return ROOMS.index(parts[0]), MODEL_ROOMS.index(parts[1]) if in_model else -1
 
 
 def imports(path: Path) -> set[str]:
@@ -105,22 +74,30 @@ def imports(path: Path) -> set[str]:
     return found
 
 
-def test_there_is_a_house():
+def test_the_package_is_found():
     assert len(MODULES) > 30
-    assert "aerodrake.model.mpc" in imports(PACKAGE / "coordinator.py")
-    assert storey("aerodrake.model.mpc") == 1 and storey("aerodrake") == 0
+    assert "aerodrake.model.mpc.formulation" in imports(PACKAGE / "coordinator.py")
+    assert height("aerodrake.model.mpc.formulation") > height("aerodrake.model.vehicle")
+
+
+def test_rooms_are_folders():
+    assert {path.stem for path in PACKAGE.glob("*.py")} == LOOSE
+    code = {path.relative_to(PACKAGE).parts[0] for path in MODULES if path.parent != PACKAGE}
+    assert code | LOOSE - {"__init__"} == set(ROOMS)
+    inner = {path.name for path in (PACKAGE / "model").iterdir() if any(path.glob("*.py"))}
+    assert inner == set(MODEL_ROOMS)
 
 
 @everywhere
 def test_imports_go_strictly_downward(path):
-    """On a storey of several pages these may know each other, as long as nobody goes in circles."""
-    here = storey(dotted(path))
+    """Within a room modules import each other, but see `test_no_import_cycle`."""
+    here = height(dotted(path))
     for module in imports(path):
         if module.startswith("aerodrake"):
-            assert storey(module) <= here, f"{dotted(path)} imports {module}"
+            assert height(module) <= here, f"{dotted(path)} imports {module}"
 
 
-def test_nobody_goes_in_circles():
+def test_no_import_cycle():
     names = {dotted(path) for path in MODULES}
     below = {dotted(path): imports(path) & names for path in MODULES}
     while free := {name for name, others in below.items() if not others & set(below)}:
@@ -142,14 +119,7 @@ def test_one_noun_per_file(path):
     assert lines <= MOST_LINES
 
 
-def leaf_systems():
-    for path in sorted((PACKAGE / "systems").glob("*.py")):
-        for _, kind in inspect.getmembers(import_module(dotted(path)), inspect.isclass):
-            if issubclass(kind, LeafSystem) and kind.__module__ == dotted(path):
-                yield kind
-
-
-@pytest.mark.parametrize("kind", list(leaf_systems()), ids=lambda kind: kind.__name__)
+@pytest.mark.parametrize("kind", SYSTEMS, ids=lambda kind: kind.__name__)
 def test_systems_say_their_ports_and_rate(kind):
     doc = inspect.getdoc(kind)
     assert "\nPorts:\n" in doc
@@ -162,12 +132,12 @@ def test_systems_say_their_ports_and_rate(kind):
         assert re.search(r"^State\b.*:", doc, re.MULTILINE)
 
 
-@pytest.mark.parametrize("path", sorted((PACKAGE / "systems").glob("*.py")), ids=relative)
-def test_the_vehicle_has_the_size_its_file_says(path):
+@pytest.mark.parametrize("kind", SYSTEMS, ids=lambda kind: kind.__name__)
+def test_the_vehicle_has_the_size_its_file_says(kind):
     """No number of joints, states or features is written into a system."""
     numbers = {
         node.value
-        for node in ast.walk(ast.parse(path.read_text()))
+        for node in ast.walk(ast.parse(inspect.getsource(inspect.getmodule(kind))))
         if isinstance(node, ast.Constant) and type(node.value) is int
     }
     assert not numbers & {24, 30, 25, 33}

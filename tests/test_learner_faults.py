@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aerodrake.fault_kinds import LearnerDiverged, LearnerNan, LearnerPoisoned
-from aerodrake.model.learner_health import FADE, Cause
-from aerodrake.scenario_file import load_scenario
-from aerodrake.simulate import Flight
+from aerodrake.flight.simulate import Flight
+from aerodrake.model.residual.judge import FADE, Cause
+from aerodrake.scenario.faults import LearnerDiverged, LearnerNan, LearnerPoisoned
+from aerodrake.scenario.load import load_scenario
 
 SCENARIO = load_scenario(
     "clover_paper", [("--set", f"{key}={value}") for key, value in

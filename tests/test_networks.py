@@ -5,16 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 
-from aerodrake.files import locate
-from aerodrake.fingerprint import plant_hash
 from aerodrake.learning.evaluation import evaluate
 from aerodrake.learning.stages import Stage, circle, fly_stage, weathers
-from aerodrake.model.checkpoint import load
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.linear_residual import LinearResidual
-from aerodrake.model.residual_samples import residual_samples
-from aerodrake.model.scenario_network import provenance_notes
-from aerodrake.scenario_file import load_scenario, packaged_scenarios
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.residual.checkpoint import load
+from aerodrake.model.residual.linear_residual import LinearResidual
+from aerodrake.model.residual.samples import residual_samples
+from aerodrake.model.residual.scenario_network import provenance_notes
+from aerodrake.scenario.fingerprint import plant_hash
+from aerodrake.scenario.load import load_scenario, packaged_scenarios
+from aerodrake.support.files import locate
 
 JOINTS = 6
 FLIGHTS = [

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.residual_features import features
-from aerodrake.model.residual_network import ResidualNetwork
-from aerodrake.reference_kinds import Clover, MovingTarget
+from aerodrake.flight.simulate import Flight
+from aerodrake.model.residual.features import features
+from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.scenario import Residual, Rotor, Scenario, Vehicle
-from aerodrake.simulate import Flight
+from aerodrake.scenario.references import Clover, MovingTarget
+from aerodrake.scenario.world import Sensors
 from aerodrake.station import make_closed_loop, make_context
-from aerodrake.world import Sensors
 
 
 @pytest.mark.parametrize("max_drift", [0.005, 0.01])

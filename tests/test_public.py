@@ -95,7 +95,7 @@ def test_shapes_are_found():
         assert has_shape(shape)
     for other in ("(paper, eq. 2)", "(n)", "(thrust at first, thrust at the end)"):
         assert not has_shape(other)
-    assert len(list(arrays(PACKAGE / "model" / "vehicle_state.py"))) > 6
+    assert len(list(arrays(PACKAGE / "model" / "vehicle" / "state.py"))) > 6
 
 
 @everywhere

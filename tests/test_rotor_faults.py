@@ -7,13 +7,13 @@ import pytest
 from pydrake.systems.analysis import Simulator
 from pydrake.trajectories import PiecewisePolynomial
 
-from aerodrake.fault_kinds import JointDegraded, Push, RotorDegraded
-from aerodrake.model.rotation import rotation_matrix
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.open_loop import make_open_loop
-from aerodrake.reference_kinds import Clover
+from aerodrake.flight.open_loop import make_open_loop
+from aerodrake.model.vehicle.rotation import rotation_matrix
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Scenario
-from aerodrake.scenario_file import load_scenario
+from aerodrake.scenario.faults import JointDegraded, Push, RotorDegraded
+from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.references import Clover
 from aerodrake.station import make_closed_loop, make_context
 
 SETTLE_S, FAULT_S = 0.3, 0.5

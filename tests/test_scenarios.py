@@ -12,14 +12,14 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.trajectories import PiecewisePolynomial
 
 import aerodrake
-from aerodrake.compare import make_variants
-from aerodrake.excitation import excite
-from aerodrake.model.setpoint import SetpointLimits
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.reference_kinds import Hover
-from aerodrake.scenario_file import load_scenario, packaged_scenarios
-from aerodrake.simulate import Flight
-from aerodrake.summary import summarize
+from aerodrake.comparison.compare import make_variants
+from aerodrake.flight.excitation import excite
+from aerodrake.flight.simulate import Flight
+from aerodrake.flight.summary import summarize
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.scenario.load import load_scenario, packaged_scenarios
+from aerodrake.scenario.references import Hover
 
 PACKAGE = Path(aerodrake.__file__).parent
 

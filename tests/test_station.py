@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.kinematics import Kinematics
-from aerodrake.model.supervision import conditions
+from aerodrake.model.supervision.conditions import conditions
+from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.scenario import Mpc, Supervisor
 from aerodrake.station import make_closed_loop, make_context, make_coordinator, make_station
 from tests.trim import hovering

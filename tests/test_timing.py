@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.reference_kinds import MovingTarget
 from aerodrake.scenario import Rates
+from aerodrake.scenario.references import MovingTarget
+from aerodrake.scenario.world import Wind
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.flight_controller import FlightController
@@ -18,7 +19,6 @@ from aerodrake.systems.sensors import SensorSystem
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.systems.wind_force import WindForce
-from aerodrake.world import Wind
 
 UPDATES = {
     FlightController: "_update",

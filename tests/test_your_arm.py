@@ -10,11 +10,11 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from aerodrake.bench.arms import with_joints
 from aerodrake.cli import main
-from aerodrake.errors import ScenarioError
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.scenario_file import load_scenario
-from aerodrake.simulate import Flight
-from aerodrake.summary import summarize
+from aerodrake.flight.simulate import Flight
+from aerodrake.flight.summary import summarize
+from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.scenario.load import load_scenario
+from aerodrake.support.errors import ScenarioError
 
 DIAGRAMS = Path(__file__).parents[1] / "diagrams"
 ARM4 = DIAGRAMS / "clover_arm4.yaml"

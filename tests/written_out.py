@@ -4,10 +4,10 @@ import clarabel
 import numpy as np
 from scipy import sparse
 
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.horizon import stage_ticks
-from aerodrake.model.mpc_inputs import MpcInputs
-from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.horizon import stage_ticks
+from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Mpc
 
 K_B, DT = np.array([1.8, 2.5, 6.67]), 0.02

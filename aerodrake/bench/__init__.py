@@ -1,1 +1,1 @@
-"""What a tick, a flight and a start cost, beside other solvers."""
+"""Benchmarks: MPC tick, closed loop, scaling."""

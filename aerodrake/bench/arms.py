@@ -10,8 +10,8 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from aerodrake.files import locate
 from aerodrake.scenario import Scenario
+from aerodrake.support.files import locate
 
 LIGHT = "1e-6"
 """kg m^2, inertia of links between repeated joints, of 5 g."""

@@ -11,14 +11,14 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram
 
-from aerodrake.bare_plant import make_bare_plant
+from aerodrake.bench.bare_plant import make_bare_plant
 from aerodrake.bench.systems import timed_systems
+from aerodrake.flight.simulate import Flight
+from aerodrake.flight.summary import rounded
 from aerodrake.scenario import Scenario
-from aerodrake.scenario_file import load_scenario
-from aerodrake.simulate import Flight
+from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
-from aerodrake.summary import rounded
-from aerodrake.threads import single_thread
+from aerodrake.support.threads import single_thread
 
 SCENARIO = "clover"
 MPC = "mpc"

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from aerodrake.summary import rounded
+from aerodrake.flight.summary import rounded
 
 LAUNCHER = """
 import json, os, resource, subprocess, sys, time

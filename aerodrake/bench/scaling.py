@@ -14,9 +14,9 @@ from aerodrake.bench.arms import with_joints
 from aerodrake.bench.peers import PEERS
 from aerodrake.bench.solvers import installed_peers, spread
 from aerodrake.bench.ticks import OWN, record_ticks, replay
+from aerodrake.flight.summary import rounded
 from aerodrake.scenario import Scenario
-from aerodrake.scenario_file import load_scenario
-from aerodrake.summary import rounded
+from aerodrake.scenario.load import load_scenario
 
 SCENARIO = "clover"
 HORIZONS = (5, 10, 15, 20, 30, 40, 60)

@@ -16,9 +16,9 @@ from aerodrake.bench.exact import exact_minimiser
 from aerodrake.bench.peers import PEERS
 from aerodrake.bench.ticks import OWN, RecordedTicks, Replay, program_arrays, record_ticks
 from aerodrake.bench.ticks import replay as replay_ticks
-from aerodrake.model.qp import QpStatus
-from aerodrake.scenario_file import load_scenario
-from aerodrake.summary import rounded
+from aerodrake.flight.summary import rounded
+from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.scenario.load import load_scenario
 
 SCENARIOS = ("clover", "clover_realistic", "moving_target")
 """Whose ticks count."""

@@ -13,7 +13,7 @@ from aerodrake.bench.loop import loop_figures
 from aerodrake.bench.processes import process_figures
 from aerodrake.bench.scaling import scaling_figures
 from aerodrake.bench.solvers import solver_figures
-from aerodrake.summary import rounded
+from aerodrake.flight.summary import rounded
 
 
 @dataclass(frozen=True)

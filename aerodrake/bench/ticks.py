@@ -12,16 +12,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from aerodrake.bench.peers import Peer
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.mpc import MpcFormulation, MpcProgram
-from aerodrake.model.mpc_inputs import MpcInputs
-from aerodrake.model.mpc_solver import MpcSolver
-from aerodrake.model.qp import QpResult, QpStatus, is_bound
-from aerodrake.model.setpoint import SetpointLimits
-from aerodrake.model.vehicle import Vehicle
+from aerodrake.flight.simulate import Flight
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
+from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.mpc.solver import MpcSolver
+from aerodrake.model.qp.condensed_qp import QpResult, QpStatus, is_bound
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Scenario
-from aerodrake.simulate import Flight
-from aerodrake.threads import single_thread
+from aerodrake.support.threads import single_thread
 
 OWN = "aerodrake"
 """The name among the solvers of the one that flies."""

@@ -26,9 +26,9 @@ def main(arguments: argparse.Namespace) -> int:
     """
     from tqdm import tqdm
 
-    from aerodrake.errors import BadInput
-    from aerodrake.files import write_whole
-    from aerodrake.run_folder import run_folder
+    from aerodrake.support.errors import BadInput
+    from aerodrake.support.files import write_whole
+    from aerodrake.support.run_folder import run_folder
 
     file = arguments.json
     if file is not None and (file.is_dir() or not file.parent.is_dir()):
@@ -37,7 +37,7 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.bench.report import FILES, bench_table, missing_peers, plot_bench
     from aerodrake.bench.suite import FULL, QUICK, STEPS, bench
-    from aerodrake.summary import to_json
+    from aerodrake.flight.summary import to_json
 
     say = (lambda line: None) if arguments.quiet else print
     for note in missing_peers():

@@ -37,29 +37,36 @@ def main(arguments: argparse.Namespace) -> int:
     """Flies a scenario in every variant, beside the paper's figures."""
     from tqdm import tqdm
 
-    from aerodrake.scenario_file import load_scenario
+    from aerodrake.scenario.load import load_scenario
 
     given = load_scenario(arguments.scenario, overrides(arguments))
     target = arguments.out or new_folder(f"{given.name}-comparison")
 
-    from aerodrake.compare import FILES, OWN_VARIANT, compare, make_variant, make_variants, notes
-    from aerodrake.compiled import is_cold
-    from aerodrake.flight_log import FlightLog
-    from aerodrake.inputs import frozen
-    from aerodrake.interrupts import held_interrupts
-    from aerodrake.margins import find_margins
-    from aerodrake.model.scenario_network import provenance_notes
-    from aerodrake.model.thrust_allocation import thrust_notes
-    from aerodrake.reports.comparison_figure import plot_comparison
-    from aerodrake.reports.comparison_page import Comparison, comparison_page
-    from aerodrake.reports.comparison_table import comparison_table
-    from aerodrake.reports.margins_report import FILES as MARGINS_FILES
-    from aerodrake.reports.margins_report import margins_table, write_margins
-    from aerodrake.run_folder import run_folder
-    from aerodrake.scenario_rules import warnings
-    from aerodrake.scenario_yaml import dump
-    from aerodrake.schema import as_mapping
-    from aerodrake.summary import headline, to_json
+    from aerodrake.comparison.compare import (
+        FILES,
+        OWN_VARIANT,
+        compare,
+        make_variant,
+        make_variants,
+        notes,
+    )
+    from aerodrake.comparison.figure import plot_comparison
+    from aerodrake.comparison.margins import find_margins
+    from aerodrake.comparison.margins_report import FILES as MARGINS_FILES
+    from aerodrake.comparison.margins_report import margins_table, write_margins
+    from aerodrake.comparison.page import Comparison, comparison_page
+    from aerodrake.comparison.table import comparison_table
+    from aerodrake.flight.log import FlightLog
+    from aerodrake.flight.summary import headline, to_json
+    from aerodrake.model.low_level.thrust_allocation import thrust_notes
+    from aerodrake.model.residual.scenario_network import provenance_notes
+    from aerodrake.scenario.inputs import frozen
+    from aerodrake.scenario.plain_yaml import dump
+    from aerodrake.scenario.rules import warnings
+    from aerodrake.scenario.schema import as_mapping
+    from aerodrake.support.compiled import is_cold
+    from aerodrake.support.interrupts import held_interrupts
+    from aerodrake.support.run_folder import run_folder
 
     say = (lambda line: None) if arguments.quiet else print
     jobs, margins, written = arguments.jobs, None, FILES

@@ -20,17 +20,17 @@ def main(arguments: argparse.Namespace) -> int:
     """Serves one flight of a station, as `aerodrake run SCENARIO --lcm` is one, in wall time."""
     from tqdm import tqdm
 
-    from aerodrake.scenario_file import load_scenario
+    from aerodrake.scenario.load import load_scenario
 
     scenario = load_scenario(arguments.scenario, overrides(arguments))
 
-    from aerodrake.companion import Companion
-    from aerodrake.compiled import is_cold
-    from aerodrake.errors import ProcessDied
-    from aerodrake.garbage import frozen_garbage
-    from aerodrake.inputs import frozen
-    from aerodrake.interrupts import held_interrupts
-    from aerodrake.wire import make_lcm
+    from aerodrake.scenario.inputs import frozen
+    from aerodrake.support.compiled import is_cold
+    from aerodrake.support.errors import ProcessDied
+    from aerodrake.support.garbage import frozen_garbage
+    from aerodrake.support.interrupts import held_interrupts
+    from aerodrake.wire.companion import Companion
+    from aerodrake.wire.link import make_lcm
 
     say = (lambda line: None) if arguments.quiet else print
     lcm = make_lcm(arguments.lcm)

@@ -23,7 +23,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     """Writes pages and graphs of the closed loop, its two sides, or single systems."""
-    from aerodrake.gallery import export_all, gallery
+    from aerodrake.gallery.export import export_all, gallery
 
     names = [arguments.name] if arguments.name else []
     for path in export_all(gallery(names), names, arguments.out, arguments.depth):

@@ -14,7 +14,7 @@ from aerodrake.commands.options import (
     new_folder,
     overrides,
 )
-from aerodrake.errors import BadInput
+from aerodrake.support.errors import BadInput
 
 HELP = "identify K_B of a scenario's model"
 
@@ -33,8 +33,8 @@ def main(arguments: argparse.Namespace) -> int:
     """Identifies K_B of a scenario's equivalent model; writes and prints it."""
     from tqdm import tqdm
 
-    from aerodrake.scenario_edit import check_replaceable, replace_numbers
-    from aerodrake.scenario_file import load_scenario
+    from aerodrake.scenario.edit import check_replaceable, replace_numbers
+    from aerodrake.scenario.load import load_scenario
 
     scenario = load_scenario(arguments.scenario, overrides(arguments))
     if arguments.write:
@@ -43,16 +43,16 @@ def main(arguments: argparse.Namespace) -> int:
         check_replaceable(Path(scenario.source), "model.k_b")
     target = arguments.out or new_folder(f"identify-{scenario.name}")
 
-    from aerodrake import identify_report
-    from aerodrake.identify import DURATION_S, FLIGHTS, identify
-    from aerodrake.inputs import frozen
-    from aerodrake.interrupts import held_interrupts
-    from aerodrake.run_folder import run_folder
+    from aerodrake.identification import report
+    from aerodrake.identification.identify import DURATION_S, FLIGHTS, identify
+    from aerodrake.scenario.inputs import frozen
+    from aerodrake.support.interrupts import held_interrupts
+    from aerodrake.support.run_folder import run_folder
 
     say = (lambda line: None) if arguments.quiet else print
     options = [f"--set={assignment}" for assignment in arguments.set]
     command = shlex.join(["aerodrake", "identify", arguments.scenario, *options])
-    with frozen(scenario) as copied, run_folder(target, identify_report.FILES) as folder:
+    with frozen(scenario) as copied, run_folder(target, report.FILES) as folder:
         with tqdm(
             total=FLIGHTS * DURATION_S,
             desc=f"identify {scenario.name}",
@@ -62,10 +62,10 @@ def main(arguments: argparse.Namespace) -> int:
         ) as bar:
             found = identify(copied, arguments.jobs, progress=bar.update)
         with held_interrupts():
-            identify_report.write(found, command, folder)
-    say(f"{target}: {', '.join(identify_report.FILES)}")
+            report.write(found, command, folder)
+    say(f"{target}: {', '.join(report.FILES)}")
     if arguments.write:
         replace_numbers(Path(scenario.source), "model.k_b", found.k_b)
         say(f"{scenario.source}: model.k_b replaced")
-    say(f"\n{identify_report.table(found)}")
+    say(f"\n{report.table(found)}")
     return 0

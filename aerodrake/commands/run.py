@@ -16,7 +16,7 @@ from aerodrake.commands.options import (
     number_in,
     overrides,
 )
-from aerodrake.errors import BadInput
+from aerodrake.support.errors import BadInput
 
 HELP = "fly a scenario"
 
@@ -50,8 +50,8 @@ def main(arguments: argparse.Namespace) -> int:
     """Flies a scenario; writes its results and prints the table."""
     from tqdm import tqdm
 
-    from aerodrake.scenario_file import load_scenario
-    from aerodrake.scenario_rules import warnings
+    from aerodrake.scenario.load import load_scenario
+    from aerodrake.scenario.rules import warnings
 
     if arguments.rate is not None and not arguments.live:
         raise BadInput("--rate", "", "expected --live beside it: other flights take what they take")
@@ -60,17 +60,17 @@ def main(arguments: argparse.Namespace) -> int:
     scenario = load_scenario(arguments.scenario, overrides(arguments))
     target = arguments.out or new_folder(scenario.name)
 
-    from aerodrake.compiled import is_cold
-    from aerodrake.flight_folder import fly_into
-    from aerodrake.inputs import frozen
-    from aerodrake.interrupts import held_interrupts
-    from aerodrake.model.scenario_network import provenance_notes
-    from aerodrake.model.thrust_allocation import thrust_notes
+    from aerodrake.flight.simulate import Flight
+    from aerodrake.model.low_level.thrust_allocation import thrust_notes
+    from aerodrake.model.residual.scenario_network import provenance_notes
+    from aerodrake.reports.flight_folder import fly_into
     from aerodrake.reports.flight_page import report_page
     from aerodrake.reports.flight_table import table
     from aerodrake.reports.replay import replay_page
-    from aerodrake.run_folder import run_folder
-    from aerodrake.simulate import Flight
+    from aerodrake.scenario.inputs import frozen
+    from aerodrake.support.compiled import is_cold
+    from aerodrake.support.interrupts import held_interrupts
+    from aerodrake.support.run_folder import run_folder
 
     say = (lambda line: None) if arguments.quiet else print
     joints = len(scenario.vehicle.working_rad)
@@ -82,9 +82,9 @@ def main(arguments: argparse.Namespace) -> int:
             say("note: equations are compiled first; this takes a minute, once on a machine")
         link = view = None
         if arguments.lcm:
-            from aerodrake.garbage import frozen_garbage
-            from aerodrake.remote_coordinator import make_station_link
-            from aerodrake.wire import make_lcm
+            from aerodrake.support.garbage import frozen_garbage
+            from aerodrake.wire.link import make_lcm
+            from aerodrake.wire.remote_coordinator import make_station_link
 
             link = make_station_link(scenario, make_lcm(arguments.lcm), say)
         rate = arguments.rate or 1.0 if arguments.live or link else 0.0

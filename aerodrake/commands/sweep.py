@@ -14,7 +14,7 @@ from aerodrake.commands.options import (
     overrides,
     whole_number,
 )
-from aerodrake.errors import BadInput, ProcessDied
+from aerodrake.support.errors import BadInput, ProcessDied
 
 HELP = "fly a scenario many times, with other values of its keys"
 
@@ -55,22 +55,22 @@ def main(arguments: argparse.Namespace) -> int:
     """
     from tqdm import tqdm
 
-    from aerodrake.scenario_file import load_scenario
-    from aerodrake.scenario_rules import warnings
+    from aerodrake.scenario.load import load_scenario
+    from aerodrake.scenario.rules import warnings
 
     if arguments.resume and not arguments.out:
         raise BadInput("--resume", "", "expected the folder of a sweep by --out DIR")
     scenario = load_scenario(arguments.scenario, overrides(arguments))
 
-    from aerodrake.compiled import is_cold
-    from aerodrake.model.scenario_network import provenance_notes
-    from aerodrake.model.thrust_allocation import thrust_notes
-    from aerodrake.sweep.cluster import cluster
-    from aerodrake.sweep.folder import FILES, sweep_folder
-    from aerodrake.sweep.loop import processes, sweep
-    from aerodrake.sweep.plan import Plan
-    from aerodrake.sweep.report import sweep_table, write_report
-    from aerodrake.sweep.trial import FAILURES
+    from aerodrake.model.low_level.thrust_allocation import thrust_notes
+    from aerodrake.model.residual.scenario_network import provenance_notes
+    from aerodrake.support.compiled import is_cold
+    from aerodrake.sweeps.cluster import cluster
+    from aerodrake.sweeps.folder import FILES, sweep_folder
+    from aerodrake.sweeps.loop import processes, sweep
+    from aerodrake.sweeps.plan import Plan
+    from aerodrake.sweeps.report import sweep_table, write_report
+    from aerodrake.sweeps.trial import FAILURES
 
     plan = Plan.make(scenario, arguments.vary, arguments.trials)
     plan.check()

@@ -24,15 +24,15 @@ def main(arguments: argparse.Namespace) -> int:
 
     Run again, it goes on where it was interrupted.
     """
-    from aerodrake.scenario_file import load_scenario
+    from aerodrake.scenario.load import load_scenario
 
     scenario = load_scenario(arguments.scenario, overrides(arguments))
 
-    from aerodrake.inputs import frozen
     from aerodrake.learning.report import training_table
     from aerodrake.learning.stages import paper_stages, quick_stages
     from aerodrake.learning.train import train_scenario
-    from aerodrake.model.training import Training
+    from aerodrake.model.residual.training import Training
+    from aerodrake.scenario.inputs import frozen
 
     kind = "train-quick" if arguments.quick else "train"
     target = arguments.out or Path("runs", f"{kind}-{scenario.name}")

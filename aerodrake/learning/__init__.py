@@ -1,1 +1,1 @@
-"""The residual network's way from flights to a checkpoint, and how good it is."""
+"""Training of the residual network."""

@@ -9,16 +9,16 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from aerodrake.errors import BadInput, ProcessDied
-from aerodrake.fingerprint import digest, plant_hash
 from aerodrake.learning.dataset import load_samples, save_samples
 from aerodrake.learning.stages import Stage, fly_stage
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.residual_features import feature_names
-from aerodrake.model.residual_samples import Samples, residual_samples
-from aerodrake.processes import run_parallel
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.residual.features import feature_names
+from aerodrake.model.residual.samples import Samples, residual_samples
 from aerodrake.scenario import Scenario
-from aerodrake.schema import as_mapping
+from aerodrake.scenario.fingerprint import digest, plant_hash
+from aerodrake.scenario.schema import as_mapping
+from aerodrake.support.errors import BadInput, ProcessDied
+from aerodrake.support.processes import run_parallel
 
 FORMAT = 2
 """Version of the files and of how stages are flown."""

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from aerodrake.errors import BadInput
-from aerodrake.files import is_stored_zip, read_bounded, write_whole
-from aerodrake.model.residual_samples import Samples
+from aerodrake.model.residual.samples import Samples
+from aerodrake.support.errors import BadInput
+from aerodrake.support.files import is_stored_zip, read_bounded, write_whole
 
 MAX_BYTES = 100_000_000
 """No dataset is larger: a guard against hostile files."""

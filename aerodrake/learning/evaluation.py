@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from aerodrake.learning.stages import Stage
-from aerodrake.model.linear_residual import LinearResidual
-from aerodrake.model.online_learner import OnlineLearner
-from aerodrake.model.residual_network import ResidualNetwork
-from aerodrake.model.residual_samples import Samples
+from aerodrake.model.residual.linear_residual import LinearResidual
+from aerodrake.model.residual.network import ResidualNetwork
+from aerodrake.model.residual.online_learner import OnlineLearner
+from aerodrake.model.residual.samples import Samples
 from aerodrake.scenario import Residual
 
 METHODS = ("none", "offline", "online", "linear", "ridge")

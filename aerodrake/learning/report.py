@@ -9,7 +9,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from aerodrake.learning.evaluation import METHODS, Evaluation
-from aerodrake.model.training import Trained
+from aerodrake.model.residual.training import Trained
 from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 
 

@@ -16,14 +16,14 @@ from typing import Literal
 
 import numpy as np
 
-from aerodrake.excitation import Excitation, excite
-from aerodrake.model.motion import held_acceleration_motion
-from aerodrake.model.reference import make_reference
-from aerodrake.model.stage_motion import joint_motion, turn_about
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.reference_kinds import FigureEight, Hover, Lissajous
+from aerodrake.flight.excitation import Excitation, excite
+from aerodrake.model.reference.curves import make_reference
+from aerodrake.model.residual.collection_motion import joint_motion, turn_about
+from aerodrake.model.setpoint.motion import held_acceleration_motion
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Scenario
-from aerodrake.world import Payload, Wind
+from aerodrake.scenario.references import FigureEight, Hover, Lissajous
+from aerodrake.scenario.world import Payload, Wind
 
 SETTLE_S = 5.0
 """s of hover before a stage's motion; nothing is recorded of it."""

@@ -10,23 +10,23 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from aerodrake.errors import BadInput, ScenarioError
-from aerodrake.files import write_whole
-from aerodrake.fingerprint import plant_hash, scenario_hash
-from aerodrake.interrupts import held_interrupts
+from aerodrake.flight.summary import to_json
 from aerodrake.learning.collection import collect
 from aerodrake.learning.evaluation import Evaluation, evaluate
 from aerodrake.learning.report import plot_training
 from aerodrake.learning.stages import Stage
-from aerodrake.model.checkpoint import Provenance, load, save
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.linear_residual import LinearResidual
-from aerodrake.model.training import Training, train
-from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.residual.checkpoint import Provenance, load, save
+from aerodrake.model.residual.linear_residual import LinearResidual
+from aerodrake.model.residual.training import Training, train
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Scenario
-from aerodrake.scratch import scratch_folder
-from aerodrake.summary import to_json
-from aerodrake.threads import single_thread
+from aerodrake.scenario.fingerprint import plant_hash, scenario_hash
+from aerodrake.support.errors import BadInput, ScenarioError
+from aerodrake.support.files import write_whole
+from aerodrake.support.interrupts import held_interrupts
+from aerodrake.support.scratch import scratch_folder
+from aerodrake.support.threads import single_thread
 
 CHECKPOINT, LOG, FIGURE, STAGES = "network.pt", "training.json", "training.png", "stages"
 

@@ -1,1 +1,1 @@
-"""What people see of flights and comparisons: tables, figures, pages, and the vehicle in 3-D."""
+"""The table, figures, page and replay of one flight."""

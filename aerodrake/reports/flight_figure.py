@@ -10,8 +10,8 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from aerodrake.events import spans
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.events import spans
+from aerodrake.flight.log import FlightLog
 from aerodrake.reports.figures import INK, STYLE, cover, write_png
 from aerodrake.reports.flight_panels import (
     draw_allocation,

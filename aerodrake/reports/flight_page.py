@@ -6,11 +6,11 @@ import shlex
 from pathlib import Path
 from typing import Any
 
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.log import FlightLog
+from aerodrake.flight.simulate import Flight
 from aerodrake.reports.flight_pictures import flight_pictures
 from aerodrake.reports.flight_table import highlights, table_rows
 from aerodrake.reports.page import render
-from aerodrake.simulate import Flight
 
 MOST_EVENTS = 200
 """In a page; a flight can have any number."""

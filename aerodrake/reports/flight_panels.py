@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
-from aerodrake.flight_log import FlightLog
-from aerodrake.model.setpoint import SetpointLimits
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.model.weight_allocation import Mode
+from aerodrake.flight.log import FlightLog
+from aerodrake.model.mpc.weight_allocation import Mode
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, plain_ticks, widen
 from aerodrake.scenario import Scenario
 

@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 from matplotlib.axes import Axes
 
-from aerodrake.events import Span, spans
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.events import Span, spans
+from aerodrake.flight.log import FlightLog
 from aerodrake.reports.figures import cover
 from aerodrake.reports.flight_panels import (
     draw_allocation,

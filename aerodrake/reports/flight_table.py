@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from aerodrake.model.safe_mode import SafeMode
-from aerodrake.summary import HEADLINES, headline, millimetres
+from aerodrake.flight.summary import HEADLINES, headline, millimetres
+from aerodrake.model.supervision.safe_mode import SafeMode
 
 PAPER = {
     "clover": {"lap_mean_m": 0.0122, "integral_lap_mean_m": 0.0302},

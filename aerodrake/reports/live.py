@@ -8,12 +8,12 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, EventStatus
 
-from aerodrake.model.safe_mode import SafeMode
-from aerodrake.model.vehicle_state import parts
-from aerodrake.model.weight_allocation import Mode
+from aerodrake.flight.simulate import Flight
+from aerodrake.model.mpc.weight_allocation import Mode
+from aerodrake.model.supervision.safe_mode import SafeMode
+from aerodrake.model.vehicle.state import parts
 from aerodrake.reports.scene import Scene
 from aerodrake.scenario import Scenario
-from aerodrake.simulate import Flight
 
 FRAMES_PER_S = 30.0
 """Of wall time."""

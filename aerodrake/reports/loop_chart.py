@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from pydrake.systems.framework import Diagram, System
 
-from aerodrake.graph import connections, is_default
+from aerodrake.gallery.graph import connections, is_default
 
 SIDES = ("station", "coordinator")
 CHARACTER, LINE = 6.1, 13.0

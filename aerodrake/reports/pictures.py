@@ -10,7 +10,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.log import FlightLog
 from aerodrake.reports.figures import PAGE_STYLE, cover, to_svg
 from aerodrake.reports.supervision_panels import shade_safe_modes
 

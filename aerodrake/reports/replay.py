@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.log import FlightLog
 from aerodrake.reports.scene import Scene
 from aerodrake.scenario import Scenario
 

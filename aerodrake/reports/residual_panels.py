@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from aerodrake.flight_log import FlightLog
-from aerodrake.model.equivalent_model import EquivalentModel
+from aerodrake.flight.log import FlightLog
+from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.reports.figures import ACCENT, AXIS_COLORS, EDGE, widen
 from aerodrake.scenario import Scenario
 

@@ -12,8 +12,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.perception import PointCloud
 from pydrake.systems.framework import DiagramBuilder
 
-from aerodrake.model.payload import add_payload
-from aerodrake.model.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
+from aerodrake.model.vehicle.payload import add_payload
+from aerodrake.model.vehicle.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
 from aerodrake.scenario import Scenario
 
 VIEW_FROM_M = np.array([0.85, 1.3, 0.3])

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from aerodrake.events import Span
-from aerodrake.flight_log import FlightLog
-from aerodrake.model.safe_mode import SafeMode
+from aerodrake.flight.events import Span
+from aerodrake.flight.log import FlightLog
+from aerodrake.model.supervision.safe_mode import SafeMode
 
 SAFE_MODE_COLORS = {
     SafeMode.NOMINAL: "#868e96",

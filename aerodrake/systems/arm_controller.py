@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.joint_pid import JointPid, control
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.low_level.joint_pid import JointPid, control
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.vehicle import Vehicle
 
 
 class ArmController(LeafSystem):

@@ -7,8 +7,8 @@ import time
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
-from aerodrake.model.clik import InverseKinematics
-from aerodrake.model.qp import QpStatus
+from aerodrake.model.mpc.clik import InverseKinematics
+from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.systems.kinematic_controller import KinematicController
 
 

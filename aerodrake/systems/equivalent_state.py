@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.initial_state import Thrust
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.equivalent.initial_state import Thrust
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.vehicle.state import VehicleState
 
 
 class EquivalentState(LeafSystem):

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.flight_memory import initial_memory
-from aerodrake.model.inner_loop import InnerLoop, inner_loop
-from aerodrake.model.outer_loop import OuterLoop, outer_loop
-from aerodrake.model.thrust_allocation import allocate
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.model.whole_body import WholeBody, commanded_motion, rigid_body_effort
+from aerodrake.model.low_level.flight_memory import initial_memory
+from aerodrake.model.low_level.inner_loop import InnerLoop, inner_loop
+from aerodrake.model.low_level.outer_loop import OuterLoop, outer_loop
+from aerodrake.model.low_level.thrust_allocation import allocate
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.whole_body import WholeBody, commanded_motion, rigid_body_effort
 from aerodrake.scenario import Flight, Rotor
 
 MEMORY, ACCELERATION = 0, 2

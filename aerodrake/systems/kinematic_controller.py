@@ -6,10 +6,10 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.mpc_inputs import MpcInputs
-from aerodrake.model.qp import QpStatus, is_answer
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.qp.condensed_qp import QpStatus, is_answer
+from aerodrake.model.vehicle.state import VehicleState
 
 
 class KinematicController(LeafSystem):

@@ -6,9 +6,9 @@ import numpy as np
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from aerodrake.model.kinematics import EndEffector, Kinematics
-from aerodrake.model.rotation import length
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.vehicle.kinematics import EndEffector, Kinematics
+from aerodrake.model.vehicle.rotation import length
+from aerodrake.model.vehicle.state import VehicleState
 
 
 class KinematicsSystem(LeafSystem):

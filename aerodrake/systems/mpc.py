@@ -9,11 +9,11 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, DiscreteValues
 
-from aerodrake.model.mpc import MpcFormulation, MpcProgram
-from aerodrake.model.mpc_fault import MpcFault, spoiled
-from aerodrake.model.mpc_inputs import MpcInputs
-from aerodrake.model.mpc_solver import MpcSolver
-from aerodrake.model.qp import QpResult, QpStatus, is_answer, is_bound
+from aerodrake.model.mpc.fault import MpcFault, spoiled
+from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
+from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.mpc.solver import MpcSolver
+from aerodrake.model.qp.condensed_qp import QpResult, QpStatus, is_answer, is_bound
 from aerodrake.systems.kinematic_controller import KinematicController
 
 

@@ -6,11 +6,11 @@ import numpy as np
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import Context, LeafSystem
 
-from aerodrake.model.direction import Direction, check_start
-from aerodrake.model.kinematics import Kinematics
-from aerodrake.model.mpc_inputs import Pointing
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.mpc.inputs import Pointing
+from aerodrake.model.reference.direction import Direction, check_start
+from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.vehicle import Vehicle
 
 
 class PointingSystem(LeafSystem):

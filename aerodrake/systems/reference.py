@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from aerodrake.model.reference import ReferenceCurve, hover_then_follow
+from aerodrake.model.reference.curves import ReferenceCurve, hover_then_follow
 
 
 class ReferenceSystem(LeafSystem):

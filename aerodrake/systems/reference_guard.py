@@ -12,7 +12,7 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
-from aerodrake.model.reference_check import Envelope, accepted
+from aerodrake.model.reference.envelope import Envelope, accepted
 
 
 class ReferenceGuard(LeafSystem):

@@ -17,15 +17,15 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.learner_health import HEALTH_SIZE, Cause, Evidence, Health, LearnerJudge
-from aerodrake.model.online_learner import LearnerState, OnlineLearner
-from aerodrake.model.residual_features import PHI_SIZE, features
-from aerodrake.model.vehicle_state import VehicleState, parts
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.residual.features import PHI_SIZE, features
+from aerodrake.model.residual.judge import HEALTH_SIZE, Cause, Evidence, Health, LearnerJudge
+from aerodrake.model.residual.online_learner import LearnerState, OnlineLearner
+from aerodrake.model.vehicle.state import VehicleState, parts
 from aerodrake.scenario import Residual
 
 if TYPE_CHECKING:  # torch takes a second to import.
-    from aerodrake.model.residual_network import ResidualNetwork
+    from aerodrake.model.residual.network import ResidualNetwork
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.rotor_monitor import RotorMonitor, watch
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.model.whole_body import WholeBody
+from aerodrake.model.supervision.rotor_monitor import RotorMonitor, watch
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.whole_body import WholeBody
 
 GROUPS = 3
 """Of samples: position, attitude and joints."""

@@ -9,9 +9,9 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.symbolic import Variable, exp, if_then_else, max, min
 from pydrake.systems.primitives import SymbolicVectorSystem
 
-from aerodrake.model.rotors import Rotors
+from aerodrake.model.vehicle.rotors import Rotors
 from aerodrake.scenario import Rotor
-from aerodrake.world import Mismatch
+from aerodrake.scenario.world import Mismatch
 
 
 def make_rotors(

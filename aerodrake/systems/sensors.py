@@ -7,9 +7,9 @@ import dataclasses
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.sample import Deviations, disturbed, noise_size, sampled
-from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.world import Sensors
+from aerodrake.model.sensing.sample import Deviations, disturbed, noise_size, sampled
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.scenario.world import Sensors
 
 SAMPLE, STAMPS = 0, 1
 """Groups of the state."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.safe_mode import SafeMotion, safe_acceleration
-from aerodrake.model.setpoint import SetpointLimits, advanced, evaluate, segment
+from aerodrake.model.setpoint.integration import SetpointLimits, advanced, evaluate, segment
+from aerodrake.model.supervision.safe_mode import SafeMotion, safe_acceleration
 
 
 class SetpointIntegrator(LeafSystem):

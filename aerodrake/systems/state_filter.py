@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import Context, LeafSystem, State
 
-from aerodrake.model.sample_check import SampleCheck
-from aerodrake.model.state_filter import StateFilter, initial_memory, passed, update
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.sensing.sample_check import SampleCheck
+from aerodrake.model.sensing.state_filter import StateFilter, initial_memory, passed, update
+from aerodrake.model.vehicle.state import VehicleState
 
 
 class StateFilterSystem(LeafSystem):

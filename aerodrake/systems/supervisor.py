@@ -11,10 +11,10 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
-from aerodrake.model.safe_mode import SafeMode
-from aerodrake.model.supervision import Condition, Rules, signals, supervise
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.supervision.conditions import Condition, Rules, signals, supervise
+from aerodrake.model.supervision.safe_mode import SafeMode
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.vehicle import Vehicle
 
 WELL, GIVING = np.zeros(6), np.ones(1)
 """What a port without a connection says."""
@@ -46,7 +46,7 @@ class Supervisor(LeafSystem):
         period later, and says why.
 
     Args:
-        conditions: K of them, as `aerodrake.model.supervision.conditions` has them.
+        conditions: K of them, as `aerodrake.model.supervision.conditions.conditions` has them.
         vehicle: Where its feet are.
         period: s.
         mpc_period: s, between ticks of the MPC.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.weight_allocation import Mode, Weights, allocate
+from aerodrake.model.mpc.weight_allocation import Mode, Weights, allocate
 from aerodrake.scenario import Allocation
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.model.wind import drag_on_base
-from aerodrake.world import Wind
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.wind import drag_on_base
+from aerodrake.scenario.world import Wind
 
 
 class WindForce(LeafSystem):

@@ -6,7 +6,7 @@ import pytest
 from aerodrake.bench.arms import with_joints
 from aerodrake.bench.scaling import JOINTS
 from aerodrake.bench.ticks import record_ticks
-from aerodrake.model.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Scenario
 
 

@@ -13,8 +13,8 @@ from aerodrake.bench.processes import process_figures as measured_processes
 from aerodrake.bench.report import FILES, bench_table, missing_peers, plot_bench
 from aerodrake.bench.suite import QUICK, STEPS, bench
 from aerodrake.cli import main
-from aerodrake.model.qp import QpStatus
-from aerodrake.summary import to_json
+from aerodrake.flight.summary import to_json
+from aerodrake.model.qp.condensed_qp import QpStatus
 
 TINY = replace(QUICK, duration_s=0.1, settle_s=0.0, passes=1, scaling_s=0.04, loop_s=0.1, repeats=1)
 PROCESSES = {

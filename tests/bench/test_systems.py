@@ -9,7 +9,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from aerodrake.bench import systems as bench_systems
 from aerodrake.bench.systems import DECLARATIONS, timed_systems
-from aerodrake.simulate import Flight
+from aerodrake.flight.simulate import Flight
 
 PULL_S, UPDATE_S = 0.25, 1.0
 

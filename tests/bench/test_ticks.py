@@ -8,10 +8,10 @@ import pytest
 from aerodrake.bench.peers import Peer
 from aerodrake.bench.solvers import judge
 from aerodrake.bench.ticks import OWN, record_ticks, replay
-from aerodrake.model.qp import QpStatus
-from aerodrake.reference_kinds import MovingTarget
+from aerodrake.flight.simulate import Flight
+from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.scenario import Scenario
-from aerodrake.simulate import Flight
+from aerodrake.scenario.references import MovingTarget
 
 INPUTS = 9
 

@@ -9,9 +9,9 @@ import sys
 
 import pytest
 
-from aerodrake.scenario_file import load_scenario
-from aerodrake.simulate import Flight
-from aerodrake.summary import summarize
+from aerodrake.flight.simulate import Flight
+from aerodrake.flight.summary import summarize
+from aerodrake.scenario.load import load_scenario
 
 URL = "udpm://239.255.76.67:7767?ttl=0"
 

@@ -13,7 +13,7 @@ import pytest
 from aerodrake.bench.exact import exact_minimiser
 from aerodrake.bench.ticks import OWN, program_arrays, record_ticks, replay
 from aerodrake.cli import main
-from aerodrake.scenario_file import load_scenario, packaged_scenarios
+from aerodrake.scenario.load import load_scenario, packaged_scenarios
 
 PERIOD_MS = 20.0
 

@@ -5,10 +5,10 @@ import re
 
 import pytest
 
-from aerodrake import compare as module
 from aerodrake.cli import main
-from aerodrake.compare import VARIANTS
-from aerodrake.summary import repeatable
+from aerodrake.comparison import compare as module
+from aerodrake.comparison.compare import VARIANTS
+from aerodrake.flight.summary import repeatable
 from tests.in_this_process import in_this_process
 
 SHORT = ["--set", "duration=0.3", "--set", "settle_s=0.1"]
@@ -43,8 +43,8 @@ def test_the_command(tmp_path, monkeypatch, capfd):
     first = read()
     monkeypatch.setattr(module, "run_parallel", in_this_process)
     # What is not compared is not drawn.
-    monkeypatch.setattr("aerodrake.flight_folder.plot_tracking", lambda *_: None)
-    monkeypatch.setattr("aerodrake.reports.comparison_page._pictures", lambda *_: [])
+    monkeypatch.setattr("aerodrake.reports.flight_folder.plot_tracking", lambda *_: None)
+    monkeypatch.setattr("aerodrake.comparison.page._pictures", lambda *_: [])
     assert main([*command, "--quiet", "--out", str(tmp_path / "a")]) == 0
     assert capfd.readouterr() == ("", "")
     assert read() == first

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import aerodrake.identify
+import aerodrake.identification.identify
 from aerodrake.cli import main
-from aerodrake.errors import ProcessDied
-from aerodrake.identify import Manoeuvre, Record
-from aerodrake.scenario_file import load_scenario, packaged_scenarios
+from aerodrake.identification.identify import Manoeuvre, Record
+from aerodrake.scenario.load import load_scenario, packaged_scenarios
+from aerodrake.support.errors import ProcessDied
 from tests.in_this_process import in_this_process
 
 FILES = ["identification.json", "identification.png", "scenario.yaml"]
@@ -28,8 +28,8 @@ def ideal(monkeypatch):
         error = 0.1 * np.cos(t)
         return Record(t, error, 0 * t, K_B[manoeuvre.axis] * error)
 
-    monkeypatch.setattr(aerodrake.identify, "fly", fly)
-    monkeypatch.setattr(aerodrake.identify, "run_parallel", in_this_process)
+    monkeypatch.setattr(aerodrake.identification.identify, "fly", fly)
+    monkeypatch.setattr(aerodrake.identification.identify, "run_parallel", in_this_process)
 
 
 @pytest.fixture
@@ -107,7 +107,7 @@ def test_without_write_the_file_stays(ideal, scenario, tmp_path):
 
 
 def test_a_packaged_scenario_is_written_where_it_is(ideal, scenario, tmp_path, monkeypatch):
-    monkeypatch.setattr("aerodrake.scenario_file.packaged_scenarios", lambda: {"own": scenario})
+    monkeypatch.setattr("aerodrake.scenario.load.packaged_scenarios", lambda: {"own": scenario})
     argv = ["identify", "own", "--write", "--quiet", "--out", str(tmp_path / "out")]
     assert main(argv) == 0
     assert load_scenario("own").model.k_b == tuple(K_B)
@@ -134,7 +134,7 @@ def test_bad_input_is_answered_in_one_line(argv, said, scenario, monkeypatch, ca
     def run_parallel(*_):
         raise AssertionError("flown")
 
-    monkeypatch.setattr(aerodrake.identify, "run_parallel", run_parallel)
+    monkeypatch.setattr(aerodrake.identification.identify, "run_parallel", run_parallel)
     before = files(Path())
     assert main(["identify", *argv]) == 2
     err = capfd.readouterr().err.splitlines()
@@ -158,7 +158,7 @@ def test_what_cannot_be_identified_leaves_everything_as_it_was(
     before = files(tmp_path)
     rng = np.random.default_rng(0)
     still = Record(*rng.normal(size=(4, 1000)))
-    monkeypatch.setattr(aerodrake.identify, "fly", lambda manoeuvre: still)
+    monkeypatch.setattr(aerodrake.identification.identify, "fly", lambda manoeuvre: still)
     assert main(argv) == 2
     (line,) = capfd.readouterr().err.splitlines()
     assert line.startswith(f"aerodrake: {scenario}: flight: expected a base that answers as")
@@ -169,7 +169,7 @@ def test_an_interrupt_leaves_nothing(ideal, scenario, tmp_path, monkeypatch, cap
     def interrupt(manoeuvre):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(aerodrake.identify, "fly", interrupt)
+    monkeypatch.setattr(aerodrake.identification.identify, "fly", interrupt)
     before = files(tmp_path)
     argv = ["identify", str(scenario), "--quiet", "--write", "--out", str(tmp_path / "out")]
     assert main(argv) == 130
@@ -180,7 +180,9 @@ def test_an_interrupt_leaves_nothing(ideal, scenario, tmp_path, monkeypatch, cap
 def test_a_process_that_dies_is_said_in_one_line(tmp_path, monkeypatch, capsys):
     """Killed for want of memory, say: no bad input, and no bug either."""
     died = ProcessDied("its process died of SIGKILL")
-    monkeypatch.setattr("aerodrake.identify.run_parallel", lambda *_: iter([(1, died)]))
+    monkeypatch.setattr(
+        "aerodrake.identification.identify.run_parallel", lambda *_: iter([(1, died)])
+    )
     monkeypatch.chdir(tmp_path)
     assert main(["identify", "clover_paper", "--quiet"]) == 1
     assert capsys.readouterr().err == "aerodrake: x, arm moving: its process died of SIGKILL\n"

@@ -10,7 +10,7 @@ import yaml
 
 import aerodrake
 from aerodrake.cli import main
-from aerodrake.summary import repeatable
+from aerodrake.flight.summary import repeatable
 
 FILES = [
     *("log.npz", "replay.html", "report.html", "scenario.yaml", "summary.json", "tracking.png")
@@ -262,7 +262,7 @@ def test_a_second_interrupt_leaves_nothing(tmp_path, monkeypatch, capsys):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("aerodrake.flight_folder.plot_tracking", interrupt)
+    monkeypatch.setattr("aerodrake.reports.flight_folder.plot_tracking", interrupt)
     try:
         code = main(["run", "hover", *TINY, "--out", str(tmp_path / "run")])
     except KeyboardInterrupt:  # pytest itself would stop.

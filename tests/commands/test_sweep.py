@@ -5,8 +5,8 @@ import json
 import pytest
 
 from aerodrake.cli import main
-from aerodrake.sweep import loop as module
-from aerodrake.sweep.folder import ROWS, SUMMARY, read_rows
+from aerodrake.sweeps import loop as module
+from aerodrake.sweeps.folder import ROWS, SUMMARY, read_rows
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 from aerodrake.learning.collection import describe, place
 from aerodrake.learning.stages import quick_stages
 from aerodrake.scenario import Mpc
-from aerodrake.world import Mismatch, Sensors
+from aerodrake.scenario.world import Mismatch, Sensors
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ import zipfile
 import numpy as np
 import pytest
 
-from aerodrake.errors import BadInput
 from aerodrake.learning import dataset
 from aerodrake.learning.dataset import load_samples, save_samples
+from aerodrake.support.errors import BadInput
 
 METADATA = {"stage": {"name": "x", "lap_s": 0.1}, "format": 1}
 SIZE = (50, 7)

@@ -5,8 +5,8 @@ import pytest
 
 from aerodrake.learning.evaluation import METHODS, Evaluation, evaluate
 from aerodrake.learning.stages import Stage
-from aerodrake.model.linear_residual import LinearResidual
-from aerodrake.model.residual_network import ResidualNetwork
+from aerodrake.model.residual.linear_residual import LinearResidual
+from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.scenario import Residual
 
 CALM = Stage("a", "held_out", 1.0, 5.0, 0.0)

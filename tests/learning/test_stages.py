@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from aerodrake.learning.stages import Stage, circle, fly_stage, paper_stages, quick_stages, weathers
-from aerodrake.model.kinematics import Kinematics
-from aerodrake.model.reference import make_reference
-from aerodrake.reference_kinds import Hover
-from aerodrake.world import Payload, Wind
+from aerodrake.model.reference.curves import make_reference
+from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.scenario.references import Hover
+from aerodrake.scenario.world import Payload, Wind
 
 STAGES = paper_stages()
 

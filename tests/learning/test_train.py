@@ -5,15 +5,15 @@ import shutil
 import numpy as np
 import pytest
 
-from aerodrake.errors import BadInput, ProcessDied
 from aerodrake.learning import collection
 from aerodrake.learning.evaluation import METHODS
 from aerodrake.learning.stages import Stage, circle, weathers
 from aerodrake.learning.train import train_scenario
-from aerodrake.model.checkpoint import load
-from aerodrake.model.training import Training
+from aerodrake.model.residual.checkpoint import load
+from aerodrake.model.residual.training import Training
 from aerodrake.scenario import Model
-from aerodrake.scenario_file import load_scenario
+from aerodrake.scenario.load import load_scenario
+from aerodrake.support.errors import BadInput, ProcessDied
 from tests.in_this_process import in_this_process
 
 STAGES = [

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.mpc_inputs import MpcInputs
-from aerodrake.reference_kinds import Clover
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.inputs import MpcInputs
 from aerodrake.scenario import Mpc, Scenario
+from aerodrake.scenario.references import Clover
 from aerodrake.station import make_closed_loop, make_context
 
 FLOWN_S = 2.6

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from aerodrake.flight_log import PER_TICK, FlightLog
-from aerodrake.reports.comparison_figure import plot_comparison
-from aerodrake.reports.comparison_panels import draw_errors
+from aerodrake.comparison.figure import plot_comparison
+from aerodrake.comparison.panels import draw_errors
+from aerodrake.flight.log import PER_TICK, FlightLog
 from aerodrake.reports.figures import LEAST_TIME_S, cover
 from aerodrake.reports.flight_panels import draw_distance, draw_error, draw_paths, draw_plan
 from aerodrake.reports.flight_pictures import flight_pictures

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.log import FlightLog
 from aerodrake.reports.flight_figure import plot_tracking
 from tests.flights import lost_early
 

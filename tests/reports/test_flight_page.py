@@ -7,11 +7,11 @@ import pytest
 import yaml
 
 from aerodrake.cli import main
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.log import FlightLog
+from aerodrake.flight.simulate import Flight
 from aerodrake.reports.flight_page import report_page
 from aerodrake.reports.flight_table import table_rows
-from aerodrake.scenario_file import load_scenario
-from aerodrake.simulate import Flight
+from aerodrake.scenario.load import load_scenario
 from tests.browser import (
     assert_ids_are_found,
     assert_no_text_is_cut,

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.log import FlightLog
 from aerodrake.reports.flight_panels import (
     MOST_TICKS,
     draw_boundaries,

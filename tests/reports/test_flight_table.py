@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.log import FlightLog
+from aerodrake.flight.summary import summarize
 from aerodrake.reports.flight_table import highlights, table
-from aerodrake.summary import summarize
 
 
 @pytest.fixture

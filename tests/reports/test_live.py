@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from aerodrake.cli import main
-from aerodrake.model.rotation import rotation_matrix
-from aerodrake.model.vehicle import Vehicle
+from aerodrake.flight.simulate import Flight
+from aerodrake.model.vehicle.rotation import rotation_matrix
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.reports.live import LiveView
-from aerodrake.simulate import Flight
 
 RATE = 3.0
 

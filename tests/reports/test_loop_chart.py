@@ -5,11 +5,11 @@ from itertools import combinations
 
 import pytest
 
-from aerodrake.fault_kinds import RotorDegraded, SampleNan
-from aerodrake.graph import to_mermaid
+from aerodrake.gallery.graph import to_mermaid
 from aerodrake.reports.loop_chart import SIDES, loop_chart
 from aerodrake.scenario import Scenario
-from aerodrake.scenario_file import load_scenario
+from aerodrake.scenario.faults import RotorDegraded, SampleNan
+from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop
 
 SCENARIOS = {

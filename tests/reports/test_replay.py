@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aerodrake.flight_log import FlightLog
+from aerodrake.flight.log import FlightLog
 from aerodrake.reports.replay import replay_page
 from aerodrake.reports.scene import DOT_SPACING_M
-from aerodrake.world import Payload
+from aerodrake.scenario.world import Payload
 
 
 @pytest.fixture(scope="module")

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.initial_state import Thrust
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.equivalent.initial_state import Thrust
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.reports.residual_panels import residuals
 
 STATE = ("quaternion", "p_B_m", "q_rad", "omega_W_rad_s", "v_B_m_s", "qdot_rad_s")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.joint_pid import JointPid
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.low_level.joint_pid import JointPid
+from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import Arm
 from aerodrake.systems.arm_controller import ArmController
 

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from pydrake.common.value import Value
 
-from aerodrake.model.clik import InverseKinematics
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.kinematics import Kinematics
-from aerodrake.model.mpc import MpcFormulation
-from aerodrake.model.qp import QpStatus
-from aerodrake.model.setpoint import SetpointLimits
-from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.reference_kinds import Lissajous
+from aerodrake.flight.simulate import Flight
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.clik import InverseKinematics
+from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import Clik, Mpc
-from aerodrake.simulate import Flight
+from aerodrake.scenario.references import Lissajous
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.mpc import MpcSystem
 

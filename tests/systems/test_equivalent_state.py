@@ -5,8 +5,8 @@ import pytest
 from pydrake.systems.analysis import Simulator
 from scipy.spatial.transform import Rotation
 
-from aerodrake.model.equivalent_model import EquivalentModel
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import Model, Scenario
 from aerodrake.systems.equivalent_state import EquivalentState
 

@@ -8,11 +8,11 @@ import pytest
 from pydrake.systems.analysis import Simulator
 from pydrake.trajectories import Trajectory
 
-from aerodrake.model.motion import held_acceleration_motion
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.model.whole_body import WholeBody
-from aerodrake.open_loop import make_open_loop
+from aerodrake.flight.open_loop import make_open_loop
+from aerodrake.model.setpoint.motion import held_acceleration_motion
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.whole_body import WholeBody
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
 

@@ -8,8 +8,8 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.vehicle import GRAVITY, add_robot
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.vehicle import GRAVITY, add_robot
 from aerodrake.station import make_context, make_station
 from aerodrake.systems.flight_controller import FlightController
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from pydrake.multibody.plant import MultibodyPlant
 
-from aerodrake.model.kinematics import Kinematics
-from aerodrake.model.vehicle import BASE_FRAME, TOOL_FRAME, add_robot
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.vehicle import BASE_FRAME, TOOL_FRAME, add_robot
 from aerodrake.systems.kinematics import KinematicsSystem
 
 

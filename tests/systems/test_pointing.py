@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from pydrake.multibody.plant import MultibodyPlant
 
-from aerodrake.errors import BadInput
-from aerodrake.model.direction import make_direction
-from aerodrake.model.vehicle import TOOL_FRAME, add_robot
-from aerodrake.reference_kinds import AxisAlong, FixedAxis
+from aerodrake.model.reference.direction import make_direction
+from aerodrake.model.vehicle.vehicle import TOOL_FRAME, add_robot
 from aerodrake.scenario import Scenario
+from aerodrake.scenario.references import AxisAlong, FixedAxis
 from aerodrake.station import make_coordinator
+from aerodrake.support.errors import BadInput
 from aerodrake.systems.pointing import PointingSystem
 
 SETTLE_S, STAGES_S = 1.0, np.array([0.0, 0.02, 0.06])

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from aerodrake.model.reference import make_reference
-from aerodrake.reference_kinds import Clover, Hover, MovingTarget
+from aerodrake.model.reference.curves import make_reference
+from aerodrake.scenario.references import Clover, Hover, MovingTarget
 from aerodrake.systems.reference import ReferenceSystem
 
 START = np.array([0.0, 0.2, 1.2])

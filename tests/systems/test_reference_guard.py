@@ -5,13 +5,13 @@ import pytest
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from aerodrake.fault_kinds import ReferenceJump, ReferenceNan
-from aerodrake.model.reference import make_reference
-from aerodrake.model.reference_check import Envelope, ReferenceVerdict
-from aerodrake.reference_kinds import Lissajous
+from aerodrake.model.reference.curves import make_reference
+from aerodrake.model.reference.envelope import Envelope, ReferenceVerdict
 from aerodrake.scenario import Supervisor
+from aerodrake.scenario.faults import ReferenceJump, ReferenceNan
+from aerodrake.scenario.references import Lissajous
+from aerodrake.systems.faults.reference import ReferenceFaultSystem
 from aerodrake.systems.reference import ReferenceSystem
-from aerodrake.systems.reference_fault import ReferenceFaultSystem
 from aerodrake.systems.reference_guard import ReferenceGuard
 
 DT, STAGES = 0.02, 4

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.axis_models import AXIS_MODELS
-from aerodrake.model.residual_features import features
-from aerodrake.model.residual_network import ResidualNetwork
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.equivalent.axis_models import AXIS_MODELS
+from aerodrake.model.residual.features import features
+from aerodrake.model.residual.network import ResidualNetwork
+from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from tests.estimator_flights import (
     DT,

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from pydrake.systems.framework import Context
 
-from aerodrake.model.learner_health import Cause
-from aerodrake.model.residual_network import ResidualNetwork
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.residual.judge import Cause
+from aerodrake.model.residual.network import ResidualNetwork
+from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import Residual
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from tests.estimator_flights import (

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from aerodrake.model.rotor_monitor import RotorMonitor
-from aerodrake.model.thrust_allocation import ThrustAllocation, allocate
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
+from aerodrake.model.supervision.rotor_monitor import RotorMonitor
+from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import Rotor
 from aerodrake.systems.rotor_monitor import RotorMonitorSystem
 

@@ -5,8 +5,8 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.scenario import Rotor
+from aerodrake.scenario.world import Mismatch
 from aerodrake.systems.rotors import make_rotors
-from aerodrake.world import Mismatch
 
 CONFIG = Rotor(min_thrust_n=1.0, max_thrust_n=18.0, lag_up_s=0.0125, lag_down_s=0.025)
 TRIM = np.array([9.0, 10.0, 8.0, 9.5])

@@ -19,11 +19,11 @@ from pydrake.systems.primitives import (
 )
 from pydrake.trajectories import PiecewisePolynomial
 
-from aerodrake.model.sample import noise_size
-from aerodrake.model.vehicle_state import VehicleState
+from aerodrake.model.sensing.sample import noise_size
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.scenario.world import Sensors
 from aerodrake.station import make_context, make_station
 from aerodrake.systems.sensors import SensorSystem
-from aerodrake.world import Sensors
 
 JOINTS = 6
 SIZE = VehicleState.size(JOINTS)

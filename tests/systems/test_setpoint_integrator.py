@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.safe_mode import BRAKING_1_S, SafeMode, SafeMotion
-from aerodrake.model.setpoint import SetpointLimits
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.supervision.safe_mode import BRAKING_1_S, SafeMode, SafeMotion
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 
 DT = 0.02

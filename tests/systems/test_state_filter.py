@@ -14,23 +14,23 @@ from pydrake.trajectories import PiecewisePolynomial, Trajectory
 from scipy.interpolate import PPoly
 from scipy.spatial.transform import Rotation
 
-from aerodrake.excitation import excite
-from aerodrake.fault_kinds import SampleNan
-from aerodrake.flight_log import FlightLog
-from aerodrake.model.sample import GROUPS, group_columns
-from aerodrake.model.sample_check import SampleCheck, Verdict
-from aerodrake.model.state_filter import StateFilter
-from aerodrake.model.vehicle import Vehicle
-from aerodrake.model.vehicle_state import VehicleState
-from aerodrake.open_loop import make_open_loop
+from aerodrake.flight.excitation import excite
+from aerodrake.flight.log import FlightLog
+from aerodrake.flight.open_loop import make_open_loop
+from aerodrake.flight.simulate import Flight
+from aerodrake.model.sensing.sample import GROUPS, group_columns
+from aerodrake.model.sensing.sample_check import SampleCheck, Verdict
+from aerodrake.model.sensing.state_filter import StateFilter
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.vehicle import Vehicle
 from aerodrake.scenario import Filter, Rates, Rotor
-from aerodrake.scenario_file import load_scenario
-from aerodrake.sensors import make_sensors
-from aerodrake.simulate import Flight
+from aerodrake.scenario.faults import SampleNan
+from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.world import Sensors, Wind
 from aerodrake.station import make_context
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.state_filter import StateFilterSystem
-from aerodrake.world import Sensors, Wind
+from aerodrake.wiring.sensors import make_sensors
 
 JOINTS = 6
 SIZE = VehicleState.size(JOINTS)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator, SimulatorStatus
 
-from aerodrake.model.safe_mode import SafeMode
-from aerodrake.model.supervision import conditions
+from aerodrake.model.supervision.conditions import conditions
+from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.scenario import Supervisor as Config
 from aerodrake.systems.supervisor import Supervisor
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from aerodrake.model.weight_allocation import Mode
+from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.scenario import Allocation
 from aerodrake.systems.weight_allocator import WeightAllocator
 

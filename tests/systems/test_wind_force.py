@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
+from aerodrake.scenario.world import Wind
 from aerodrake.systems.wind_force import WindForce
-from aerodrake.world import Wind
 
 JOINTS, PERIOD = 6, 0.01
 BREEZE = Wind(velocity_m_s=(2.0, 0.0, 0.0))

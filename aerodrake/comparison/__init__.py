@@ -1,0 +1,1 @@
+"""Variants of one flight, and its margins."""

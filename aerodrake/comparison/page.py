@@ -1,0 +1,158 @@
+"""`report.html` of a comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+from aerodrake.comparison import margins_report
+from aerodrake.comparison.margins import Margins
+from aerodrake.comparison.panels import COLORS, View, draw_distances, draw_errors, draw_path
+from aerodrake.comparison.table import comparison_rows, comparison_titles, papers_rows
+from aerodrake.flight.log import FlightLog
+from aerodrake.flight.summary import HEADLINES, Summaries, headline
+from aerodrake.reports.flight_panels import draw_allocation, draw_inputs
+from aerodrake.reports.flight_pictures import residual_picture
+from aerodrake.reports.page import render
+from aerodrake.reports.pictures import MOST_SAMPLES, Picture, sheet, timeline
+from aerodrake.reports.replay import replay_page
+from aerodrake.scenario import Scenario
+from aerodrake.scenario.schema import as_mapping
+from aerodrake.station import make_closed_loop
+
+LEGEND_COLUMNS = 3
+LEGEND_LINE, LEGEND_PADDING = 0.21, 0.12
+"""Height of a line in inches, and what is around all of them."""
+
+
+class Comparison(NamedTuple):
+    """What there is to be seen of one.
+
+    Attributes:
+        scenario: What was compared.
+        variants: Of it, that were flown.
+        own: The variant that is the scenario by the paper's method.
+        summaries: As from `compare`.
+        logs: Of the variants that did not fail.
+        margins: As from `find_margins`, if they were asked for.
+    """
+
+    scenario: Scenario
+    variants: Mapping[str, Scenario]
+    own: str
+    summaries: Summaries
+    logs: Mapping[str, FlightLog]
+    margins: Margins | None
+
+
+def comparison_page(comparison: Comparison, resolved: str, commands: Sequence[str]) -> str:
+    """The page of one comparison.
+
+    Args:
+        comparison: What it shows.
+        resolved: The scenario as YAML, with its files where the user has them.
+        commands: The first compares the same again, the others fly one variant each.
+    """
+    scenario, variants, own, summaries, logs, margins = comparison
+    key, kind = headline(summaries), scenario.reference.kind
+    shown = variants.get(own, scenario)
+    return render(
+        "comparison.html",
+        make_closed_loop(shown),
+        replay_page(logs[own], shown) if own in logs else "",
+        scenario=scenario,
+        own=own,
+        colors=COLORS,
+        titles=comparison_titles(key),
+        rows=comparison_rows(summaries),
+        papers=papers_rows(kind, key),
+        pictures=list(_pictures(logs, own, shown)),
+        changes={name: changes(scenario, variant) for name, variant in variants.items()},
+        margins=margins and _margins(margins),
+        resolved=resolved,
+        commands=commands,
+    )
+
+
+def changes(scenario: Scenario, variant: Scenario) -> list[tuple[str, str, str]]:
+    """Dotted key, value in the scenario and value in the variant, of the keys that differ."""
+    before, after = _flat(as_mapping(scenario)), _flat(as_mapping(variant))
+    return [
+        (key, before.get(key, ""), after.get(key, ""))
+        for key in dict.fromkeys([*before, *after])
+        if before.get(key) != after.get(key)
+    ]
+
+
+def _flat(node: Any, path: str = "") -> dict[str, str]:
+    """The values of nested mappings, as text, by dotted key."""
+    if not isinstance(node, dict):
+        return {path.removeprefix("."): str(node)}
+    return {k: v for name, inner in node.items() for k, v in _flat(inner, f"{path}.{name}").items()}
+
+
+def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> Iterator[Picture]:
+    if not logs:
+        return
+    thin = {name: log.thinned(MOST_SAMPLES).loaded() for name, log in logs.items()}
+    lines = -(-len(thin) // LEGEND_COLUMNS)
+    top = LEGEND_LINE * lines + LEGEND_PADDING
+    with sheet("errors", 3.2 + top, top=top) as (figure, done):
+        draw_errors(figure.add_subplot(), thin, LEGEND_COLUMNS)
+    yield Picture("Errors", "The end-effector from its reference, by variant; logarithmic.", *done)
+    rows = -(-len(thin) // 2)
+    with sheet("paths", 2.1 * rows + 0.4, top=0.3) as (figure, done):
+        view = View.of(thin)
+        panels = list(figure.subplots(rows, 2, squeeze=False, gridspec_kw={"hspace": 0.2}).flat)
+        for axes, (name, log) in zip(panels, thin.items(), strict=False):
+            draw_path(axes, name, log, view)
+            axes.label_outer()
+        for axes in panels[len(thin) :]:
+            axes.remove()
+    yield Picture("Paths", "Of each variant over the reference, which is dashed.", *done)
+    with sheet("distances", 2.6) as (figure, done):
+        draw_distances(figure.add_subplot(), thin, scenario)
+    yield Picture(
+        "Reach",
+        "d_o, how far the end-effector is from the centre of its learning space, by variant, "
+        "with d_h and d_edge.",
+        *done,
+    )
+    if "modified+online" in logs:
+        yield residual_picture(logs["modified+online"], scenario, " of modified+online")
+    if own in logs:
+        yield timeline(
+            "own",
+            f"Allocation and inputs of {own}",
+            "gamma with its modes behind it; the largest commanded acceleration of base and "
+            "joints by its bound.",
+            thin[own],
+            partial(draw_allocation, log=thin[own]),
+            partial(draw_inputs, log=thin[own], scenario=scenario),
+        )
+
+
+def _margins(margins: Margins) -> dict[str, Any]:
+    lines = -(-len(margins.searches) // LEGEND_COLUMNS)
+    top = LEGEND_LINE * lines + LEGEND_PADDING
+    height = 2.5 * len(margins_report.PANELS) + top
+    with sheet("margins", height, top=top) as (figure, done):
+        panels = figure.subplots(
+            len(margins_report.PANELS), 1, sharey=True, squeeze=False, gridspec_kw={"hspace": 0.35}
+        )[:, 0]
+        margins_report.draw_margins(panels, margins)
+        for axes in panels:
+            axes.set_ylabel("error / mm")
+        panels[0].legend(loc="lower center", ncols=LEGEND_COLUMNS, bbox_to_anchor=(0.5, 1.0))
+    caption = (
+        "The end-effector's error against each disturbance. A ring is the last value before it has "
+        "doubled, a cross at the top the first at which the flight is lost."
+    )
+    return {
+        "meaning": " ".join(margins_report.MEANING),
+        "headline": HEADLINES[margins.key],
+        "columns": [title for title, _ in margins_report.COLUMNS.values()],
+        "rows": margins_report.margins_rows(margins),
+        "picture": Picture("Margins", caption, *done),
+    }

@@ -1,0 +1,115 @@
+"""The figures of a comparison, beside the paper's, for a person to read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from aerodrake.comparison.margin_search import LEAST_ERROR_M
+from aerodrake.flight.summary import HEADLINES, Summaries, headline, millimetres
+from aerodrake.reports.flight_table import PAPER
+
+WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
+
+
+def comparison_titles(key: str) -> list[tuple[str, str, str]]:
+    """Of each column but the last: what it is in two lines, and its unit. `key`: the headline."""
+    return [
+        ("", "", "variant"),
+        ("error", HEADLINES[key], "mm"),
+        ("error", "max", "mm"),
+        ("error", "against", "integral"),
+        ("first", "within d_h", "s"),
+        ("prediction", "error rms", "mm/s"),
+        ("farthest", "d_o", "mm"),
+        ("d_o", "> d_h", "s"),
+        ("joint", "room", "deg"),
+    ]
+
+
+def comparison_rows(summaries: Summaries) -> list[list[str]]:
+    """One row for each variant: a cell for each of `comparison_titles`, and how it ended."""
+    key = headline(summaries)
+    integral = summaries.get("integral", {}).get("error", {}).get(key)
+    return [
+        _row(name, summary, key, None if name == "integral" else integral)
+        for name, summary in summaries.items()
+    ]
+
+
+def comparison_table(summaries: Summaries, kind: str) -> str:
+    """One row for each variant, and the paper's figures below, as text.
+
+    Args:
+        summaries: As from `compare`.
+        kind: Of the reference.
+    """
+    key = headline(summaries)
+    lines = [_line(list(titles)) for titles in zip(*comparison_titles(key), strict=True)]
+    lines += map(_line, comparison_rows(summaries))
+    papers = papers_rows(kind, key)
+    return "\n".join([*lines, *[""] * bool(papers), *map(_line, papers)])
+
+
+def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None) -> list[str]:
+    ending = summary["exit_reason"]
+    if summary["exit_cause"]:
+        ending += f": {summary['exit_cause']}"
+    if "error" not in summary:
+        return [name, *[""] * (len(WIDTHS) - 1), ending]
+    error, arm = summary["error"], summary["arm"]
+    rmse = summary["residual"]["prediction_rmse_m_s"]["with_network"]
+    change = ""
+    if error[key] is not None and integral is not None and integral > LEAST_ERROR_M:
+        change = f"{100 * (error[key] / integral - 1):+.1f} %"
+    room = arm["least_room_rad"]
+    return [
+        name,
+        _length(error[key]),
+        _length(error["max_m"]),
+        change,
+        _number(error["approach_s"]),
+        _number(rmse, 1e3),
+        _number(arm["farthest_d_o_m"], 1e3, 0),
+        _number(arm["outside_s"], 1, 1),
+        _number(room, 180 / np.pi, 0),
+        ending,
+    ]
+
+
+def papers_rows(kind: str, key: str) -> list[list[str]]:
+    """The paper's figures, as far as it has flown such a reference; without an end.
+
+    Args:
+        kind: Of the reference.
+        key: The headline.
+    """
+    paper = PAPER.get(kind)
+    if not paper:
+        return []
+    rows = [_paper_row("paper: proposed", paper, key)]
+    if key == "lap_mean_m" and "integral_lap_mean_m" in paper:
+        integral = {"lap_mean_m": paper["integral_lap_mean_m"]}
+        rows.insert(0, _paper_row("paper: integral", integral, key))
+        rows[1][3] = f"{100 * (paper['lap_mean_m'] / paper['integral_lap_mean_m'] - 1):+.1f} %"
+    return rows
+
+
+def _paper_row(name: str, paper: Mapping[str, float], key: str) -> list[str]:
+    return [name, _length(paper.get(key)), "", "", _number(paper.get("approach_s"))]
+
+
+def _length(value_m: float | None) -> str:
+    return "" if value_m is None else millimetres(value_m)
+
+
+def _number(value: float | None, factor: float = 1.0, digits: int = 2) -> str:
+    return "" if value is None else f"{round(factor * value, digits) + 0.0:.{digits}f}"
+
+
+def _line(cells: list[str]) -> str:
+    text = f"{cells[0]:<{WIDTHS[0]}}"
+    text += "".join(f"{c:>{w}}" for c, w in zip(cells[1:], WIDTHS[1:], strict=False))
+    return (text + "".join(f"  {ending}" for ending in cells[len(WIDTHS) :])).rstrip()

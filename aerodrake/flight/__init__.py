@@ -1,0 +1,1 @@
+"""One flight: simulated, monitored, recorded and summarised."""

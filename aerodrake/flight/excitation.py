@@ -1,0 +1,78 @@
+"""Flying the station along prescribed setpoints, sampled as the coordinator would."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.systems.analysis import Simulator
+from pydrake.trajectories import Trajectory
+
+from aerodrake.flight.open_loop import make_open_loop
+from aerodrake.scenario import Scenario
+from aerodrake.station import make_context
+from aerodrake.support.threads import single_thread
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """What was commanded and measured at each tick of the MPC's period.
+
+    Attributes:
+        time_s: (T,) 0, period, 2 period, ...
+        state: (T, 13 + 2 n) as measured at these times.
+        specific_thrust: (T, 1) m/s^2, as the flight controller tells it then.
+        external_acceleration: (T, 3) m/s^2, as the state filter tells it then.
+        disturbance: (T, 6) m/s^2 and rad/s^2, of the flight controller.
+        base_setpoint: (T, 9) p_d, v_d and the a_d held from then on.
+        joint_setpoint: (T, 3 n) likewise.
+    """
+
+    time_s: np.ndarray
+    state: np.ndarray
+    specific_thrust: np.ndarray
+    external_acceleration: np.ndarray
+    disturbance: np.ndarray
+    base_setpoint: np.ndarray
+    joint_setpoint: np.ndarray
+
+
+def excite(
+    scenario: Scenario,
+    base: Trajectory,
+    joints: Trajectory,
+    progress: Callable[[float], None] = lambda simulated_s: None,
+) -> Excitation:
+    """Flies the scenario's station from trim along both motions, to the end of `base`.
+
+    Args:
+        scenario: Its vehicle, station, rates and seed; its reference is not flown.
+        base: (3,) m, p_d from time 0, at rest at its start.
+        joints: (n,) rad, q_d likewise, at least as long.
+        progress: Called with the simulated time in s as it advances.
+
+    Raises:
+        RuntimeError: if the plant cannot step, as after a crash.
+    """
+    period, step = scenario.rates.mpc_period_s, scenario.rates.plant_step_s
+    diagram = make_open_loop(scenario, base, joints)
+    context = make_context(diagram, scenario.seed)
+    simulator = Simulator(diagram, context)
+    ticks = period * np.arange(round(base.end_time() / period) + 1)
+    names = ("state", "specific_thrust", "external_acceleration", "disturbance")
+    ports = [diagram.GetOutputPort(name) for name in names]
+    rows: list[list[np.ndarray]] = []
+    with single_thread():
+        for tick in ticks:
+            simulator.AdvanceTo(tick + step / 4)  # Just after its sample was taken.
+            rows.append([port.Eval(context).copy() for port in ports])
+            progress(tick)
+    measured = map(np.array, zip(*rows, strict=True))
+    return Excitation(ticks, *measured, _setpoint(base, ticks), _setpoint(joints, ticks))
+
+
+def _setpoint(motion: Trajectory, ticks: np.ndarray) -> np.ndarray:
+    """(T, 3 m), position, velocity and acceleration."""
+    orders = (motion, motion.MakeDerivative(1), motion.MakeDerivative(2))
+    return np.hstack([order.vector_values(ticks).T for order in orders])

@@ -1,0 +1,104 @@
+"""Signals of a flight that are too long to be held in memory."""
+
+from __future__ import annotations
+
+import tempfile
+import weakref
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from aerodrake.support.errors import BadInput
+
+
+class Recording(Mapping[str, np.ndarray]):
+    """Signals by key, of which the samples are in a file without a name.
+
+    What is asked for is read: an array (T,) or (T, width), new each time. The
+    file goes with the last who knows of it.
+
+    Args:
+        columns: Of each key in a sample: one, for a plain series, or a range.
+    """
+
+    def __init__(self, columns: Mapping[str, int | slice]):
+        self._columns = columns
+        self._times: list[np.ndarray] = []
+        self._others: dict[str, np.ndarray] = {}
+        self._blocks: list[tuple[int, int]] = []  # Where each begins, and how many samples it has.
+        self._newest: np.ndarray | None = None
+        self._file = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115
+        weakref.finalize(self, self._file.close)
+
+    def append(self, times: np.ndarray, samples: np.ndarray) -> None:
+        """Adds samples (size, T), one a column, that were taken at times (T,) in s.
+
+        Raises:
+            BadInput: if there is no room for them.
+        """
+        # After the last whole block: what an interrupt left of another is written over.
+        before = sum(length for _, length in self._blocks)
+        offset = self._file.seek(before * len(samples) * samples.itemsize)
+        # Row by row: those of one key are together, and the others need not be read.
+        rest = memoryview(samples.tobytes())
+        try:
+            while rest:  # A disk takes less than it is given before it is full.
+                rest = rest[self._file.write(rest) :]
+        except OSError as error:
+            problem = f"cannot be written during the flight: {error.strerror}"
+            raise BadInput(tempfile.gettempdir(), "", problem) from None
+        self._times.append(times.copy())
+        self._blocks.append((offset, samples.shape[1]))
+
+    def fill(self, samples: np.ndarray) -> None:
+        """Puts in place of what is no number, in samples (size, T) to be added, the last one.
+
+        Where there was none, zero.
+        """
+        first = np.zeros(len(samples)) if self._newest is None else self._newest
+        if not np.isfinite(samples).all():
+            before = np.column_stack([first, samples])
+            latest = np.where(np.isfinite(before), np.arange(before.shape[1]), 0)
+            latest = np.maximum.accumulate(latest, axis=1)
+            samples[:] = np.take_along_axis(before, latest, axis=1)[:, 1:]
+        self._newest = samples[:, -1].copy()
+
+    @property
+    def times(self) -> np.ndarray:
+        """(T,) s, when the samples were taken."""
+        return np.concatenate(self._times)
+
+    @property
+    def end(self) -> float:
+        """s, when the last one was; before all time if there is none."""
+        return self._times[-1][-1] if self._times else -np.inf
+
+    def add(self, signals: Mapping[str, np.ndarray]) -> None:
+        """Adds signals (T, ...), by key, that are held in memory."""
+        self._others.update(signals)
+
+    def __getitem__(self, key: str) -> np.ndarray:
+        if key in self._others:
+            return self._others[key]
+        columns = self._columns[key]
+        first, width = (columns, 1) if isinstance(columns, int) else _range(columns)
+        rows = np.empty((sum(length for _, length in self._blocks), width))
+        start = 0
+        for offset, length in self._blocks:
+            block = np.empty((width, length))
+            self._file.seek(offset + first * length * block.itemsize)
+            self._file.readinto(block.data)
+            rows[start : start + length] = block.T
+            start += length
+        return rows[:, 0] if isinstance(columns, int) else rows
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self._columns
+        yield from self._others
+
+    def __len__(self) -> int:
+        return len(self._columns) + len(self._others)
+
+
+def _range(columns: slice) -> tuple[int, int]:
+    return columns.start, columns.stop - columns.start

@@ -1,0 +1,199 @@
+"""Figures of one flight, as `summary.json` has them."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from aerodrake.flight.events import events, safe_modes
+from aerodrake.flight.log import FlightLog
+from aerodrake.model.mpc.weight_allocation import Mode
+from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.reference.curves import make_reference
+from aerodrake.model.vehicle.reach import farthest_reach
+from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.scenario import Scenario
+
+SETTLED_AFTER_S = 15.0
+"""Reference time from which the paper calls the pursuit of a moving target stable."""
+
+HEADLINES = {"lap_mean_m": "one lap", "settled_mean_m": "after 15 s", "mean_m": "mean"}
+"""By key of `error` that flights are compared by: what it is, in the order of preference."""
+
+Summaries = Mapping[str, Mapping[str, Any]]
+"""By the name of each flight; of those that failed, without `error`."""
+
+
+def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
+    """The figures of a flight. Errors are of the true state; null where not flown.
+
+    Keys:
+        error: m, distance of the end-effector from its reference over
+            reference time: mean, rms, max; over one whole lap after the smooth
+            start; settled (after 15 s); and the time in s at which it first
+            came within d_h.
+        orientation: rad, angle between the tool's axis and its wanted direction
+            over reference time: mean, rms, max, and settled; null without the task.
+        base_error: the same for the base and its setpoint.
+        mpc: ticks, wall time in ms, and ticks that took a fallback, did not
+            happen, or took longer than the period.
+        modes: s in each mode of the weight allocation.
+        safe_modes: s in each mode of the supervisor, the hover before included.
+        events: What the supervisor noticed, as `aerodrake.flight.events.events` has it.
+        arm: m, the farthest the joint limits let the end-effector get from the
+            centre of the learning space, and the d_edge that gamma uses; the
+            farthest it was (d_o), s that it was beyond d_h, and the least that
+            a joint was from its limits, in rad (negative: beyond one).
+        residual: RMS of the error in m/s with which one period of base velocity
+            is predicted, with and without the network.
+    """
+    flown = log.time_s >= 0
+    lap = make_reference(scenario.reference, log["p_E_m"][0]).lap
+    period_s = scenario.rates.mpc_period_s
+    ticks = log["tick_ms"]
+    # The status port shows the last tick; logs run several times a tick.
+    stride = round(period_s / scenario.rates.flight_period_s)
+    statuses = log["qp_status"][stride::stride]
+    simulated_s = log.time_s[-1] + scenario.settle_s
+    # Each sample stands for the time until the next, so the last one for none.
+    mode_s = np.bincount(log["mode"][:-1][flown[:-1]].astype(int), minlength=len(Mode))
+    return {
+        "scenario": scenario.name,
+        "seed": scenario.seed,
+        "version": version("aerodrake"),
+        "simulated_s": rounded(simulated_s),
+        "wall_s": rounded(log.wall_s),
+        "real_time_factor": rounded(simulated_s / log.wall_s),
+        "exit_reason": log.exit_reason,
+        "exit_cause": log.exit_cause,
+        "error": _errors(log.error_m, log.time_s, lap, scenario.allocation.d_h_m),
+        "base_error": _errors(log.base_error_m, log.time_s, lap, scenario.allocation.d_h_m),
+        "orientation": _orientation(log),
+        "mpc": {
+            "ticks": len(ticks),
+            "median_ms": rounded(np.median(ticks)) if len(ticks) else None,
+            "p99_ms": rounded(np.percentile(ticks, 99)) if len(ticks) else None,
+            "unconstrained": int((statuses == QpStatus.UNCONSTRAINED).sum()),
+            "solver_fallbacks": int(
+                ((statuses > QpStatus.RELAXED) & (statuses < QpStatus.MISSED)).sum()
+            ),
+            "missed": max(0, math.ceil(round(simulated_s / period_s, 6)) - len(ticks)),
+            "overruns": int((ticks > 1e3 * period_s).sum()),
+        },
+        "modes": {
+            mode.label: rounded(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode
+        },
+        "safe_modes": safe_modes(log, scenario.rates.flight_period_s),
+        "events": events(scenario, log),
+        "arm": _arm(scenario, log),
+        "residual": {
+            "mode": scenario.residual.mode,
+            "prediction_rmse_m_s": {
+                "with_network": _rms(log["prediction_error_m_s"][flown]),
+                "without_network": _rms(log["nominal_prediction_error_m_s"][flown]),
+            },
+        },
+    }
+
+
+def headline(summaries: Summaries) -> str:
+    """The key of `error` by which flights are compared: the first that any of them has."""
+    flown = [s["error"] for s in summaries.values() if "error" in s]
+    return next((k for k in HEADLINES if any(e[k] is not None for e in flown)), "mean_m")
+
+
+def failure(error: Exception) -> dict[str, str]:
+    """What stands for the summary of a flight whose process raised or died."""
+    lines = str(error).splitlines() or [""]
+    cause = f"{type(error).__name__}: {lines[0]}".removesuffix(": ")
+    return {"exit_reason": "failed", "exit_cause": cause}
+
+
+WALL_TIMES = ("wall_s", "real_time_factor")
+MPC_WALL_TIMES = ("median_ms", "p99_ms", "overruns")
+
+
+def repeatable(summary: dict[str, Any]) -> dict[str, Any]:
+    """The figures of a flight without wall times: the same whenever and wherever it is flown."""
+    figures = {key: value for key, value in summary.items() if key not in WALL_TIMES}
+    mpc = {key: value for key, value in summary["mpc"].items() if key not in MPC_WALL_TIMES}
+    return {**figures, "mpc": mpc}
+
+
+def to_json(summary: dict[str, Any]) -> str:
+    """Figures as strict JSON (no NaN), with their keys in order."""
+    return json.dumps(summary, indent=2, allow_nan=False) + "\n"
+
+
+def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
+    vehicle, flown = Vehicle.load(scenario), log.time_s >= 0
+    d_o = np.linalg.norm(log.p_EB_m - vehicle.p_O, axis=1)[flown]
+    q = log["q_rad"][flown]
+    room = np.minimum(q - vehicle.lower, vehicle.upper - q)
+    outside = np.count_nonzero(d_o[:-1] > scenario.allocation.d_h_m)
+    return {
+        "farthest_reach_m": rounded(farthest_reach(vehicle)),
+        "d_edge_m": scenario.allocation.d_edge_m,
+        "farthest_d_o_m": rounded(d_o.max()) if len(d_o) else None,
+        "outside_s": rounded(outside * scenario.rates.flight_period_s),
+        "least_room_rad": rounded(room.min()) if len(d_o) else None,
+    }
+
+
+def _orientation(log: FlightLog) -> dict[str, float | None]:
+    angle = log.tool_angle_rad
+    if angle is None:
+        angle = np.empty(0)
+    return _spread(angle, log.time_s[: len(angle)], "rad")
+
+
+def _spread(values: np.ndarray, time_s: np.ndarray, unit: str) -> dict[str, float | None]:
+    """Figures over reference time; null where it was not flown."""
+    flown = values[time_s >= 0]
+    return {
+        f"mean_{unit}": _mean(flown),
+        f"rms_{unit}": _rms(flown),
+        f"max_{unit}": rounded(flown.max()) if len(flown) else None,
+        f"settled_mean_{unit}": _mean(values[time_s >= SETTLED_AFTER_S]),
+    }
+
+
+def _errors(
+    error: np.ndarray, time_s: np.ndarray, lap: tuple[float, float] | None, d_h: float
+) -> dict[str, float | None]:
+    end = time_s[-1] + 1e-9
+    flown = time_s >= 0
+    near = np.flatnonzero(flown & (error <= d_h))
+    on_lap = np.zeros_like(flown)
+    if lap is not None and end >= lap[1]:
+        on_lap = (time_s >= lap[0]) & (time_s <= lap[1])
+    return {
+        **_spread(error, time_s, "m"),
+        "lap_mean_m": _mean(error[on_lap]),
+        "approach_s": rounded(time_s[near[0]]) if len(near) else None,
+    }
+
+
+def _mean(values: np.ndarray) -> float | None:
+    return rounded(values.mean()) if len(values) else None
+
+
+def _rms(values: np.ndarray) -> float | None:
+    """Root of the mean squared length of the rows."""
+    return rounded(math.sqrt((values**2).sum() / len(values))) if len(values) else None
+
+
+def rounded(value: float) -> float | None:
+    """A figure as JSON files have it: twelve digits at most, null for what is not finite."""
+    return float(f"{value:.12g}") if math.isfinite(value) else None
+
+
+def millimetres(length_m: float) -> str:
+    """A length as tables have it: in hundredths of a millimetre, below one in micrometres."""
+    length = f"{1e3 * length_m:.2f}"
+    return length if float(length) >= 1 else f"{1e3 * length_m:.3f}"

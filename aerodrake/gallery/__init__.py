@@ -1,0 +1,1 @@
+"""Graphs and pages of diagrams and systems."""

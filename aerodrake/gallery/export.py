@@ -1,0 +1,119 @@
+"""The page and the graphs of each diagram and system, as files."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Collection, Iterable, Mapping
+from pathlib import Path
+
+from pydrake.systems.framework import System
+
+from aerodrake.gallery.graph import systems_by_name, to_dot, to_mermaid
+from aerodrake.gallery.system_page import system_page
+from aerodrake.scenario import Residual, Scenario
+from aerodrake.scenario.faults import (
+    JointDegraded,
+    LearnerPoisoned,
+    MpcMissed,
+    Push,
+    ReferenceNan,
+    RotorDegraded,
+    SampleNan,
+)
+from aerodrake.scenario.references import FixedAxis
+from aerodrake.station import make_closed_loop
+from aerodrake.support.errors import BadInput, nearest
+from aerodrake.support.files import write_whole
+
+DOT_TIMEOUT_S = 60.0
+"""Graphviz lays out the closed loop in well under a second."""
+
+
+def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
+    """Writes `NAME.md`, `.dot` and `.mmd`; and `.svg` and `.png` where Graphviz is there.
+
+    Returns:
+        The paths written.
+    """
+    dot = to_dot(system, depth)
+    contents = {
+        "md": system_page(name, system, depth).encode(),
+        "dot": dot.encode(),
+        "mmd": to_mermaid(system, depth).encode(),
+    }
+    contents |= {suffix: _drawn(dot, suffix) for suffix in ("svg", "png")}
+    written = []
+    for suffix, content in contents.items():
+        if content:
+            written.append(folder / f"{name}.{suffix}")
+            write_whole(written[-1], content)
+    return written
+
+
+def gallery(names: Collection[str] = ()) -> dict[str, System]:
+    """Every diagram and system by name, in the default scenario where that has it.
+
+    Only others have those of the orientation task, of faults and of CLIK; their closed loops
+    are built as long as one of `names` is missing, or if there are none.
+    """
+    faults = (
+        *(SampleNan(), RotorDegraded(), JointDegraded(), Push()),
+        *(MpcMissed(), LearnerPoisoned(), ReferenceNan()),
+    )
+    others = (
+        Scenario(orientation=FixedAxis(), faults=faults, residual=Residual(mode="online")),
+        Scenario(controller="clik"),
+    )
+    found: dict[str, System] = {}
+    for scenario in (Scenario(), *others):
+        for name, system in systems_by_name(make_closed_loop(scenario)).items():
+            found.setdefault(name, system)
+        if names and found.keys() >= set(names):
+            break
+    return found
+
+
+def export_all(
+    systems: Mapping[str, System], names: Iterable[str], folder: Path, depth: int
+) -> list[Path]:
+    """Exports the named systems, or all of them if none is named.
+
+    Args:
+        systems: By name, as `gallery` or `systems_by_name` has them.
+        names: Of diagrams and leaf systems, as on the wiring page.
+        folder: Created if missing.
+        depth: Levels of diagrams to open.
+
+    Returns:
+        The paths written.
+
+    Raises:
+        BadInput: if a name is unknown, or the folder cannot be written.
+    """
+    names = list(names) or list(systems)
+    for name in names:
+        if name not in systems:
+            raise BadInput("graph", "", f"no system named '{name}'; {nearest(name, systems)}")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return [path for name in names for path in export(name, systems[name], folder, depth)]
+    except OSError as error:
+        raise BadInput(folder, "", f"cannot be written: {error.strerror}") from None
+
+
+def _drawn(dot: str, suffix: str) -> bytes:
+    """Graphviz's drawing; empty where Graphviz is missing or fails."""
+    command = shutil.which("dot")
+    if command is None:
+        return b""
+    try:
+        return subprocess.run(
+            [command, f"-T{suffix}"],
+            input=dot.encode(),
+            capture_output=True,
+            check=True,
+            timeout=DOT_TIMEOUT_S,
+        ).stdout
+    except (OSError, subprocess.SubprocessError):
+        return b""

@@ -1,0 +1,233 @@
+"""A page of documentation for one system or diagram, made from its code.
+
+Tables of ports, state and rate are those of the system as it was built; what
+they mean is read from docstrings, its own and those of the equations that it calls.
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from collections.abc import Callable, Iterator
+
+from pydrake.systems.framework import (
+    Diagram,
+    InputPort,
+    OutputPort,
+    PortDataType,
+    System,
+)
+
+from aerodrake.coordinator import make_coordinator
+from aerodrake.gallery.docstring import Docstring
+from aerodrake.gallery.graph import systems_by_name, to_mermaid
+from aerodrake.station import make_closed_loop, make_station
+from aerodrake.wiring.guidance import make_guidance
+from aerodrake.wiring.sensors import make_sensors
+from aerodrake.wiring.wind import make_wind
+
+MAKERS: dict[str, Callable[..., Diagram]] = {
+    "closed_loop": make_closed_loop,
+    "station": make_station,
+    "coordinator": make_coordinator,
+    "guidance": make_guidance,
+    "sensors": make_sensors,
+    "wind": make_wind,
+}
+"""Who tells what a diagram is for, by its name: unlike a leaf system it has no class of ours."""
+
+EQUATIONS = "aerodrake.model."
+
+
+def system_page(name: str, system: System, depth: int) -> str:
+    """Markdown: what it is, its graph, ports, state, rate and equations.
+
+    Args:
+        name: Its title.
+        system: A diagram or a leaf system.
+        depth: Levels of diagrams to open in the graph.
+    """
+    maker = MAKERS.get(name) if isinstance(system, Diagram) else None
+    said = Docstring.of(maker or (type(system) if _is_ours(system) else None))
+    blocks = [
+        f"# {name}",
+        f"*{_kind(system, maker)}*",
+        said.text,
+        f"```mermaid\n{to_mermaid(system, depth).rstrip()}\n```",
+        *_ports("Inputs", "in", system),
+        *_ports("Outputs", "out", system),
+        *_state(system, said),
+        *_rate(system, said),
+        *_parts(system),
+        *_wiring(maker),
+        *_equations(system),
+    ]
+    return "\n\n".join(block for block in blocks if block) + "\n"
+
+
+def _kind(system: System, maker: Callable[..., Diagram] | None) -> str:
+    if maker is not None:
+        return f"A diagram of {_place(maker)}."
+    if _is_ours(system):
+        return f"A LeafSystem of {_place(type(system))}."
+    kind = type(system)
+    return f"{kind.__name__} of {kind.__module__}: see Drake's own documentation."
+
+
+def _place(thing: type | Callable[..., object]) -> str:
+    return f"`{thing.__name__}` in `{thing.__module__.replace('.', '/')}.py`"
+
+
+def _is_ours(system: System) -> bool:
+    """Whether it is written in Python, as ours and those of a person's own are."""
+    return not type(system).__module__.startswith("pydrake")
+
+
+def _ports(title: str, direction: str, system: System) -> Iterator[str]:
+    is_input = direction == "in"
+    count = system.num_input_ports() if is_input else system.num_output_ports()
+    get = system.get_input_port if is_input else system.get_output_port
+    ports = [port for port in map(get, range(count)) if _is_shown(port)]
+    if not ports:
+        return
+    yield f"## {title}"
+    rows = []
+    for port in ports:
+        ends = _ends(port)
+        # A signal that is the same to all who have it is explained by the first that explains it.
+        meaning = next(filter(None, (_meaning(end) for end in ends)), "")
+        at = "" if ends == [port] else ", ".join(f"`{e.get_system().get_name()}`" for e in ends)
+        rows.append((f"`{port.get_name()}`", _size(port), _feeds(port), at, meaning))
+    feeds = "feeds through from" if not is_input else ""
+    of = "to" if is_input else "of"
+    yield _table(("port", "size", feeds, of, "meaning"), rows)
+
+
+def _is_shown(port: InputPort | OutputPort) -> bool:
+    """Ports of size zero are Drake's for what a robot has not."""
+    return port.size() > 0 or port.get_data_type() == PortDataType.kAbstractValued
+
+
+def _size(port: InputPort | OutputPort) -> str:
+    return "abstract" if port.get_data_type() == PortDataType.kAbstractValued else str(port.size())
+
+
+def _feeds(port: InputPort | OutputPort) -> str:
+    """The inputs that an output changes with at once."""
+    if isinstance(port, InputPort):
+        return ""
+    system = port.get_system()
+    inputs = map(system.get_input_port, range(system.num_input_ports()))
+    return ", ".join(
+        f"`{given.get_name()}`"
+        for given in inputs
+        if _is_shown(given) and system.HasDirectFeedthrough(given.get_index(), port.get_index())
+    )
+
+
+def _ends(port: InputPort | OutputPort) -> list[InputPort | OutputPort]:
+    """The ports of leaf systems that a port of a diagram stands for; of a leaf, itself."""
+    system = port.get_system()
+    if not isinstance(system, Diagram):
+        return [port]
+    if isinstance(port, OutputPort):
+        inner, index = system.get_output_port_locator(port.get_index())
+        return _ends(inner.get_output_port(index))
+    order = system.GetSystems().index  # Drake has them by address.
+    locators = system.GetInputPortLocators(port.get_index())
+    locators = sorted(locators, key=lambda locator: (order(locator[0]), locator[1]))
+    return [end for inner, index in locators for end in _ends(inner.get_input_port(index))]
+
+
+def _meaning(port: InputPort | OutputPort) -> str:
+    """What the class of a leaf system, or one that it derives from, says of its port."""
+    key = ("in" if isinstance(port, InputPort) else "out", port.get_name())
+    for kind in type(port.get_system()).__mro__:
+        if "Ports" in (said := Docstring.of(kind)).sections and key in said.ports:
+            return said.ports[key]
+    return ""
+
+
+def _state(system: System, said: Docstring) -> Iterator[str]:
+    if isinstance(system, Diagram):
+        return  # That of its parts.
+    context = system.CreateDefaultContext()
+    groups = [
+        (str(i), str(context.get_discrete_state(i).size()))
+        for i in range(context.num_discrete_state_groups())
+    ]
+    text = said.sections.get("State", said.sections.get("State, rate", ""))
+    if groups or text:
+        yield "## State"
+        yield text
+        if groups:
+            yield _table(("discrete group", "size"), groups)
+        if context.num_abstract_states():
+            yield f"Abstract states: {context.num_abstract_states()}."
+
+
+def _rate(system: System, said: Docstring) -> Iterator[str]:
+    if isinstance(system, Diagram):
+        rows = [
+            (f"`{name}`", *_period(part))
+            for name, part in systems_by_name(system).items()
+            if not isinstance(part, Diagram) and any(_period(part))
+        ]
+        if rows:
+            yield "## Rates"
+            yield "Discrete updates. What is missing here has none, or unrestricted ones."
+            yield _table(("system", "every", "after"), rows)
+        return
+    period, offset = _period(system)
+    text = said.sections.get("Rate", "")
+    if period or text:
+        yield "## Rate"
+        yield text
+        if period:
+            yield f"A discrete update every {period}" + f", after {offset}" * bool(offset) + "."
+
+
+def _period(system: System) -> tuple[str, str]:
+    """Period and offset of a system's discrete update; empty if there is none."""
+    attribute = system.GetUniquePeriodicDiscreteUpdateAttribute()
+    if attribute is None:
+        return "", ""
+    offset = attribute.offset_sec()
+    return f"{1e3 * attribute.period_sec():g} ms", f"{1e3 * offset:g} ms" if offset else ""
+
+
+def _parts(system: System) -> Iterator[str]:
+    if isinstance(system, Diagram):
+        names = [name for name in systems_by_name(system) if name != system.get_name()]
+        yield "## Parts"
+        yield ", ".join(f"[{name}]({name}.md)" for name in names)
+
+
+def _wiring(maker: Callable[..., Diagram] | None) -> Iterator[str]:
+    """What the page says of itself on which a diagram is wired."""
+    if maker is not None:
+        yield "## Wiring"
+        yield f"```text\n{inspect.getdoc(sys.modules[maker.__module__])}\n```"
+
+
+def _equations(system: System) -> Iterator[str]:
+    """What its module has of the equations' storey, as that describes itself."""
+    if isinstance(system, Diagram) or not _is_ours(system):
+        return
+    found = []
+    for thing in vars(sys.modules[type(system).__module__]).values():
+        thing = getattr(thing, "py_func", thing)  # Of what is compiled.
+        is_named = inspect.isclass(thing) or inspect.isfunction(thing)
+        if is_named and thing.__module__.startswith(EQUATIONS) and inspect.getdoc(thing):
+            found.append(f"### {_place(thing)}\n\n```text\n{inspect.getdoc(thing)}\n```")
+    if found:
+        yield "## Equations"
+        yield from found
+
+
+def _table(titles: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """Rows as Markdown, without columns that say nothing."""
+    used = [i for i in range(len(titles)) if any(row[i] for row in rows)]
+    lines = [[titles[i] for i in used], ["---"] * len(used)]
+    lines += [[row[i].replace("|", "\\|") for i in used] for row in rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

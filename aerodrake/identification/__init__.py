@@ -1,0 +1,1 @@
+"""Identification of K_B from simulated flights."""

@@ -1,0 +1,1 @@
+"""ESO flight controller and joint PID."""

@@ -1,0 +1,72 @@
+"""Extended state observer of an integrator chain with an unknown constant input."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from aerodrake.support.compiled import compiled
+
+
+class ExtendedStateObserver(NamedTuple):
+    """Estimates the states of y^(m) = u + h, per axis, and the disturbance h.
+
+    Cao et al. 2023 have it in continuous time with all poles at -w; this is
+    its exact discretisation, with all poles at exp(-w dt), so that it stays
+    well damped at any rate.
+
+    Attributes:
+        A: (m + 1, m + 1), over a period.
+        B: (m + 1, 1), likewise.
+        L: (m + 1, 1), of the innovation.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    L: np.ndarray
+
+    @classmethod
+    def make(cls, order: int, bandwidth: float, dt: float) -> ExtendedStateObserver:
+        """For m = `order`, 1 for a velocity that is measured, 2 for a position.
+
+        Args:
+            order: m.
+            bandwidth: w, rad/s.
+            dt: s, sampling period.
+        """
+        beta = math.exp(-bandwidth * dt)
+        if order == 1:
+            return cls(
+                A=np.array([[1.0, dt], [0.0, 1.0]]),
+                B=np.array([[dt], [0.0]]),
+                L=np.array([[1 - beta**2], [(1 - beta) ** 2 / dt]]),
+            )
+        if order == 2:
+            return cls(
+                A=np.array([[1.0, dt, dt**2 / 2], [0.0, 1.0, dt], [0.0, 0.0, 1.0]]),
+                B=np.array([[dt**2 / 2], [dt], [0.0]]),
+                L=np.array(
+                    [
+                        [1 - beta**3],
+                        [1.5 * (1 - beta) ** 2 * (1 + beta) / dt],
+                        [(1 - beta) ** 3 / dt**2],
+                    ]
+                ),
+            )
+        raise ValueError(f"order must be 1 or 2, got {order}")
+
+
+@compiled
+def observe(eso: ExtendedStateObserver, x: np.ndarray, u: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """(m + 1, axes), the estimate at the present sample: A x + B u + L (y - its first row).
+
+    Args:
+        eso: The observer.
+        x: (m + 1, axes), the estimate at the sample before: [y, ..., h].
+        u: (axes,), the known input since then.
+        y: (axes,), what is measured now.
+    """
+    predicted = eso.A @ x + eso.B * u
+    return predicted + eso.L * (y - predicted[0])

@@ -1,0 +1,132 @@
+"""Position and attitude laws of the base, z up.
+
+H. Cao et al., "ESO-based robust and high-precision tracking control for aerial
+manipulation", 2023, as publicly known; the attitude error is that of T. Lee et
+al., "Geometric tracking control of a quadrotor UAV on SE(3)", 2010.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from aerodrake.model.vehicle.rotation import cross, vee
+from aerodrake.model.vehicle.vehicle import GRAVITY
+from aerodrake.scenario import Flight
+from aerodrake.support.compiled import compiled
+
+
+class PositionGains(NamedTuple):
+    """Per axis of the world.
+
+    Attributes:
+        position: (3,) 1/s^2, k_p.
+        velocity: (3,) 1/s, k_v.
+        integral: (3,) 1/s^3, k_i.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    integral: np.ndarray
+
+    @classmethod
+    def make(cls, config: Flight) -> PositionGains:
+        """Those of the scenario."""
+        gains = config.position_gain, config.velocity_gain, config.integral_gain
+        return cls(*(np.array(gain, dtype=float) for gain in gains))
+
+
+class AttitudeGains(NamedTuple):
+    """Per axis of the base.
+
+    Attributes:
+        attitude: (3,) 1/s^2, k_R.
+        rate: (3,) 1/s, k_omega.
+    """
+
+    attitude: np.ndarray
+    rate: np.ndarray
+
+    @classmethod
+    def make(cls, config: Flight) -> AttitudeGains:
+        """Those of the scenario."""
+        gains = config.attitude_gain, config.rate_gain
+        return cls(*(np.array(gain, dtype=float) for gain in gains))
+
+
+@compiled
+def position_law(
+    gains: PositionGains,
+    position_error: np.ndarray,
+    velocity_error: np.ndarray,
+    feedforward: np.ndarray,
+    disturbance: np.ndarray,
+    integral: np.ndarray,
+) -> np.ndarray:
+    """u_v = a_d - k_v (v - v_d) - k_p (p - p_d) - k_i integral - h, m/s^2.
+
+    Args:
+        gains: k_p, k_v, k_i.
+        position_error: (3,) m, p - p_d.
+        velocity_error: (3,) m/s, v - v_d.
+        feedforward: (3,) m/s^2, a_d.
+        disturbance: (3,) m/s^2, h of the position ESO.
+        integral: (3,) m s, of the position error; off by default, since h
+            already rejects constants and an integral spoils the first-order
+            response that K_B models.
+    """
+    return (
+        feedforward
+        - velocity_error * gains.velocity
+        - position_error * gains.position
+        - integral * gains.integral
+        - disturbance
+    )
+
+
+@compiled
+def desired_thrust(u_v: np.ndarray, max_tilt: float) -> np.ndarray:
+    """(3,) m/s^2, the specific thrust u_v (3,) + g, tilted by at most `max_tilt` rad.
+
+    Height goes before horizontal acceleration, and thrust never points down.
+    """
+    up = max(u_v[2] + GRAVITY, 0.2 * GRAVITY)
+    horizontal = np.hypot(u_v[0], u_v[1])
+    most = up * np.tan(max_tilt)
+    share = most / horizontal if horizontal > most else 1.0
+    return np.array([share * u_v[0], share * u_v[1], up])
+
+
+@compiled
+def desired_attitude(thrust: np.ndarray, yaw: float = 0.0) -> np.ndarray:
+    """(3, 3), the attitude with its z axis along `thrust` (3,) and a yaw angle of `yaw` rad."""
+    z = thrust / np.sqrt(np.sum(thrust * thrust))
+    left = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
+    x = cross(left, z)
+    x /= np.sqrt(np.sum(x * x))
+    return np.column_stack((x, cross(z, x), z))
+
+
+@compiled
+def attitude_error(R: np.ndarray, R_d: np.ndarray) -> np.ndarray:
+    """(3,) e_R = vee(R_d' R - R' R_d) / 2 in the base frame (Lee et al. 2010); R, R_d: (3, 3)."""
+    return vee(R_d.T @ R)
+
+
+@compiled
+def attitude_law(
+    gains: AttitudeGains,
+    error: np.ndarray,
+    rate_error: np.ndarray,
+    disturbance: np.ndarray,
+) -> np.ndarray:
+    """u_omega = -k_R e_R - k_omega (omega - omega_d) - h_omega, rad/s^2.
+
+    Args:
+        gains: k_R, k_omega.
+        error: (3,) e_R.
+        rate_error: (3,) rad/s, omega - omega_d in the base frame.
+        disturbance: (3,) rad/s^2, h_omega of the attitude ESO.
+    """
+    return -(error * gains.attitude + rate_error * gains.rate + disturbance)

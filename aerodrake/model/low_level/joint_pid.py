@@ -1,0 +1,92 @@
+"""Discrete PID of the arm's joints."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from aerodrake.model.vehicle.state import parts
+from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.scenario import Arm
+from aerodrake.support.compiled import compiled
+
+
+class JointPid(NamedTuple):
+    """torque = k_p e + k_d e' + integral, within limits, without windup.
+
+    That is k_d times what the joint's rate is short of the rate q_d' + e k_p / k_d. As in a
+    cascade, that rate is kept within the joint's velocity limit, and within k_p / k_d
+    times the way that is left to its stop, so that no error, however it came, sends a joint
+    faster than it may move or into a stop.
+
+    Attributes:
+        k_p: (n,) N m/rad.
+        k_d: (n,) N m s/rad.
+        k_i: (n,) N m/(rad s).
+        effort: (n,) N m, torque limits.
+        velocity: (n,) rad/s, velocity limits.
+        lower, upper: (n,) rad, stops.
+        dt: s, period.
+    """
+
+    k_p: np.ndarray
+    k_d: np.ndarray
+    k_i: np.ndarray
+    effort: np.ndarray
+    velocity: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    dt: float
+
+    @classmethod
+    def make(cls, arm: Arm, vehicle: Vehicle, dt: float) -> JointPid:
+        """Gains that give each joint's inertia the bandwidth and damping of `arm`; dt in s."""
+        k_p = vehicle.joint_inertia * arm.bandwidth_rad_s**2
+        k_d = vehicle.joint_inertia * 2 * arm.damping * arm.bandwidth_rad_s
+        k_i = k_p * arm.integral_rad_s
+        limits = vehicle.effort, vehicle.velocity, vehicle.lower, vehicle.upper
+        return cls(k_p, k_d, k_i, *limits, dt)
+
+
+@compiled
+def control(
+    pid: JointPid, state: np.ndarray, setpoint: np.ndarray, integral: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Torques, and the integral one period later.
+
+    The integral is that of the error; of what the rate is short of its limit, over
+    k_p / k_d, where it is limited. It holds still where the torque is at its limit and would
+    be driven further out, and never exceeds the limit by itself.
+
+    Args:
+        pid: Gains and limits.
+        state: (13 + 2 n,) measured, as `VehicleState` has it.
+        setpoint: (3 n,) q_d, q_d', q_d''; a PID has no use for q_d''.
+        integral: (n,) N m.
+
+    Returns:
+        (n,) N m each.
+    """
+    _, _, q, _, _, qdot = parts(state)
+    n = len(q)
+    torque, moved = np.empty(n), np.empty(n)
+    for i in range(n):
+        error, rate_error = setpoint[i] - q[i], setpoint[n + i] - qdot[i]
+        stiffness = pid.k_p[i] / pid.k_d[i]
+        rate = setpoint[n + i] + stiffness * error
+        most = min(pid.velocity[i], stiffness * (pid.upper[i] - q[i]))
+        least = max(-pid.velocity[i], stiffness * (pid.lower[i] - q[i]))
+        excess = rate - min(max(rate, least), most)
+        wanted = pid.k_p[i] * error + pid.k_d[i] * (rate_error - excess) + integral[i]
+        torque[i] = _clipped(wanted, pid.effort[i])
+        drive = error if excess == 0 else error + (rate_error - excess) / stiffness
+        winding = abs(wanted) > pid.effort[i] and wanted * drive > 0
+        step = 0.0 if winding else pid.k_i[i] * drive * pid.dt
+        moved[i] = _clipped(integral[i] + step, pid.effort[i])
+    return torque, moved
+
+
+@compiled
+def _clipped(value: float, limit: float) -> float:
+    return np.minimum(np.maximum(value, -limit), limit)

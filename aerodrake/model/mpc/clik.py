@@ -1,0 +1,119 @@
+"""Weighted closed-loop inverse kinematics with damped least squares."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.horizon import stage_times
+from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.mpc.tracking import limited_gain
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.scenario import Clik, Mpc
+
+
+@dataclass(frozen=True)
+class ClikCommand:
+    """What one tick commands.
+
+    Attributes:
+        velocity: (3 + n,) m/s and rad/s, wanted of [p_B, q].
+        u: (3 + n,) m/s^2 and rad/s^2, within the bounds.
+        is_bounded: Whether a bound changed u.
+    """
+
+    velocity: np.ndarray
+    u: np.ndarray
+    is_bounded: bool
+
+
+class InverseKinematics:
+    """Resolves the wanted velocity of the end-effector into those of base and joints.
+
+    With s = [p_B', q'], J = J_s and W = diag(w_q, ..., w_m, ...), scaled to a least
+    weight of 1,
+
+        s   = s_0 + W^-1 J' (J W^-1 J' + lambda^2 I)^-1 v
+        v   = p_Ed' - K_e e_E - J_yaw yaw'
+        s_0 = [-R_B J_B q_0', q_0'],  q_0' = -k_c J_B' (J_B J_B' + lambda^2 I)^-1 (p_EB - p_O)
+
+    s_0 lies in the null space of J: it descends the paper's J_4, so that the arm
+    returns to its learning space, without moving the end-effector. p_Ed' is that
+    of the next tick, at which the velocity is to be reached; roll and pitch
+    rates count as disturbances, which K_e takes out. The accelerations follow by
+    a first-order loop, u = k (s - s_d), clipped to their bounds.
+
+    Damped least squares are Nakamura's and Hanafusa's (1986) and Wampler's
+    (1986); weights and null space as in Chiaverini, Siciliano and Egeland (1994).
+
+    Args:
+        config: Damping and rates.
+        mpc: K_e and the approach speed.
+        model: For the period and the places of the setpoints in x_0.
+        limits: Of the setpoints, (3 + n).
+        vehicle: For the centre of the learning space.
+    """
+
+    def __init__(
+        self,
+        config: Clik,
+        mpc: Mpc,
+        model: EquivalentModel,
+        limits: SetpointLimits,
+        vehicle: Vehicle,
+    ):
+        self.mpc, self.model = mpc, model
+        self._config, self._limits, self._p_O = config, limits, vehicle.p_O
+        self._stages_s = stage_times(mpc, model.dt)
+
+    def command(self, tick: MpcInputs) -> ClikCommand:
+        """The command of one tick.
+
+        Args:
+            tick: Its model's x_0 is asked for the setpoints alone; delta is not used.
+        """
+        velocity = self._centring(tick) + self._tracking(tick)
+        model = self.model
+        commanded = tick.x_0[np.concatenate([model.setpoint_velocity, model.joint_velocity])]
+        wanted = self._config.bandwidth_1_s * (velocity - commanded)
+        u = np.clip(wanted, -self._limits.acceleration, self._limits.acceleration)
+        return ClikCommand(velocity, u, bool(np.any(u != wanted)))
+
+    def predict(self, tick: MpcInputs, velocity: np.ndarray) -> np.ndarray:
+        """(N + 1, 3) m, p_E now and at each stage if base and joints moved at `velocity`.
+
+        Args:
+            tick: What it is about.
+            velocity: (3 + n,) m/s and rad/s.
+        """
+        return tick.end_effector.p_E + np.outer(self._stages_s, tick.end_effector.J_s @ velocity)
+
+    def _tracking(self, tick: MpcInputs) -> np.ndarray:
+        """(3 + n,), the weighted, damped inverse of v."""
+        J, n = tick.end_effector.J_s, self.model.joints
+        W = np.array([tick.w_q] * 3 + [tick.w_m] * n)
+        weighted = J / (W / W.min())
+        e = tick.end_effector.p_E - tick.reference[0, :3]
+        v = (
+            tick.reference[1, 3:]
+            - limited_gain(np.array(self.mpc.k_e), e, self.mpc.approach_speed_m_s) * e
+            - tick.end_effector.J_yaw * tick.rpy_rates[2]
+        )
+        return weighted.T @ np.linalg.solve(weighted @ J.T + self._damping, v)
+
+    def _centring(self, tick: MpcInputs) -> np.ndarray:
+        """(3 + n,), s_0."""
+        J_B, offset = tick.end_effector.J_B, tick.end_effector.p_EB - self._p_O
+        rate = (
+            -self._config.centring_1_s
+            * J_B.T
+            @ np.linalg.solve(J_B @ J_B.T + self._damping, offset)
+        )
+        return np.concatenate([-tick.end_effector.J_s[:, 3:] @ rate, rate])
+
+    @property
+    def _damping(self) -> np.ndarray:
+        return self._config.damping**2 * np.eye(3)

@@ -1,0 +1,1 @@
+"""Reference position and direction of the end-effector."""

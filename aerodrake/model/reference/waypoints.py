@@ -1,0 +1,116 @@
+"""Waypoints: a CSV with the header `t,x,y,z`, and the smooth path through them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import reprlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+from pydrake.trajectories import PiecewisePolynomial
+
+from aerodrake.support.errors import BadInput
+from aerodrake.support.files import read_bounded
+
+MAX_FILE_BYTES = 20_000_000
+"""A waypoint file is never larger: a guard against hostile input."""
+
+MIN_STEP_S = 1e-3
+"""Rows closer in time than this are taken for repeated ones."""
+
+Columns = Mapping[str, tuple[str, float, float]]
+"""Unit and closed range of each column, by its name; the first is time in s."""
+
+COLUMNS: Columns = {
+    "t": ("s", 0.0, 1e5),
+    "x": ("m", -1000.0, 1000.0),
+    "y": ("m", -1000.0, 1000.0),
+    "z": ("m", -1000.0, 1000.0),
+}
+"""Of a waypoint file."""
+
+
+def read_waypoints(path: str | Path, columns: Columns = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
+    """Reads a waypoint file, or one with other `columns` than `t,x,y,z`.
+
+    The header is their names, in any case and spacing; a byte-order mark and
+    blank lines are skipped. Errors count rows as editors do: the header is row 1.
+
+    Returns:
+        times: (M,) s, reference times, ascending from 0 or later; M >= 2.
+        points: (M, 3) m, in the world frame; or what the other columns are.
+
+    Raises:
+        BadInput: if the file is missing, too large, not UTF-8 text, or holds
+            anything but two or more rows of four plausible numbers each, at
+            least `MIN_STEP_S` apart in time.
+    """
+    path, header = Path(path), ",".join(columns)
+    content = read_bounded(path, MAX_FILE_BYTES)
+    try:
+        text = io.StringIO(content.decode("utf-8-sig"), newline="")
+        table = np.array(list(_rows(text, path, columns)))
+    except (UnicodeDecodeError, csv.Error):
+        raise BadInput(path, "", "expected UTF-8 text, as comma-separated values") from None
+    if len(table) < 2:
+        raise BadInput(path, "", f"expected at least 2 rows {header}, got {len(table)}")
+    return table[:, 0], table[:, 1:]
+
+
+def interpolate_waypoints(times: np.ndarray, points: np.ndarray) -> PiecewisePolynomial:
+    """The path through the waypoints, at rest at both ends.
+
+    Piecewise cubic and shape-preserving (Fritsch and Carlson 1980): velocity
+    is continuous, and each axis is monotonic from one waypoint to the next, so
+    that it neither overshoots nor moves between equal values. Outside `times`
+    the endpoints hold.
+
+    Args:
+        times: (M,) s, ascending, M >= 2.
+        points: (M, 3) m.
+    """
+    return PiecewisePolynomial.CubicShapePreserving(
+        times, points.T, zero_end_point_derivatives=True
+    )
+
+
+def _rows(file: Iterator[str], path: Path, columns: Columns) -> Iterator[list[float]]:
+    """Yields the numbers row by row, checked."""
+    reader = csv.reader(file)
+    header = ",".join(cell.strip().lower() for cell in next(reader, []))
+    expected = ",".join(columns)
+    if header != expected:
+        raise BadInput(
+            path, "", f"row 1: expected the header {expected}, got {reprlib.repr(header)}"
+        )
+    earliest = -np.inf
+    for cells in filter(None, reader):
+        try:
+            row = _numbers(cells, columns)
+            if row[0] < earliest:
+                raise ValueError(f"expected t to ascend by at least {MIN_STEP_S} s, got {row[0]!r}")
+        except ValueError as error:
+            raise BadInput(path, "", f"row {reader.line_num}: {error}") from None
+        earliest = row[0] + MIN_STEP_S
+        yield row
+
+
+def _numbers(cells: list[str], columns: Columns) -> list[float]:
+    """The numbers in one row's cells; raises ValueError where they are not as `columns` says."""
+    if len(cells) != len(columns):
+        raise ValueError(f"expected {len(columns)} cells, got {len(cells)}")
+    row = []
+    for cell, (name, (unit, low, high)) in zip(cells, columns.items(), strict=True):
+        problem = ValueError(
+            f"expected {name} in [{low:g}, {high:g}] {unit}, got {reprlib.repr(cell)}"
+        )
+        try:
+            number = float(cell)
+        except ValueError:
+            raise problem from None
+        if not low <= number <= high:  # True of NaN, too.
+            raise problem
+        row.append(number)
+    return row

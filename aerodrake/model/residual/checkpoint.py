@@ -1,0 +1,142 @@
+"""Checkpoints: a residual network in a file, with where it comes from."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from aerodrake.model.residual.features import HIDDEN, feature_names
+from aerodrake.model.residual.network import ResidualNetwork
+from aerodrake.support.errors import BadInput
+from aerodrake.support.files import is_stored_zip, read_bounded, write_whole
+
+FORMAT = 1
+"""Version of the checkpoint's layout."""
+
+MAX_BYTES = 1_000_000
+"""No checkpoint is larger: a guard against hostile files."""
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a network comes from, and so where it is valid.
+
+    Attributes:
+        version: Of aerodrake.
+        flight_interface: `trajectory` or `position`; a network serves one of them.
+        plant_hash: Of the vehicle it was trained on, its controllers and model (`fingerprint`).
+        scenario_hash: Of the scenario its data came from.
+    """
+
+    version: str
+    flight_interface: str
+    plant_hash: str
+    scenario_hash: str
+
+
+def save(path: Path, network: ResidualNetwork, metadata: Provenance) -> None:
+    """Writes a checkpoint: all of it, or nothing.
+
+    The same network and metadata give the same bytes.
+
+    Raises:
+        BadInput: if the file cannot be written.
+    """
+    content = io.BytesIO()
+    torch.save(
+        {
+            "format": FORMAT,
+            "features": feature_names(network.joints),
+            "hidden": list(HIDDEN),
+            "metadata": asdict(metadata),
+            "tensors": dict(network.state_dict()),  # The scaler is among them.
+        },
+        content,
+    )
+    write_whole(path, content.getvalue())
+
+
+def load(path: Path, joints: int) -> tuple[ResidualNetwork, Provenance]:
+    """Reads a checkpoint that `save` wrote, without running any code in it.
+
+    Args:
+        path: The file.
+        joints: n of the vehicle that is to fly with it.
+
+    Raises:
+        BadInput: if the file is missing, too large, not a checkpoint or of
+            another format, for other features, or holds tensors of the wrong
+            shape or type or numbers that are not finite.
+    """
+    path = Path(path)
+    data = _read(path)
+    if data["format"] != FORMAT:
+        raise BadInput(path, "", f"expected a checkpoint of format {FORMAT}, got another format")
+    expected, found = feature_names(joints), data["features"]
+    if len(found) != len(expected):
+        raise BadInput(
+            path,
+            "",
+            f"expected the {len(expected)} features of an arm of {joints} joints, got {len(found)}",
+        )
+    for ours, theirs in zip(expected, found, strict=True):
+        if ours != theirs:
+            raise BadInput(path, "", f"expected the feature {ours}, got {theirs!r:.40}")
+    if data["hidden"] != list(HIDDEN):
+        raise BadInput(path, "", f"expected hidden layers of {list(HIDDEN)} units")
+
+    network = ResidualNetwork.untrained(joints, seed=0)
+    _check_tensors(path, network.state_dict(), data["tensors"])
+    network.load_state_dict(data["tensors"])
+    return network, Provenance(**data["metadata"])
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """The checkpoint's mapping, its keys and plain types checked."""
+    not_a_checkpoint = BadInput(path, "", "expected a checkpoint of aerodrake")
+    content = read_bounded(path, MAX_BYTES)
+    try:
+        if not is_stored_zip(content):  # As torch writes it.
+            raise ValueError("compressed")
+        data = torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
+    except Exception:  # What torch.load raises on a malformed file is not documented.
+        raise not_a_checkpoint from None
+    if (
+        not isinstance(data, dict)
+        or not isinstance(data.get("format"), int)
+        or not _is_list_of(str, data.get("features"))
+        or not _is_list_of(int, data.get("hidden"))
+        or not isinstance(data.get("tensors"), dict)
+        or not isinstance(data.get("metadata"), dict)
+        or data["metadata"].keys() != {f.name for f in fields(Provenance)}
+        or not _is_list_of(str, list(data["metadata"].values()))
+    ):
+        raise not_a_checkpoint
+    return data
+
+
+def _is_list_of(kind: type, value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(v, kind) for v in value)
+
+
+def _check_tensors(path: Path, expected: dict[str, torch.Tensor], tensors: dict[str, Any]) -> None:
+    if tensors.keys() != expected.keys():
+        raise BadInput(path, "", f"expected the tensors {', '.join(expected)}")
+    for name, like in expected.items():
+        tensor = tensors[name]
+        if (
+            not isinstance(tensor, torch.Tensor)
+            or tensor.shape != like.shape
+            or tensor.dtype != like.dtype
+            or tensor.layout != torch.strided
+            or tensor.device != like.device
+        ):
+            raise BadInput(path, "", f"expected {name} to be {list(like.shape)} of {like.dtype}")
+        if not tensor.isfinite().all():
+            raise BadInput(path, "", f"expected {name} to be finite")
+    if not (tensors["scale"] > 0).all():
+        raise BadInput(path, "", "expected scale to be positive")

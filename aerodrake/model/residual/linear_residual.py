@@ -1,0 +1,62 @@
+"""Linear models of the residual velocity: what the network is measured against."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from aerodrake.model.residual.samples import Samples
+
+ALPHAS = tuple(10.0 ** np.arange(-6, 2))
+"""Ridge penalties that are tried, for standardised features."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinearResidual:
+    """target = coefficients [(features - mean) / scale; 1].
+
+    Attributes:
+        mean, scale: (m,) of the features.
+        coefficients: (3, m + 1) m/s, the intercept last.
+        alpha: Penalty it was fitted with.
+    """
+
+    mean: np.ndarray
+    scale: np.ndarray
+    coefficients: np.ndarray
+    alpha: float
+
+    @classmethod
+    def fit(cls, flights: Sequence[Samples], alpha: float) -> LinearResidual:
+        """Minimises mean squared error + alpha |coefficients|^2, the intercept left free.
+
+        Args:
+            flights: Whose samples count alike.
+            alpha: 0 for least squares, of least norm where features do not vary.
+        """
+        features, targets = (np.vstack(parts) for parts in zip(*flights, strict=True))
+        mean, deviation = features.mean(axis=0), features.std(axis=0)
+        scale = np.where(deviation > 1e-9, deviation, 1.0)
+        penalty = np.sqrt(alpha * len(features)) * np.eye(len(mean))
+        slope, *_ = np.linalg.lstsq(
+            np.vstack([(features - mean) / scale, penalty]),
+            np.vstack([targets - targets.mean(axis=0), np.zeros((len(mean), 3))]),
+            rcond=None,
+        )
+        return cls(mean, scale, np.column_stack([slope.T, targets.mean(axis=0)]), alpha)
+
+    @classmethod
+    def fit_ridge(cls, flights: Sequence[Samples], validation: Sequence[Samples]) -> LinearResidual:
+        """The fit whose penalty, of `ALPHAS`, errs least on the validation flights."""
+        fits = [cls.fit(flights, alpha) for alpha in ALPHAS]
+        return min(
+            fits,
+            key=lambda fit: sum(float(((fit.predict(f) - t) ** 2).sum()) for f, t in validation),
+        )
+
+    def predict(self, features: np.ndarray) -> np.ndarray:
+        """(T, 3) m/s from features (T, m)."""
+        scaled = (features - self.mean) / self.scale
+        return scaled @ self.coefficients[:, :-1].T + self.coefficients[:, -1]

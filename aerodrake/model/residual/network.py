@@ -1,0 +1,117 @@
+"""The network that estimates the residual velocity Delta of the base.
+
+Two hidden layers of 32 units with ELU, as in the paper (section "Residual
+Learning"). Everything is float64: the online update of the last layer is numpy
+in float64, where steps of 1e-9 still count, and torch and numpy then agree to
+rounding. At this size float32 would be no faster.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import torch
+
+from aerodrake.model.residual.features import HIDDEN, PHI_SIZE, feature_names
+
+
+@dataclass(frozen=True, eq=False)
+class FeatureScaler:
+    """(features - mean) / scale, frozen with the network it was trained for.
+
+    Attributes:
+        mean: (12 + 3 n,) in the features' units.
+        scale: (12 + 3 n,) in the features' units, positive.
+    """
+
+    mean: np.ndarray
+    scale: np.ndarray
+
+    def __post_init__(self) -> None:
+        for f in fields(self):
+            frozen = np.array(getattr(self, f.name), dtype=np.float64)
+            frozen.setflags(write=False)
+            object.__setattr__(self, f.name, frozen)
+
+    @classmethod
+    def nominal(cls, joints: int) -> FeatureScaler:
+        """Spread expected in gentle flight: for a network that has seen no data."""
+        scale = np.concatenate(
+            [
+                np.full(3, 0.1),  # rad, Theta_B
+                np.full(3, 0.3),  # m/s, v_B
+                np.full(3, 0.3),  # rad/s, omega_B
+                np.full(joints, 1.0),  # rad, q
+                np.full(joints, 0.5),  # rad/s, q'
+                np.full(3, 1.0),  # m/s^2, p_B,d''
+                np.full(joints, 3.0),  # rad/s^2, q_d''
+            ]
+        )
+        return cls(np.zeros_like(scale), scale)
+
+
+class ResidualNetwork(torch.nn.Module):
+    """Delta = theta [ELU(W_2 ELU(W_1 s + b_1) + b_2); 1], with s the scaled features.
+
+    The last layer starts at zero, so that Delta is exactly zero until something
+    is learned; the hidden layers start uniform in +-1/sqrt(inputs).
+
+    Args:
+        joints: n.
+        scaler: For the 12 + 3 n features; fixed from here on.
+        seed: Of the hidden layers; torch's global generator is left alone.
+    """
+
+    def __init__(self, joints: int, scaler: FeatureScaler, seed: int):
+        super().__init__()
+        self.joints = joints
+        self.register_buffer("mean", torch.tensor(scaler.mean))
+        self.register_buffer("scale", torch.tensor(scaler.scale))
+        generator = torch.Generator().manual_seed(seed)
+        inputs = len(feature_names(joints))
+        first, second = HIDDEN
+        self.hidden = torch.nn.Sequential(
+            _linear(inputs, first, generator),
+            torch.nn.ELU(),
+            _linear(first, second, generator),
+            torch.nn.ELU(),
+        )
+        self.last = _linear(second, 3, generator)
+        torch.nn.init.zeros_(self.last.weight)
+        torch.nn.init.zeros_(self.last.bias)
+
+    @classmethod
+    def untrained(cls, joints: int, seed: int) -> ResidualNetwork:
+        """A network with the nominal scaler; its Delta is zero until its last layer learns."""
+        return cls(joints, FeatureScaler.nominal(joints), seed)
+
+    def forward(self, features: torch.Tensor) -> torch.Tensor:
+        """Delta (..., 3) in m/s from unscaled features (..., 12 + 3 n)."""
+        return self.last(self.hidden((features - self.mean) / self.scale))
+
+    def phi(self, features: np.ndarray) -> np.ndarray:
+        """(..., 33) last hidden activations and a 1, from unscaled features (..., 12 + 3 n).
+
+        Delta is `phi @ last_layer().T`.
+        """
+        with torch.inference_mode():
+            scaled = (torch.from_numpy(features) - self.mean) / self.scale
+            activations = self.hidden(scaled).numpy()
+        phi = np.ones((*activations.shape[:-1], PHI_SIZE))
+        phi[..., :-1] = activations
+        return phi
+
+    def last_layer(self) -> np.ndarray:
+        """(3, 33) copy of theta, [weights, bias]: the paper's theta^l."""
+        with torch.no_grad():
+            return torch.column_stack([self.last.weight, self.last.bias]).numpy()
+
+
+def _linear(inputs: int, outputs: int, generator: torch.Generator) -> torch.nn.Linear:
+    # skip_init, since torch's own initialisation draws from the global generator.
+    layer = torch.nn.utils.skip_init(torch.nn.Linear, inputs, outputs, dtype=torch.float64)
+    bound = inputs**-0.5
+    torch.nn.init.uniform_(layer.weight, -bound, bound, generator=generator)
+    torch.nn.init.uniform_(layer.bias, -bound, bound, generator=generator)
+    return layer

@@ -1,0 +1,1 @@
+"""Samples: their noise, their checks, and the Kalman filters that use them."""

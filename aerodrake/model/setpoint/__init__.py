@@ -1,0 +1,1 @@
+"""Setpoints from u by double integration."""

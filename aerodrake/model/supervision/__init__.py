@@ -1,0 +1,1 @@
+"""Fault detection and safe modes."""

@@ -1,0 +1,1 @@
+"""The robot and its physics: kinematics, whole-body dynamics, payload, wind."""

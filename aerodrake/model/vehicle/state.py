@@ -1,0 +1,79 @@
+"""The measured state of base and arm, by its parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from aerodrake.model.vehicle.rotation import roll_pitch_yaw, rotation_matrix, rpy_rates
+from aerodrake.support.compiled import compiled
+
+BASE_POSITIONS = 7
+"""Numbers of the base in q: its quaternion and p_B."""
+BASE_VELOCITIES = 6
+"""And in v: omega_W and v_B."""
+
+
+@compiled
+def parts(x: np.ndarray) -> tuple[np.ndarray, ...]:
+    """(quaternion, p_B, q, omega_W, v_B, qdot) of x (13 + 2 n,), as `VehicleState` has them.
+
+    For compiled equations; views, not copies.
+    """
+    n = (len(x) - BASE_POSITIONS - BASE_VELOCITIES) // 2
+    v = BASE_POSITIONS + n
+    return x[:4], x[4:7], x[7:v], x[v : v + 3], x[v + 3 : v + 6], x[v + 6 :]
+
+
+@dataclass(frozen=True)
+class VehicleState:
+    """State of the vehicle, in the order in which `MultibodyPlant` has it.
+
+    Attributes:
+        quaternion: (4,) attitude of the base, w first.
+        p_B: (3,) m, base origin in the world.
+        q: (n,) rad, joint angles.
+        omega_W: (3,) rad/s, angular velocity of the base, expressed in the world.
+        v_B: (3,) m/s, velocity of the base origin in the world.
+        qdot: (n,) rad/s, joint velocities.
+    """
+
+    quaternion: np.ndarray
+    p_B: np.ndarray
+    q: np.ndarray
+    omega_W: np.ndarray
+    v_B: np.ndarray
+    qdot: np.ndarray
+
+    @staticmethod
+    def size(joints: int) -> int:
+        """Length of the state vector of a vehicle whose arm has `joints` joints."""
+        return BASE_POSITIONS + BASE_VELOCITIES + 2 * joints
+
+    @classmethod
+    def from_vector(cls, x: np.ndarray) -> VehicleState:
+        """Takes apart x (13 + 2 n,) = [quaternion, p_B, q, omega_W, v_B, qdot]."""
+        return cls(*parts(x))
+
+    def to_vector(self) -> np.ndarray:
+        """(13 + 2 n,), the reverse of `from_vector`."""
+        return np.concatenate(
+            [self.quaternion, self.p_B, self.q, self.omega_W, self.v_B, self.qdot]
+        )
+
+    @cached_property
+    def R_B(self) -> np.ndarray:
+        """(3, 3) rotation from the base to the world frame."""
+        return rotation_matrix(self.quaternion)
+
+    @property
+    def rpy(self) -> np.ndarray:
+        """(3,) rad, roll, pitch and yaw: the paper's Theta_B."""
+        return roll_pitch_yaw(self.R_B)
+
+    @property
+    def rpy_rates(self) -> np.ndarray:
+        """(3,) rad/s, time derivative of Theta_B."""
+        return rpy_rates(self.R_B, self.omega_W)

@@ -1,0 +1,43 @@
+"""A flight and what it leaves in a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from pydrake.systems.analysis import Simulator
+
+from aerodrake.flight.log import FlightLog
+from aerodrake.flight.simulate import Flight
+from aerodrake.flight.summary import summarize, to_json
+from aerodrake.reports.flight_figure import plot_tracking
+from aerodrake.scenario.load import save_scenario
+
+
+def fly_into(
+    folder: Path,
+    flight: Flight,
+    title: str,
+    progress: Callable[[float], None] = lambda simulated_s: None,
+    rate: float = 0.0,
+    attach: Callable[[Flight, Simulator], None] = lambda flight, simulator: None,
+) -> tuple[dict[str, Any], FlightLog]:
+    """Flies; writes `summary.json`, `log.npz`, `scenario.yaml` and `tracking.png`.
+
+    Args:
+        folder: An empty one.
+        flight: Ready to fly.
+        title: Of the figure.
+        progress, rate, attach: As `Flight.fly` has them.
+
+    Returns:
+        What `summary.json` and `log.npz` hold.
+    """
+    log = flight.fly(progress, rate, attach)
+    summary = summarize(flight.scenario, log)
+    (folder / "summary.json").write_text(to_json(summary), encoding="utf-8")
+    save_scenario(flight.scenario, folder)
+    log.save(folder / "log.npz")
+    plot_tracking(log, flight.scenario, title, folder / "tracking.png")
+    return summary, log

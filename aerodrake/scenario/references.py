@@ -1,0 +1,97 @@
+"""The references a scenario can name: what the end-effector is to follow, where it is to point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from aerodrake.scenario.schema import file, quantity
+
+
+@dataclass(frozen=True)
+class Hover:
+    """The end-effector stays where it starts."""
+
+    kind: ClassVar[str] = "hover"
+
+
+@dataclass(frozen=True)
+class Clover:
+    """Four-leaf clover r = a cos(2 theta) in the horizontal plane, from a petal's tip."""
+
+    kind: ClassVar[str] = "clover"
+    amplitude_m: float = quantity(0.5, "m", 0.01, 10.0)
+    lap_s: float = quantity(24.0, "s", 1.0, 1000.0)
+    # Smooth start: the angular rate rises from 0 to 2 pi / lap_s in this time.
+    start_s: float = quantity(3.0, "s", 0.1, 100.0)
+
+
+@dataclass(frozen=True)
+class FigureEight:
+    """A Gerono lemniscate, `length_m` long and `width_m` wide, in a tilted plane."""
+
+    kind: ClassVar[str] = "figure_eight"
+    length_m: float = quantity(0.6, "m", 0.01, 10.0)
+    width_m: float = quantity(0.3, "m", 0.01, 10.0)
+    tilt_rad: float = quantity(0.0, "rad", -1.5708, 1.5708)
+    lap_s: float = quantity(12.0, "s", 1.0, 1000.0)
+    start_s: float = quantity(3.0, "s", 0.1, 100.0)
+
+
+@dataclass(frozen=True)
+class Lissajous:
+    """A_i [sin(2 pi t / T_i + phi_i) - sin(phi_i)] on each world axis i."""
+
+    kind: ClassVar[str] = "lissajous"
+    amplitude_m: tuple[float, ...] = quantity((0.4, 0.3, 0.15), "m", 0.0, 10.0, length=3)
+    period_s: tuple[float, ...] = quantity((16.0, 8.0, 16.0), "s", 1.0, 1000.0, length=3)
+    phase_rad: tuple[float, ...] = quantity((0.0, 0.0, 1.5708), "rad", -6.2832, 6.2832, length=3)
+    start_s: float = quantity(3.0, "s", 0.1, 100.0)
+
+
+@dataclass(frozen=True)
+class MovingTarget:
+    """A point at a constant height above a target that moves in a straight line."""
+
+    kind: ClassVar[str] = "moving_target"
+    target_m: tuple[float, ...] = quantity((0.0, 1.4, 0.0), "m", -100.0, 100.0, length=3)
+    velocity_m_s: tuple[float, ...] = quantity((0.0, 0.05, 0.0), "m/s", -2.0, 2.0, length=3)
+    height_m: float = quantity(0.6, "m", 0.0, 10.0)
+
+
+@dataclass(frozen=True)
+class Waypoints:
+    """A CSV with the header `t,x,y,z` (s and m, world frame), interpolated smoothly."""
+
+    kind: ClassVar[str] = "waypoints"
+    file: str = file()
+
+
+@dataclass(frozen=True)
+class OrientationOff:
+    """No orientation task: the tool points where the position task leaves it."""
+
+    kind: ClassVar[str] = "off"
+
+
+@dataclass(frozen=True)
+class FixedAxis:
+    """The tool's axis keeps a direction in the world, by default down; its length is free."""
+
+    kind: ClassVar[str] = "fixed"
+    axis: tuple[float, ...] = quantity((0.0, 0.0, -1.0), "1", -1000.0, 1000.0, length=3)
+
+
+@dataclass(frozen=True)
+class AxisAlong:
+    """The tool's axis follows directions from a CSV with the header `t,ax,ay,az`.
+
+    s, and vectors of any length in the world frame, interpolated smoothly.
+    """
+
+    kind: ClassVar[str] = "along"
+    file: str = file()
+
+
+Reference = Hover | Clover | FigureEight | Lissajous | MovingTarget | Waypoints
+Orientation = OrientationOff | FixedAxis | AxisAlong

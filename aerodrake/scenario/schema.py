@@ -1,0 +1,221 @@
+"""From plain mappings to checked dataclasses.
+
+A section of a scenario is a frozen dataclass whose fields say, where they are
+declared, the unit and the range of their value:
+
+    amplitude_m: float = quantity(0.5, "m", 0.01, 5.0)
+
+`build` turns a mapping, as YAML gives it, into such a dataclass, and names the
+dotted key, the unit, the range and the nearest valid name when it cannot. A
+field whose type is a union of dataclasses is told apart by their `kind` key.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import reprlib
+import types
+import typing
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from aerodrake.support.errors import ScenarioError, nearest
+from aerodrake.support.files import PACKAGE, is_packaged, leaves_package
+
+_REPR = reprlib.Repr()  # Bounded in depth and length, whatever the file held.
+_REPR.maxlevel = 2
+_REPR.maxstring = 60
+
+MAX_LIST = 1000
+"""No list in a scenario is longer: a guard against hostile files."""
+
+
+def quantity(
+    default: float | tuple[float, ...],
+    unit: str,
+    low: float = -math.inf,
+    high: float = math.inf,
+    *,
+    length: int | None = None,
+) -> Any:
+    """Declares a number, or a tuple of them, with its unit and closed range.
+
+    Args:
+        default: The value where the scenario gives none; its type (int, float
+            or tuple) is the field's.
+        unit: The unit, as it is to appear in messages; "1" for none.
+        low: Smallest valid value (of each element).
+        high: Largest valid value (of each element).
+        length: The number of elements a tuple must have; None leaves it open
+            (a per-joint list, whose length only the robot knows).
+    """
+    metadata = {"unit": unit, "low": low, "high": high, "length": length}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def choice(default: str, *others: str) -> Any:
+    """Declares a string that must be `default` or one of `others`."""
+    return dataclasses.field(default=default, metadata={"options": (default, *others)})
+
+
+def file(default: str = "") -> Any:
+    """Declares a path, taken relative to the scenario file; empty for none."""
+    return dataclasses.field(default=default, metadata={"file": True})
+
+
+def several() -> Any:
+    """Declares a list of mappings, each told apart by its `kind`; empty by default."""
+    return dataclasses.field(default=(), metadata={"several": True})
+
+
+def provenance() -> Any:
+    """Declares a string that tells where the data came from and is not part of it."""
+    return dataclasses.field(default="", metadata={"provenance": True})
+
+
+def build(cls: type, data: object, source: object, key: str = "") -> Any:
+    """Builds the dataclass `cls` from a mapping.
+
+    Args:
+        cls: A dataclass whose fields are declared with this module.
+        data: What the YAML parser returned.
+        source: Named in errors: the file or option `data` came from.
+        key: Dotted key of `data` inside the source.
+
+    Returns:
+        An instance of `cls`; keys that `data` lacks have their defaults.
+
+    Raises:
+        ScenarioError: on unknown keys, wrong types, lengths, or ranges.
+    """
+    if not isinstance(data, Mapping):
+        raise ScenarioError(source, key, f"expected a mapping of keys to values, got {_show(data)}")
+    hints = typing.get_type_hints(cls)
+    fields = {f.name: f for f in _data_fields(cls)}
+    values = {}
+    for name, value in data.items():
+        dotted = f"{key}.{name}" if key else str(name)
+        if name not in fields:
+            raise ScenarioError(source, dotted, f"unknown key; {nearest(name, fields)}")
+        values[name] = _convert(hints[name], fields[name].metadata, value, source, dotted)
+    return cls(**values)
+
+
+def as_mapping(config: Any) -> dict[str, Any]:
+    """The reverse of `build`: every key of `config`, defaults included."""
+
+    def plain(value: Any) -> Any:
+        if dataclasses.is_dataclass(value):
+            data = {f.name: plain(getattr(value, f.name)) for f in _data_fields(value)}
+            return {"kind": value.kind, **data} if hasattr(value, "kind") else data
+        if isinstance(value, tuple):
+            return [plain(v) for v in value]
+        return value
+
+    return plain(config)
+
+
+def map_files(config: Any, change: typing.Callable[[Path], Path]) -> Any:
+    """Returns `config` with `change` applied to every non-empty `file` field."""
+    changes: dict[str, Any] = {}
+    for f in dataclasses.fields(config):
+        value = getattr(config, f.name)
+        if dataclasses.is_dataclass(value):
+            changes[f.name] = map_files(value, change)
+        elif f.metadata.get("file") and value and not is_packaged(value):
+            changes[f.name] = str(change(Path(value)))
+    return dataclasses.replace(config, **changes)
+
+
+def _data_fields(config: Any) -> list[dataclasses.Field]:
+    return [f for f in dataclasses.fields(config) if "provenance" not in f.metadata]
+
+
+def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, key: str) -> Any:
+    if isinstance(hint, types.UnionType):
+        return _build_union(typing.get_args(hint), value, source, key)
+    if "several" in meta:
+        return _build_several(typing.get_args(hint)[0], value, source, key)
+    if dataclasses.is_dataclass(hint):
+        return build(hint, value, source, key)
+    if hint is bool:
+        if not isinstance(value, bool):
+            raise ScenarioError(source, key, f"expected true or false, got {_show(value)}")
+        return value
+    if hint is str:
+        return _string(meta, value, source, key)
+    if hint in (int, float):
+        return _number(hint, meta, value, source, key)
+    element = typing.get_args(hint)[0]
+    what = f"a list of {meta.get('length') or ''} numbers in {meta['unit']}"
+    if not isinstance(value, list | tuple):
+        raise ScenarioError(source, key, f"expected {what}, got {_show(value)}")
+    if len(value) > MAX_LIST or (meta["length"] and len(value) != meta["length"]):
+        raise ScenarioError(source, key, f"expected {what}, got {len(value)} of them")
+    return tuple(_number(element, meta, v, source, f"{key}[{i}]") for i, v in enumerate(value))
+
+
+def _build_union(options: tuple[type, ...], value: object, source: object, key: str) -> Any:
+    kinds = {option.kind: option for option in options}
+    kind = value.get("kind") if isinstance(value, Mapping) else None
+    if kind is None:
+        raise ScenarioError(source, key, f"expected a mapping with a kind; {nearest('', kinds)}")
+    if not isinstance(kind, str) or kind not in kinds:
+        raise ScenarioError(
+            source, f"{key}.kind", f"unknown kind {_show(kind)}; {nearest(kind, kinds)}"
+        )
+    return build(kinds[kind], {k: v for k, v in value.items() if k != "kind"}, source, key)
+
+
+def _build_several(option: Any, value: object, source: object, key: str) -> tuple[Any, ...]:
+    if not isinstance(value, list | tuple):
+        raise ScenarioError(source, key, f"expected a list of mappings, got {_show(value)}")
+    if len(value) > MAX_LIST:
+        raise ScenarioError(source, key, f"expected at most {MAX_LIST} of them, got {len(value)}")
+    return tuple(
+        _build_union(typing.get_args(option), v, source, f"{key}[{i}]") for i, v in enumerate(value)
+    )
+
+
+def _string(meta: Mapping[str, Any], value: object, source: object, key: str) -> str:
+    options = meta.get("options")
+    if not isinstance(value, str):
+        raise ScenarioError(source, key, f"expected a string, got {_show(value)}")
+    if options and value not in options:
+        raise ScenarioError(source, key, f"unknown value {_show(value)}; {nearest(value, options)}")
+    if not value.isprintable():
+        raise ScenarioError(source, key, f"expected printable text, got {_show(value)}")
+    if meta.get("file") and is_packaged(value) and leaves_package(value):
+        raise ScenarioError(
+            source, key, f"expected {PACKAGE}... inside the package, got {_show(value)}"
+        )
+    return value
+
+
+def _number(
+    hint: type, meta: Mapping[str, Any], value: object, source: object, key: str
+) -> float | int:
+    low, high = meta["low"], meta["high"]
+    kind = "a whole number" if hint is int else "a number"
+    unit = "" if meta["unit"] == "1" else f" {meta['unit']}"
+    expected = f"expected {kind} in [{low:.10g}, {high:.10g}]{unit}"
+    problem = ScenarioError(source, key, f"{expected}, got {_show(value)}")
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise problem
+    try:
+        number = float(value)
+    except OverflowError:
+        raise problem from None
+    if not math.isfinite(number) or not low <= number <= high:
+        raise problem
+    if hint is int:
+        if number != int(number):
+            raise problem
+        return int(number)
+    return number
+
+
+def _show(value: object) -> str:
+    return _REPR.repr(value)

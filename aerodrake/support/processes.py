@@ -1,0 +1,69 @@
+"""Work in parallel processes: one process an item, none of which can harm another."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from multiprocessing import connection
+from typing import TypeVar
+
+from pebble import ProcessExpired, ProcessPool
+
+from aerodrake.support.errors import ProcessDied
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def run_parallel(
+    function: Callable[[Item], Result], items: Sequence[Item], jobs: int
+) -> Iterator[tuple[int, Result | Exception]]:
+    """Yields (index, what `function` returned or raised) as the items finish.
+
+    Each item has a process of its own: Drake's diagrams are never collected
+    while theirs lives, and one that dies fails its own item only, with
+    `ProcessDied`. Whoever stops iterating, as by Ctrl-C, stops them all, and
+    they end with this process, however it ends.
+
+    Args:
+        function: Importable by name; it and the items are sent to the processes.
+        items: What to call it with. Whoever takes the results may append to them.
+        jobs: How many processes at a time.
+    """
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPool(max_workers=jobs, max_tasks=1, initializer=_end_with_parent, context=context)
+    try:
+        running: dict[Future, int] = {}
+        sent = 0
+        while sent < len(items) or running:
+            for index in range(sent, len(items)):
+                running[pool.schedule(function, args=[items[index]])] = index
+            sent = len(items)
+            future = next(iter(wait(running, return_when=FIRST_COMPLETED).done))
+            error = future.exception()
+            if isinstance(error, ProcessExpired):
+                error = ProcessDied(f"its process died of {cause_of_death(error.exitcode)}")
+            yield running.pop(future), future.result() if error is None else error
+    finally:
+        pool.stop()
+        pool.join()
+
+
+def _end_with_parent() -> None:
+    """Makes this process end when its parent does, even if that is killed."""
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def cause_of_death(exit_code: int) -> str:
+    """How a process ended that was not to end: the signal, or the exit code."""
+    return signal.Signals(-exit_code).name if exit_code < 0 else f"exit code {exit_code}"

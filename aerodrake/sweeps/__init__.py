@@ -1,0 +1,1 @@
+"""Many flights of varied scenarios."""

@@ -1,0 +1,1 @@
+"""LeafSystems, one a file, named as in the graph."""

@@ -1,0 +1,42 @@
+"""A reference that is not what it should be, for a time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from aerodrake.model.reference.fault import faulty
+from aerodrake.scenario.faults import AnyFault
+
+
+class ReferenceFaultSystem(LeafSystem):
+    """Passes a reference on with the faults that are declared.
+
+    Ports:
+        in `horizon` (6 (N + 1)): p_Ed, p_Ed' in m and m/s, now and at each stage.
+        out `horizon` (6 (N + 1)): the same, faults included.
+    State, rate:
+        none; feeds through, and is a function of time.
+
+    Args:
+        faults: Of which those of the reference count.
+        settle_s: s, hover before reference time 0.
+        stages_s: (N + 1,) s, from now to each stage, 0 first.
+    """
+
+    def __init__(self, faults: Sequence[AnyFault], settle_s: float, stages_s: np.ndarray):
+        super().__init__()
+        self._faults, self._settle_s, self._stages = faults, settle_s, stages_s
+        size = 6 * len(stages_s)
+        self._asked = self.DeclareVectorInputPort("horizon", size)
+        self.DeclareVectorOutputPort(
+            "horizon", size, self._calc_horizon, {self._asked.ticket(), self.time_ticket()}
+        )
+
+    def _calc_horizon(self, context: Context, output: BasicVector) -> None:
+        rows = self._asked.Eval(context).reshape(-1, 6)
+        now = round(context.get_time() - self._settle_s, 9)
+        motion = faulty(self._faults, now, now + self._stages, (rows[:, :3], rows[:, 3:]))
+        output.SetFromVector(np.hstack(motion).ravel())

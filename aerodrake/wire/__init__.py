@@ -1,0 +1,1 @@
+"""The coordinator in a process of its own, connected over LCM."""

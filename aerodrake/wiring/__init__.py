@@ -1,0 +1,1 @@
+"""Sub-diagrams that the station and the coordinator consist of."""

@@ -1,0 +1,47 @@
+"""The bare plant: nothing in it is Python, and at the input of trim it stays where it is."""
+
+import numpy as np
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import LeafSystem
+
+from aerodrake.bench.bare_plant import make_bare_plant
+from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.station import make_closed_loop
+
+
+def leaves(system):
+    if hasattr(system, "GetSystems"):
+        return [leaf for inner in system.GetSystems() for leaf in leaves(inner)]
+    return [system]
+
+
+def python_systems(diagram):
+    return [s for s in leaves(diagram) if isinstance(s, LeafSystem) and "aerodrake" in str(type(s))]
+
+
+def test_nothing_in_it_is_python(scenario):
+    diagram = make_bare_plant(scenario)
+    names = {system.get_name() for system in leaves(diagram)}
+    assert names == {
+        "plant", "scene_graph", "rotors", "propellers", "thrust_command", "joint_torque"
+    }  # fmt: skip
+    assert not python_systems(diagram)
+    assert python_systems(make_closed_loop(scenario))
+
+
+def test_it_hovers(scenario):
+    diagram = make_bare_plant(scenario)
+    simulator = Simulator(diagram)
+    port = diagram.GetOutputPort("true_state")
+    trim = Vehicle.load(scenario).trim_state
+    np.testing.assert_allclose(port.Eval(simulator.get_context()), trim)
+    simulator.AdvanceTo(1.0)
+    np.testing.assert_allclose(port.Eval(simulator.get_context()), trim, atol=1e-5)
+
+
+def test_it_stays_in_the_air_for_as_long_as_it_is_timed(scenario):
+    diagram = make_bare_plant(scenario)
+    simulator = Simulator(diagram)
+    simulator.AdvanceTo(10.0)
+    state = diagram.GetOutputPort("true_state").Eval(simulator.get_context())
+    assert np.abs(state[4:7] - Vehicle.load(scenario).p_B).max() < 0.1

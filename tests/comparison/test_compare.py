@@ -1,0 +1,176 @@
+"""Variants of a scenario, and how they are flown."""
+
+import dataclasses
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from aerodrake.cli import main
+from aerodrake.comparison import compare as module
+from aerodrake.comparison.compare import OWN_VARIANT, compare, make_variants, notes
+from aerodrake.flight.log import FlightLog
+from aerodrake.flight.summary import repeatable
+from aerodrake.scenario import Model, Scenario
+from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.schema import as_mapping
+from aerodrake.support.errors import BadInput
+from tests.in_this_process import in_this_process
+
+SHORT = [("--set", "duration=0.3"), ("--set", "settle_s=0.1")]
+
+
+def differences(a: Scenario, b: Scenario) -> dict[str, tuple[object, object]]:
+    """{section.key: (in a, in b)} where they differ."""
+
+    def flat(data, prefix=""):
+        for key, value in data.items():
+            if isinstance(value, dict):
+                yield from flat(value, f"{prefix}{key}.")
+            else:
+                yield f"{prefix}{key}", value
+
+    ours, theirs = (dict(flat(as_mapping(s))) for s in (a, b))
+    return {key: (ours[key], theirs[key]) for key in ours if ours[key] != theirs[key]}
+
+
+@pytest.fixture
+def paper() -> Scenario:
+    return load_scenario("clover_paper", SHORT)
+
+
+def test_variants_differ_from_the_scenario_in_what_they_are_named_after(paper):
+    """In nothing else: not in a gain, a bound, the seed or the reference."""
+    variants = make_variants(paper)
+    assert list(variants) == [
+        "integral", "integral_best", "modified", "modified+offline", "modified+online", "clik",
+        "fixed_weights",
+    ]  # fmt: skip
+    off = {"residual.mode": ("online", "off")}
+    integral = {"model.kind": ("paper", "integral")} | off
+    changes = {name: differences(paper, variant) for name, variant in variants.items()}
+    weights = {key: change for key, change in changes["integral_best"].items() if "mpc.w_" in key}
+    assert changes.pop("integral_best") == integral | weights and weights
+    assert changes == {
+        "integral": integral,
+        "modified": off,
+        "modified+offline": {"residual.mode": ("online", "offline")},
+        "modified+online": {},
+        "clik": {"controller": ("mpc", "clik")} | off,
+        "fixed_weights": {"allocation.kind": ("gamma", "fixed")},
+    }
+
+
+def test_the_integral_model_at_its_best_has_the_weights_of_the_baseline(paper):
+    own = replace(paper.baseline, w_1=(1.0, 2.0, 3.0), w_3_joints=(5.0,))
+    mpc = make_variants(replace(paper, baseline=own))["integral_best"].mpc
+    for field in dataclasses.fields(own):
+        assert getattr(mpc, field.name) == getattr(own, field.name)
+    assert replace(
+        mpc, **{f.name: getattr(paper.mpc, f.name) for f in dataclasses.fields(own)}
+    ) == (paper.mpc)
+
+
+@pytest.mark.parametrize(("name", "kind"), [("clover", "flight"), ("clover_paper", "paper")])
+def test_a_scenario_that_is_a_baseline_itself_is_compared_all_the_same(name, kind):
+    """With its interface's own model, by the MPC, with allocation."""
+    scenario = load_scenario(name, SHORT)
+    baseline = replace(
+        scenario,
+        controller="clik",
+        model=replace(scenario.model, kind="integral"),
+        allocation=replace(scenario.allocation, kind="fixed"),
+    )
+    assert make_variants(baseline) == make_variants(scenario)
+    assert make_variants(scenario)["modified"].model == Model(kind, scenario.model.k_b)
+
+
+@pytest.mark.parametrize("mode", ["off", "offline", "online"])
+def test_own_variant_is_the_scenario(mode, paper):
+    own = replace(paper, residual=replace(paper.residual, mode=mode))
+    assert make_variants(own)[OWN_VARIANT[mode]] == own
+
+
+def test_a_network_that_is_none_is_noted(paper):
+    assert notes(paper) == []
+    untrained = replace(paper, residual=replace(paper.residual, checkpoint=""))
+    (note,) = notes(untrained)
+    assert "modified+offline is the same as modified" in note
+
+
+def test_baseline_weights_of_another_arm_are_named(paper):
+    wrong = replace(paper, baseline=replace(paper.baseline, w_3_joints=(1.0, 2.0)))
+    with pytest.raises(BadInput, match="baseline.w_3_joints: expected 1 value, or 6"):
+        make_variants(wrong)
+
+
+# Flown.
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory):
+    """(scenario, folder, summaries) of some variants, 0.3 s each."""
+    scenario = load_scenario("clover_paper", SHORT)
+    folder = tmp_path_factory.mktemp("comparison")
+    names = ("modified", "clik", "fixed_weights")
+    variants = {name: make_variants(scenario)[name] for name in names}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "run_parallel", in_this_process)
+        return scenario, folder, compare(variants, folder, jobs=2)
+
+
+def test_each_variant_has_the_folder_of_a_run(flown):
+    _, folder, summaries = flown
+    assert list(summaries) == ["modified", "clik", "fixed_weights"]
+    for name, summary in summaries.items():
+        assert summary["exit_reason"] == "completed"
+        assert json.loads((folder / name / "summary.json").read_text()) == summary
+        log = FlightLog.read(folder / name / "log.npz", summary)
+        assert len(log.time_s) == 41 and log.exit_reason == "completed"
+        assert (folder / name / "tracking.png").exists()
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_variant_flies_again_by_itself(flown, tmp_path):
+    _, folder, summaries = flown
+    scenario, out = folder / "clik" / "scenario.yaml", tmp_path / "again"
+    assert main(["run", str(scenario), "--quiet", "--out", str(out)]) == 0
+    again = json.loads((out / "summary.json").read_text())
+    assert repeatable(again) == repeatable(summaries["clik"])
+
+
+def test_summaries_say_where_the_arm_was(flown):
+    scenario, folder, summaries = flown
+    for name, summary in summaries.items():
+        log = FlightLog.read(folder / name / "log.npz", summary)
+        d_o = np.linalg.norm(log.p_EB_m - log.p_EB_m[0], axis=1)
+        assert summary["arm"]["farthest_d_o_m"] == pytest.approx(d_o.max(), abs=1e-9)
+        assert summary["arm"]["outside_s"] == 0
+        assert 0.1 < summary["arm"]["least_room_rad"] < 1.6
+
+
+def test_a_variant_that_raises_or_dies_is_a_row_and_no_folder(monkeypatch, tmp_path, paper):
+    monkeypatch.setattr(module, "run_parallel", in_this_process)
+    monkeypatch.setattr(module, "_fly", fail_or_lose)
+    variants = dict.fromkeys(("integral", "modified", "clik"), paper)
+    seen = []
+    summaries = compare(variants, tmp_path, 2, seen.append)
+    assert list(summaries) == list(variants) and seen == ["clik", "modified", "integral"]
+    assert summaries["integral"] == {"exit_reason": "lost", "exit_cause": "tilt"}
+    assert summaries["clik"] == {
+        "exit_reason": "failed",
+        "exit_cause": "RuntimeError: first line",
+    }
+    assert summaries["modified"] == {"exit_reason": "failed", "exit_cause": "MemoryError"}
+    assert [path.name for path in tmp_path.iterdir()] == ["integral"]
+
+
+def fail_or_lose(flight):
+    _, folder = flight
+    folder.mkdir()
+    if folder.name == "clik":
+        raise RuntimeError("first line\nsecond line")
+    if folder.name == "modified":
+        raise MemoryError
+    return {"exit_reason": "lost", "exit_cause": "tilt"}

@@ -1,0 +1,61 @@
+"""Events and spans, from conditions as they are logged."""
+
+import numpy as np
+import pytest
+
+from aerodrake.flight.events import Span, events, safe_modes, spans
+from aerodrake.flight.log import FlightLog
+from aerodrake.model.supervision.conditions import conditions
+from aerodrake.model.supervision.safe_mode import SafeMode
+from aerodrake.scenario import Scenario
+from aerodrake.scenario.faults import MpcMissed, Push
+
+NAMES = [condition.name for condition in conditions(Scenario().supervisor)]
+TIME_S = np.round(np.arange(-1.0, 3.0, 0.01), 9)
+SCENARIO = Scenario(
+    faults=(Push(start_s=1.0, duration_s=10.0), MpcMissed(start_s=3.5), Push(start_s=-9.0))
+)
+
+
+@pytest.fixture
+def log() -> FlightLog:
+    active = np.zeros((len(TIME_S), len(NAMES)))
+    active[110:160, NAMES.index("saturated")] = 1
+    active[120:150, NAMES.index("plan_outage")] = 1
+    active[390:, NAMES.index("plan_outage")] = 1
+    mode = np.zeros(len(TIME_S))
+    mode[120:150] = mode[390:] = SafeMode.HOLD
+    signals = {"time_s": TIME_S, "conditions": active, "supervisor_mode": mode}
+    return FlightLog(signals, "hold", "plan_outage", 1.0)
+
+
+def test_events_are_in_order_and_named(log):
+    found = events(SCENARIO, log)
+    assert [(e["time_s"], e["cause"], e["event"], e["mode"]) for e in found] == [
+        (0.1, "saturated", "triggered", "nominal"),
+        (0.2, "plan_outage", "triggered", "hold"),
+        (0.5, "plan_outage", "cleared", "hold"),
+        (0.6, "saturated", "cleared", "nominal"),
+        (2.9, "plan_outage", "triggered", "hold"),
+    ]
+
+
+def test_what_is_active_from_the_first_sample_on_is_an_event(log):
+    log["conditions"][0, 0] = 1
+    assert events(SCENARIO, log)[0]["time_s"] == -1.0
+
+
+def test_spans_are_within_the_flight(log):
+    assert spans(SCENARIO, log) == [
+        Span("push", None, 1.0, pytest.approx(2.99)),
+        Span("plan_outage", SafeMode.HOLD, 0.2, 0.5),
+        Span("plan_outage", SafeMode.HOLD, 2.9, pytest.approx(2.99)),
+        Span("saturated", SafeMode.NOMINAL, 0.1, 0.6),
+    ]
+
+
+def test_time_in_safe_modes_adds_up(log):
+    found = safe_modes(log, 0.01)
+    assert found["hold"] == pytest.approx(0.39)
+    assert found["descend"] == found["stop"] == 0
+    assert sum(found.values()) == pytest.approx(3.99)

@@ -1,0 +1,118 @@
+"""What is not finite ends the flight, which says where it came from."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    Diagram,
+    DiagramBuilder,
+    LeafSystem,
+    System,
+)
+
+from aerodrake.flight.not_finite import not_finite
+from aerodrake.flight.simulate import Flight
+from aerodrake.flight.summary import summarize, to_json
+from aerodrake.scenario import Scenario
+from aerodrake.scenario.faults import SampleNan
+from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.references import Clover
+from aerodrake.station import make_closed_loop, make_context
+from aerodrake.support.errors import BadInput
+from aerodrake.wiring.replacements import Replacements
+
+SHORT = Scenario(duration=0.5, settle_s=0.1, reference=Clover(start_s=0.2))
+
+
+class Spoils(LeafSystem):
+    """Passes its input on until a time; then there is another number in it."""
+
+    def __init__(self, size: int, number: float, after_s: float):
+        super().__init__()
+        self.set_name("spoils")
+        self.number, self.after_s = number, after_s
+        self.DeclareVectorInputPort("given", size)
+        self.DeclareVectorOutputPort("passed", size, self._calc)
+
+    def _calc(self, context: Context, output: BasicVector) -> None:
+        given = self.get_input_port().Eval(context).copy()
+        if context.get_time() >= self.after_s:
+            given[-1] = self.number
+        output.SetFromVector(given)
+
+
+def spoilt(port: str, number: float, after_s: float):
+    """Ours, with a number of one of its ports spoilt."""
+
+    def make(ours: System) -> Diagram:
+        builder = DiagramBuilder()
+        inner = builder.AddNamedSystem("inside", ours)
+        for i in range(inner.num_input_ports()):
+            builder.ExportInput(inner.get_input_port(i), inner.get_input_port(i).get_name())
+        for i in range(inner.num_output_ports()):
+            out = end = inner.get_output_port(i)
+            if out.get_name() == port:
+                spoils = builder.AddSystem(Spoils(out.size(), number, after_s))
+                builder.Connect(out, spoils.get_input_port())
+                end = spoils.get_output_port()
+            builder.ExportOutput(end, out.get_name())
+        return builder.Build()
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("name", "port", "path"),
+    [
+        ("flight_controller", "thrust_command", "station::flight_controller::spoils"),
+        ("arm_controller", "joint_torque", "station::arm_controller::spoils"),
+        ("wind", "generalized_force", "station::wind::spoils"),
+        ("sensors", "state", "station::sensors::spoils"),
+        ("mpc", "u", "coordinator::mpc::spoils"),
+        ("supervisor", "mode", "coordinator::supervisor::spoils"),
+    ],
+)
+def test_whoever_says_it_is_named(name, port, path):
+    flight = Flight(SHORT, Replacements({name: spoilt(port, np.nan, after_s=0.35)}))
+    log = flight.fly()
+    assert log.exit_reason == "lost"
+    assert log.exit_cause.startswith(f"{path}: passed not finite at 0.")
+    assert "Failure at" not in log.exit_cause  # Where Drake was built.
+    assert 0.23 <= log.time_s[-1] <= 0.31
+    assert to_json(summarize(SHORT, log))
+
+
+def test_from_the_first_instant_on():
+    log = Flight(SHORT, Replacements({"mpc": spoilt("u", np.nan, after_s=0.0)})).fly()
+    assert "mpc::spoils: passed not finite at -0.10 s" in log.exit_cause
+    assert log.time_s.tolist() == [-0.1]
+
+
+def test_what_is_too_large_for_the_plant():
+    force = spoilt("generalized_force", np.inf, after_s=0.35)
+    log = Flight(SHORT, Replacements({"wind": force})).fly()
+    assert log.exit_reason == "lost" and "station::wind::spoils: passed" in log.exit_cause
+
+
+@pytest.mark.parametrize("error", [BadInput("/tmp", "", "full"), OSError("full"), MemoryError()])
+def test_what_the_machine_refuses_is_raised_whatever_is_not_finite(error):
+    """Such as samples, by a fault."""
+
+    def progress(time_s: float) -> None:
+        if time_s > 0.25:
+            raise error
+
+    struck = replace(SHORT, faults=(SampleNan(start_s=0.05),))
+    with pytest.raises(type(error)):
+        Flight(struck).fly(progress)
+
+
+@pytest.mark.parametrize("name", ["clover", "moving_target"])
+def test_nothing_of_ours_is_to_blame(name):
+    """Not even the distance to go to a target that moves, which is infinite."""
+    scenario = load_scenario(name)
+    closed_loop = make_closed_loop(scenario)
+    assert not_finite(closed_loop, make_context(closed_loop, scenario.seed)) == []

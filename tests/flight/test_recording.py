@@ -1,0 +1,80 @@
+"""Signals in a file: what goes in comes out."""
+
+import gc
+import warnings
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import given
+
+from aerodrake.flight.recording import Recording
+from aerodrake.support.errors import BadInput
+
+COLUMNS = {"mode": 0, "p_B_m": slice(1, 4), "v_B_m_s": slice(4, 7)}
+
+
+@given(lengths=st.lists(st.integers(0, 5), min_size=1, max_size=5), seed=st.integers(0, 9))
+def test_signals_are_the_columns_of_all_samples(lengths, seed):
+    samples = np.random.default_rng(seed).normal(size=(7, sum(lengths)))
+    recording, times = Recording(COLUMNS), np.arange(sum(lengths)) / 100
+    for start, length in zip(np.cumsum([0, *lengths]), lengths, strict=False):
+        part = slice(start, start + length)
+        # As Drake's logs have them: one sample after another.
+        recording.append(times[part], np.asfortranarray(samples)[:, part])
+    np.testing.assert_array_equal(recording.times, times)
+    for key, columns in COLUMNS.items():
+        np.testing.assert_array_equal(recording[key], samples[columns].T)
+
+
+def test_what_is_recorded_later_does_not_change_what_was():
+    times, samples = np.zeros(1), np.ones((7, 1))
+    recording = Recording(COLUMNS)
+    recording.append(times, samples)
+    times += 1
+    samples += 1
+    assert recording.times == [0] and recording["mode"] == [1]
+
+
+def test_signals_in_memory_stand_beside_them():
+    recording = Recording(COLUMNS)
+    recording.append(np.zeros(2), np.zeros((7, 2)))
+    tick_ms = np.array([1.0, 2.0, 3.0])
+    recording.add({"tick_ms": tick_ms})
+    assert list(recording) == [*COLUMNS, "tick_ms"] and len(recording) == 4
+    assert recording["tick_ms"] is tick_ms
+    with pytest.raises(KeyError):
+        recording["p_E_m"]
+
+
+def test_a_disk_takes_less_than_it_is_given(monkeypatch):
+    """Nothing is lost of what it has not taken, and a full one is said to be."""
+    recording = Recording(COLUMNS)
+    samples = np.arange(70.0).reshape(7, 10)
+    file = recording._file
+
+    class Reluctant:
+        def write(self, content):
+            return file.write(content[:33])
+
+        def __getattr__(self, name):
+            return getattr(file, name)
+
+    recording._file = Reluctant()
+    recording.append(np.arange(10.0), samples)
+    np.testing.assert_array_equal(recording["p_B_m"], samples[1:4].T)
+
+    def full(content):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Reluctant, "write", staticmethod(full), raising=True)
+    with pytest.raises(BadInput, match="during the flight: No space left on device"):
+        recording.append(np.arange(10.0), samples)
+
+
+def test_its_file_goes_with_it():
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        file = Recording(COLUMNS)._file
+        gc.collect()
+    assert file.closed and not found

@@ -1,0 +1,237 @@
+"""How flights end, and what their logs hold."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import aerodrake.flight.simulate
+from aerodrake.flight.recording import Recording
+from aerodrake.flight.simulate import Flight
+from aerodrake.flight.summary import summarize, to_json
+from aerodrake.model.supervision.safe_mode import SafeMode
+from aerodrake.scenario import Filter, Rates, Rotor, Scenario, Vehicle
+from aerodrake.scenario.faults import SampleStale
+from aerodrake.scenario.references import Hover, MovingTarget
+from aerodrake.scenario.world import Sensors
+
+WEAK = Vehicle(rotor=Rotor(max_thrust_n=2.0))
+"""Four rotors that give 8 N, where it weighs 37 N."""
+
+
+def test_a_flight_completes(short_flight):
+    scenario, log = short_flight
+    assert (log.exit_reason, log.exit_cause) == ("completed", "")
+    assert log.wall_s > 0
+    assert 0 < log.error_m.max() < 0.05
+
+
+def test_time_axis(short_flight):
+    """Reference time: from before the hover to the end, each 10 ms, with 0 itself among it."""
+    _, log = short_flight
+    np.testing.assert_allclose(log.time_s, np.linspace(-0.1, 0.5, 61), atol=1e-12)
+    assert list(log.time_s) == [round(t, 9) for t in log.time_s]  # Windows end on a sample.
+    assert log.time_s[10] == 0
+    np.testing.assert_array_equal(log["p_Ed_m"][:11], np.tile(log["p_Ed_m"][0], (11, 1)))
+    assert np.any(log["p_Ed_m"][20] != log["p_Ed_m"][0])
+
+
+def test_all_signals_are_as_long_as_the_time_axis(short_flight):
+    _, log = short_flight
+    for key in set(log.signals) - {"tick_ms"}:
+        assert len(log[key]) == 61, key
+        assert np.isfinite(log[key]).all(), key
+    assert len(log["tick_ms"]) == 30  # 0.6 s, each 20 ms.
+
+
+@pytest.mark.parametrize(
+    ("settle_s", "duration", "ticks"),
+    [(0.1, 0.2, 15), (0.0, 0.3, 15), (0.2, 0.4, 30), (0.0, 0.31, 16), (0.013, 0.02, 2)],
+)
+def test_as_many_ticks_as_periods(settle_s, duration, ticks):
+    """0.1 + 0.2 is a little more than 0.3 in floating point; a tick at the end is not flown."""
+    log = Flight(Scenario(settle_s=settle_s, duration=duration)).fly()
+    assert len(log["tick_ms"]) == ticks
+    assert len(log.time_s) == int((settle_s + duration) / 0.01 + 1e-9) + 1
+
+
+def test_logs_are_at_the_flight_controllers_rate():
+    rates = Rates(flight_period_s=0.005, sensor_period_s=0.005)
+    log = Flight(Scenario(settle_s=0, duration=0.1, rates=rates)).fly()
+    np.testing.assert_allclose(np.diff(log.time_s), 0.005)
+
+
+def test_progress_is_told_up_to_the_end():
+    told = []
+    Flight(Scenario(settle_s=0.1, duration=0.35)).fly(progress=told.append)
+    np.testing.assert_allclose(told, [0.1, 0.2, 0.3, 0.4, 0.45])
+
+
+# Lost.
+
+
+def ended(scenario: Scenario):
+    """The log of a flight that does not complete; its figures are strict JSON all the same."""
+    log = Flight(scenario).fly()
+    figures = summarize(scenario, log)
+    assert to_json(figures)
+    assert figures["exit_reason"] == log.exit_reason != "completed"
+    assert figures["exit_cause"] == log.exit_cause
+    assert log.exit_cause and "\n" not in log.exit_cause
+    assert log.time_s[-1] < scenario.duration - 0.05
+    assert figures["simulated_s"] == pytest.approx(log.time_s[-1] + scenario.settle_s)
+    return log
+
+
+def test_lost_by_error_after_the_approach():
+    high = replace(WEAK, base_position_m=(0.0, 0.0, 9.0))
+    log = ended(Scenario(reference=Hover(), vehicle=high, settle_s=0, duration=3))
+    assert log.exit_reason == "lost" and log.exit_cause.startswith("error of 1.")
+    assert log.error_m[-1] > 1.0 and log.error_m[-11] <= 1.0
+    # It falls at (37 - 8) / 37 of gravity; the arm reaches up, and pushes the base further down.
+    fallen = 0.5 * 9.81 * (1 - 8 / (3.8 * 9.81)) * log.time_s[-1] ** 2
+    assert 9.0 - log["p_B_m"][-1, 2] == pytest.approx(fallen, rel=0.15)
+
+
+def test_lost_in_the_initial_hover():
+    """It lies on the ground when reference time begins: a flight that is far from completed."""
+    high = replace(WEAK, base_position_m=(0.0, 0.0, 4.0))  # Its arm reaches up from the ground.
+    log = ended(Scenario(reference=Hover(), vehicle=high, settle_s=3, duration=1))
+    assert log.exit_reason == "lost" and log.time_s[-1] < -1
+
+
+def test_a_far_target_is_not_lost_before_it_is_approached():
+    reference = MovingTarget(target_m=(0.0, 5.0, 0.0))
+    log = Flight(Scenario(reference=reference, settle_s=0, duration=0.4)).fly()
+    assert log.exit_reason == "completed" and log.error_m.min() > 4
+
+
+def test_lost_by_tilt():
+    """The position is known to a metre only: it throws itself about."""
+    sensors = Sensors(position_noise_m=1.0, velocity_noise_m_s=1.0)
+    scenario = Scenario(reference=MovingTarget(), sensors=sensors, settle_s=0.5, duration=4)
+    log = ended(replace(scenario, filter=Filter(kind="none")))
+    assert log.exit_reason == "lost" and log.exit_cause.startswith("tilt of ")
+    w, x, y, z = log["quaternion"][-1]
+    tilt = np.degrees(np.arccos(1 - 2 * (x**2 + y**2) / (w**2 + x**2 + y**2 + z**2)))
+    assert tilt > 60
+    assert f"tilt of {tilt:.0f} deg" in log.exit_cause
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+@pytest.mark.parametrize("part", ["positions", "velocities"])
+def test_lost_by_a_state_that_is_not_finite(number, part, monkeypatch):
+    scenario = Scenario(settle_s=0, duration=1)
+    flight = Flight(scenario)
+    contexts = []
+
+    def make_context(*arguments):
+        contexts.append(made := original(*arguments))
+        return made
+
+    original = aerodrake.flight.simulate.make_context
+    monkeypatch.setattr(aerodrake.flight.simulate, "make_context", make_context)
+    plant = flight.closed_loop.GetSubsystemByName("station").GetSubsystemByName("plant")
+
+    def poison(t):
+        if t >= 0.2:
+            state = plant.GetMyMutableContextFromRoot(contexts[0])
+            last = {"positions": plant.num_positions(), "velocities": state.num_total_states()}
+            state.get_mutable_discrete_state_vector().SetAtIndex(last[part] - 1, number)
+
+    log = flight.fly(progress=poison)
+    assert log.exit_reason == "lost"
+    assert log.exit_cause.startswith("the state is not finite") and "\n" not in log.exit_cause
+    assert 0.2 <= log.time_s[-1] <= 0.3
+    assert to_json(summarize(scenario, log))
+
+
+# Interrupted, and bugs.
+
+
+def raising(error: BaseException, after_s: float):
+    def progress(t):
+        if t >= after_s:
+            raise error
+
+    return progress
+
+
+def test_an_interrupt_keeps_what_was_flown(short_flight):
+    scenario, whole = short_flight
+    log = Flight(scenario).fly(progress=raising(KeyboardInterrupt(), 0.3))
+    assert (log.exit_reason, log.exit_cause) == ("interrupted", "at 0.20 s")
+    assert len(log.time_s) == 31 and len(log["tick_ms"]) == 15
+    for key in set(whole.signals) - {"tick_ms"}:
+        np.testing.assert_array_equal(log[key], whole[key][:31], err_msg=key)
+
+
+def test_a_bug_is_not_taken_for_a_lost_flight(short_flight):
+    with pytest.raises(RuntimeError, match="^a bug$"):
+        Flight(short_flight[0]).fly(progress=raising(RuntimeError("a bug"), 0.1))
+
+
+def test_a_flight_can_be_flown_again_after_an_interrupt(short_flight):
+    scenario, whole = short_flight
+    flight = Flight(scenario)
+    flight.fly(progress=raising(KeyboardInterrupt(), 0.2))
+    again = flight.fly()
+    np.testing.assert_array_equal(again["p_E_m"], whole["p_E_m"])
+    assert len(again["tick_ms"]) == len(whole["tick_ms"])
+
+
+@pytest.mark.parametrize("is_written", [True, False])
+def test_an_interrupt_while_samples_are_moved_neither_loses_nor_doubles_any(
+    short_flight, monkeypatch, is_written
+):
+    scenario, whole = short_flight
+    append, interrupts = Recording.append, iter([True])
+
+    def interrupted(recording, times, samples):
+        if is_written:
+            append(recording, times, samples)
+        if next(interrupts, False):
+            raise KeyboardInterrupt
+        if not is_written:
+            append(recording, times, samples)
+
+    monkeypatch.setattr(Recording, "append", interrupted)
+    monkeypatch.setattr("aerodrake.flight.simulate.LOG_SAMPLES", 50)
+    log = Flight(scenario).fly()
+    assert log.exit_reason == "interrupted"
+    np.testing.assert_array_equal(log.time_s, whole.time_s[: len(log.time_s)])
+    np.testing.assert_array_equal(log["p_B_m"], whole["p_B_m"][: len(log.time_s)])
+    assert len(log.time_s) >= 50
+
+
+def test_a_flight_without_network_needs_no_torch():
+    """Nor do its figures and its replay: torch takes a second to import.
+
+    Processes of sweeps and trainings do without figures, too.
+    """
+    code = (
+        "import sys; from aerodrake.scenario import Scenario\n"
+        "import aerodrake.sweeps.trial, aerodrake.learning.collection\n"
+        "assert not {'torch', 'matplotlib'} & set(sys.modules)\n"
+        "from aerodrake.flight.simulate import Flight\n"
+        "import aerodrake.reports.flight_folder, aerodrake.reports.replay\n"
+        "Flight(Scenario(settle_s=0, duration=0.02)).fly(); assert 'torch' not in sys.modules"
+    )
+    root = Path(aerodrake.__file__).parents[1]
+    environment = os.environ | {"PYTHONPATH": str(root)}
+    subprocess.run([sys.executable, "-c", code], check=True, env=environment)
+
+
+@pytest.mark.parametrize("start_s", [1.0, 1.05])
+def test_what_stops_a_flight_is_logged_once(start_s):
+    """Whether or not the monitor looks at that very instant."""
+    fault = SampleStale(group="attitude", start_s=start_s, duration_s=9.0)
+    log = Flight(Scenario(settle_s=0.5, duration=2.0, faults=(fault,))).fly()
+    assert (log.exit_reason, log.exit_cause.split()[0]) == ("stopped", "attitude_lost")
+    assert log.time_s[-1] == pytest.approx(start_s + 0.4)
+    np.testing.assert_allclose(np.diff(log.time_s), 0.01)
+    assert list(log["supervisor_mode"][-2:]) == [SafeMode.HOLD, SafeMode.STOP]

@@ -1,0 +1,45 @@
+"""Docstrings, taken apart."""
+
+from aerodrake.gallery.docstring import Docstring
+
+
+class Said:
+    """What it is.
+
+    And more
+    of it.
+
+    Ports:
+        in `a` (3), `b` (2 n): m, of something
+            that goes on.
+        in `c` (abstract): a `Thing (of sorts)`: with a colon.
+        out `d` (nx). It feeds through.
+        `a` may be left unconnected.
+    State, rate: none.
+
+    After all sections.
+
+    Args:
+        a: Not a port.
+    """
+
+
+def test_paragraphs_are_outside_of_sections():
+    said = Docstring.of(Said)
+    assert said.text == "What it is.\n\nAnd more\nof it.\n\nAfter all sections."
+    assert said.sections["State, rate"] == "none."
+    assert said.sections["Args"] == "a: Not a port."
+    assert said.sections["Ports"].startswith("in `a` (3), `b` (2 n): m, of something\n    that")
+
+
+def test_each_port_has_its_meaning():
+    assert Docstring.of(Said).ports == {
+        ("in", "a"): "m, of something that goes on.",
+        ("in", "b"): "m, of something that goes on.",
+        ("in", "c"): "a `Thing (of sorts)`: with a colon.",
+        ("out", "d"): "It feeds through.",
+    }
+
+
+def test_nothing_is_said():
+    assert Docstring.of(None).ports == Docstring.of(type("Silent", (), {})).ports == {}

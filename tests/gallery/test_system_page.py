@@ -1,0 +1,100 @@
+"""Pages of systems: what is in the tables is what Drake says of the system."""
+
+import re
+
+import numpy as np
+import pytest
+from pydrake.systems.framework import Context, LeafSystem
+
+from aerodrake.gallery.graph import systems_by_name
+from aerodrake.gallery.system_page import system_page
+from aerodrake.scenario import Scenario
+from aerodrake.station import make_closed_loop
+
+SYSTEMS = systems_by_name(make_closed_loop(Scenario()))
+OURS = [name for name, s in SYSTEMS.items() if type(s).__module__.startswith("aerodrake")]
+
+
+def table(page: str, title: str) -> list[dict[str, str]]:
+    """The rows of a section's table."""
+    section = re.search(rf"^## {title}$(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL)
+    lines = [line for line in section[1].splitlines() if line.startswith("| ")] if section else []
+    cells = [[cell.strip() for cell in line[1:-1].split(" | ")] for line in lines]
+    return [dict(zip(cells[0], row, strict=True)) for row in cells[2:]]
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_ports_are_those_of_the_system(name):
+    system, page = SYSTEMS[name], system_page(name, SYSTEMS[name], 1)
+    for title, get, count in (
+        ("Inputs", system.get_input_port, system.num_input_ports()),
+        ("Outputs", system.get_output_port, system.num_output_ports()),
+    ):
+        said = {row["port"].strip("`"): row["size"] for row in table(page, title)}
+        ports = map(get, range(count))
+        has = {port.get_name(): port.size() for port in ports}
+        assert {port: int(size) for port, size in said.items() if size != "abstract"} == {
+            port: size for port, size in has.items() if size
+        }
+        assert all(has[port] == 0 for port, size in said.items() if size == "abstract")
+
+
+@pytest.mark.parametrize("name", OURS)
+def test_every_port_of_ours_has_a_meaning(name):
+    page = system_page(name, SYSTEMS[name], 1)
+    rows = table(page, "Inputs") + table(page, "Outputs")
+    assert rows and all(row["meaning"] for row in rows)
+
+
+@pytest.mark.parametrize("name", OURS)
+def test_state_and_equations(name):
+    system, page = SYSTEMS[name], system_page(name, SYSTEMS[name], 1)
+    sizes = [int(row["size"]) for row in table(page, "State")]
+    assert sum(sizes) == system.CreateDefaultContext().num_total_states()
+    assert "## Equations" in page and "in `aerodrake/model/" in page
+
+
+def test_what_feeds_through_is_said():
+    rows = table(system_page("mpc", SYSTEMS["mpc"], 1), "Outputs")
+    assert all("feeds through from" not in row for row in rows)
+    (row,) = table(system_page("weight_allocator", SYSTEMS["weight_allocator"], 1), "Outputs")
+    assert row["feeds through from"] == "`distances`, `d_g`"
+
+
+def test_rates():
+    page = system_page("closed_loop", SYSTEMS["closed_loop"], 2)
+    rates = {row["system"].strip("`"): (row["every"], row["after"]) for row in table(page, "Rates")}
+    assert rates["mpc"] == ("20 ms", "") and rates["plant"] == ("1 ms", "")
+    assert rates["flight_controller"] == ("10 ms", "0.5 ms")
+    page = system_page("arm_controller", SYSTEMS["arm_controller"], 1)
+    assert "A discrete update every 5 ms, after 0.5 ms." in page
+
+
+def test_links_lead_to_other_pages():
+    page = system_page("coordinator", SYSTEMS["coordinator"], 2)
+    links = set(re.findall(r"\]\((\w+)\.md\)", page))
+    assert {"mpc", "guidance", "reference"} <= links <= set(SYSTEMS)
+
+
+def test_a_system_of_a_persons_own():
+    class Filter(LeafSystem):
+        """Half of it.
+
+        Ports:
+            in `x` (3): m.
+            out `y` (3): m, half of x | or so.
+        """
+
+        def __init__(self):
+            super().__init__()
+            self.DeclareVectorInputPort("x", 3)
+            self.DeclareVectorOutputPort("y", 3, self._calc)
+
+        def _calc(self, context: Context, output) -> None:
+            output.SetFromVector(np.zeros(3))
+
+    own = Filter()
+    own.set_name("half")
+    page = system_page("half", own, 1)
+    assert page.startswith("# half\n\n*A LeafSystem of `Filter` in `") and "Half of it." in page
+    assert "| `y` | 3 | `x` | m, half of x \\| or so. |" in page

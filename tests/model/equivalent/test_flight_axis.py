@@ -1,0 +1,243 @@
+"""The flight model: its equations by other means, and the station's flight that it predicts."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import signal
+from scipy.integrate import solve_ivp
+
+from aerodrake.flight.excitation import excite
+from aerodrake.model.equivalent.flight_axis import HIDDEN_STATES, flight_axis
+from aerodrake.model.equivalent.initial_state import Thrust
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.setpoint.motion import held_acceleration_motion
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.scenario import Flight, Rotor, Scenario
+
+FLIGHT = Flight(
+    position_gain=(9.0, 8.0, 7.0),
+    velocity_gain=(5.0, 4.5, 4.0),
+    attitude_gain=(150.0, 130.0, 36.0),
+    rate_gain=(25.0, 22.0, 12.0),
+    rate_filter_s=0.04,
+    position_eso_rad_s=2.7,
+)
+ROTOR, PERIOD, DT = Rotor(lag_up_s=0.01, lag_down_s=0.03), 0.01, 0.02
+TAU, T_F, H_RATE = 0.02 + 0.005, 0.04 + 0.01, 0.9
+# By axis: what the position law, and the attitude law about the other axis, have.
+K_P, K_V = (9.0, 8.0, 7.0), (5.0, 4.5, 4.0)
+K_R, K_OMEGA = (130.0, 150.0), (22.0, 25.0)
+
+
+def of(axis: int, interface: str = "trajectory", dt: float = DT):
+    return flight_axis(axis, replace(FLIGHT, interface=interface), ROTOR, PERIOD, dt)
+
+
+def state(axis_model, **values: float) -> np.ndarray:
+    assert set(values) <= set(axis_model.states)
+    return np.array([values.get(name, 0.0) for name in axis_model.states])
+
+
+def commanded(axis: int, interface: str, p, v, p_d, v_d, h, u) -> float:
+    a_c = K_P[axis] * (p_d - p) - K_V[axis] * v - h
+    return a_c + K_V[axis] * v_d + u if interface == "trajectory" else a_c
+
+
+@pytest.mark.parametrize("interface", ["trajectory", "position"])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("dt", [0.005, 0.02, 0.1])
+def test_solves_its_equations_under_held_input(axis, interface, dt):
+    """With the low-passed a_c for the filter's state, from which its rate follows."""
+    model = of(axis, interface, dt)
+    p, v, p_d, v_d, b, d, h, r, alpha, low, u = np.random.default_rng(axis).normal(size=11)
+    if axis == 2:
+        r = alpha = low = 0.0
+
+    def slope(t, y):
+        p, v, p_d, v_d, b, h, r, alpha, low = y
+        a_c = commanded(axis, interface, p, v, p_d, v_d, h, u)
+        if axis == 2:
+            return [v, b + d, v_d, u, (a_c - b) / TAU, H_RATE * (d - h), 0, 0, 0]
+        rate = (a_c - low) / T_F
+        torque = K_R[axis] * (a_c - b) + K_OMEGA[axis] * (rate - r)
+        return [v, b + d, v_d, u, r, H_RATE * (d - h), alpha, (torque - alpha) / TAU, rate]
+
+    start = [p, v, p_d, v_d, b, h, r, alpha, low]
+    end = solve_ivp(slope, (0, dt), start, rtol=1e-11, atol=1e-12).y[:, -1]
+
+    def x(p, v, p_d, v_d, b, h, r, alpha, low):
+        return state(
+            model, p=p, v=v, p_d=p_d, v_d=v_d, b=b, d=d, h=h, r=r, alpha=alpha, w=-low / T_F
+        )
+
+    np.testing.assert_allclose(model.A @ x(*start) + model.B * u, x(*end), atol=1e-8)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_answer_to_a_held_acceleration_is_that_of_the_transfer_function(axis):
+    """From u to p, multiplied out by hand from the blocks of the loop."""
+    s = np.poly1d([1, 0])
+    if axis == 2:
+        top, bottom = np.poly1d([1]), TAU * s + 1
+    else:
+        filtered = T_F * s + 1
+        top = K_R[axis] * filtered + K_OMEGA[axis] * s
+        bottom = filtered * (TAU * s**3 + s**2 + K_OMEGA[axis] * s + K_R[axis])
+    law = K_V[axis] * s + K_P[axis]
+    loop = signal.TransferFunction(
+        (top * (s**2 + law)).coeffs, (s**2 * (bottom * s**2 + top * law)).coeffs
+    )
+    times = DT * np.arange(51)
+    _, expected = signal.step(loop, T=times)
+
+    model = of(axis)
+    x, p = state(model), [0.0]
+    for _ in times[1:]:
+        x = model.A @ x + model.B
+        p.append(x[0])
+    np.testing.assert_allclose(p, expected, atol=1e-6)
+    assert abs(p[-1] - 0.5) < 0.1  # Near where it is sent, half a metre in a second.
+
+
+@pytest.mark.parametrize("interface", ["trajectory", "position"])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_constant_disturbance_is_taken_out_by_thrust(axis, interface):
+    """It ends at the setpoint with b = -d, once h has found it, though it began elsewhere."""
+    model = of(axis, interface)
+    x = state(model, p=0.3, v=-0.2, p_d=1.0, b=0.5, d=0.7)
+    for _ in range(2000):
+        x = model.A @ x
+    rest = {} if axis == 2 else {"w": 0.7 / T_F}
+    np.testing.assert_allclose(x, state(model, p=1, p_d=1, b=-0.7, d=0.7, h=0.7, **rest), atol=1e-9)
+
+
+@pytest.mark.parametrize(("interface", "lag_s"), [("trajectory", 0.0), ("position", 4.5 / 8.0)])
+def test_a_setpoint_that_moves_on_is_followed_by_lag(interface, lag_s):
+    """Only a controller that is told v_d follows without any: the other lags by k_v / k_p."""
+    model = of(1, interface)
+    x = state(model, v_d=0.4)
+    for _ in range(1000):
+        x = model.A @ x
+    p, v, p_d, v_d = x[:4]
+    np.testing.assert_allclose([p_d - p, v, v_d], [0.4 * lag_s, 0.4, 0.4], atol=1e-9)
+
+
+def test_residual_is_a_change_of_velocity_that_grew_over_the_period():
+    for axis in range(3):
+        model = of(axis)
+        np.testing.assert_array_equal(model.C, state(model, p=DT / 2, v=1.0))
+
+
+def test_thrust_alone_tilts_the_base():
+    for axis in range(3):
+        np.testing.assert_array_equal(of(axis).acceleration, state(of(axis), b=1.0))
+
+
+# --- The station's own flight ---
+
+FLOWN_S = 4.0
+
+
+def chirp(vehicle, period: float):
+    """The base's acceleration from 0.2 to 0.6 Hz, and of the joints a steady swing."""
+    t = period * np.arange(round(FLOWN_S / period) + 1)
+    ramp = np.minimum(t, 1.0) ** 2 * (3 - 2 * np.minimum(t, 1.0))
+    phase = 2 * np.pi * (0.2 * t + 0.05 * t**2)
+    acceleration = 0.8 * ramp[:, None] * np.sin(phase[:, None] + [0, 1, 2])
+    velocity = period * np.cumsum(np.vstack([np.zeros(3), acceleration[:-1]]), axis=0)
+    swing = 0.5 * ramp[:, None] * np.sin(2 * np.pi * 0.8 * t)[:, None]
+    joints = swing * np.where(np.arange(vehicle.joints) == 2, -1, 1)
+    return (
+        held_acceleration_motion(vehicle.p_B, velocity, period),
+        held_acceleration_motion(vehicle.working, joints, period),
+    )
+
+
+class Flown:
+    """The station along a chirp, and how well a model knows at each tick what comes."""
+
+    def __init__(self, scenario: Scenario, vehicle):
+        self.n = vehicle.joints
+        self.record = excite(scenario, *chirp(vehicle, scenario.rates.mpc_period_s))
+        self.states = [VehicleState.from_vector(row) for row in self.record.state]
+        self.u = np.hstack(
+            [self.record.base_setpoint[:, 6:], self.record.joint_setpoint[:, 2 * self.n :]]
+        )
+
+    def thrust(self, k: int) -> Thrust:
+        return Thrust.make(
+            self.states[k],
+            self.record.specific_thrust[k, 0],
+            self.record.external_acceleration[k],
+            self.record.disturbance[k],
+        )
+
+    def misses(self, model: EquivalentModel, ticks: int) -> np.ndarray:
+        """(samples, 3, 3): of p, v and b (0 without it), by axis, `ticks` after each tick."""
+        samples, x = [], None
+        has_b = "b" in model.axis_states
+        for k in range(1, len(self.u) - ticks):
+            x = model.initial_state(
+                self.states[k].p_B,
+                self.states[k].v_B,
+                np.concatenate([self.record.base_setpoint[k, :6], self.u[k - 1, :3]]),
+                np.concatenate([self.record.joint_setpoint[k, : 2 * self.n], self.u[k - 1, 3:]]),
+                self.thrust(k),
+                x,
+            )
+            ahead = x
+            for u in self.u[k : k + ticks]:
+                ahead = model.predict(ahead, u, np.zeros(3))
+            after = self.states[k + ticks]
+            b = ahead[model.base_state("b")] - self.thrust(k + ticks).b if has_b else np.zeros(3)
+            p, v = ahead[model.base_position], ahead[model.base_velocity]
+            samples.append([p - after.p_B, v - after.v_B, b])
+        return np.array(samples)
+
+
+@pytest.fixture(scope="module", params=["trajectory", "position"])
+def flown(request, vehicle):
+    scenario = Scenario(flight=Flight(interface=request.param, feedforward="whole_body"))
+    return scenario, Flown(scenario, vehicle)
+
+
+@pytest.mark.parametrize(
+    ("ticks", "p_m", "v_m_s", "b_m_s2"),
+    [(1, 2.7e-5, 2.5e-3, 0.04), (5, 6e-4, 0.010, 0.075), (25, 6e-3, 0.018, 0.25)],
+)
+def test_knows_where_the_station_will_be(flown, ticks, p_m, v_m_s, b_m_s2):
+    """At every tick from the first; the base itself moves by 0.4 to 1.2 m."""
+    scenario, flight = flown
+    p = np.array([state.p_B for state in flight.states])
+    assert np.ptp(p, axis=0).min() > 0.35
+    model = EquivalentModel.of(scenario, flight.n)
+    p, v, b = np.abs(flight.misses(model, ticks)).max(axis=(0, 2))
+    assert p < p_m and v < v_m_s and b < b_m_s2
+
+
+@pytest.mark.parametrize(("ticks", "times_better"), [(1, 15), (5, 3.5), (25, 1.15)])
+@pytest.mark.parametrize("flown", ["trajectory"], indirect=True)
+def test_is_many_times_better_than_the_base_that_jumps_to_speed(flown, ticks, times_better):
+    scenario, flight = flown
+    aware = replace(scenario, model=replace(scenario.model, kind="velocity_aware"))
+    ours, theirs = (
+        np.sqrt(np.mean(flight.misses(EquivalentModel.of(s, flight.n), ticks)[:, 0] ** 2))
+        for s in (scenario, aware)
+    )
+    assert ours < theirs / times_better
+
+
+@pytest.mark.parametrize("flown", ["trajectory"], indirect=True)
+def test_what_nobody_measures_is_worth_following(flown):
+    """With the hidden states forgotten at each tick, the prediction is much worse."""
+    scenario, flight = flown
+    model = EquivalentModel.of(scenario, flight.n)
+    assert {model.axis_states[i % len(model.axis_states)] for i in model.hidden} == set(
+        HIDDEN_STATES
+    )
+    kept = flight.misses(model, 5)
+    A = model.A.copy()
+    A[:, model.hidden] = 0.0
+    forgotten = flight.misses(replace(model, A=A), 5)
+    assert np.abs(forgotten[:, 2]).max() > 5 * np.abs(kept[:, 2]).max()

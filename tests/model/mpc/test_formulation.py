@@ -1,0 +1,179 @@
+"""The condensed MPC against the paper's problem, written with its states and solved by Clarabel."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+from scipy.spatial.transform import Rotation
+
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.mpc.tracking import tilt_matrix
+from aerodrake.model.qp.condensed_qp import CondensedQp, QpStatus
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.scenario import Model, Mpc, Scenario
+from tests.written_out import K_B, UP, G, WrittenOut, acceleration, displaced
+
+DT = 0.02
+OPTIONS = [
+    # Model, e_E, roll and pitch, ticks of the horizon.
+    ("flight", "frozen", "flatness", 20),
+    ("velocity_aware", "predicted", "none", 15),
+    ("velocity_aware", "frozen", "held", 25),
+    ("integral", "predicted", "none", 15),
+    ("integral", "frozen", "none", 15),
+    ("paper", "predicted", "flatness", 15),
+    ("exact", "frozen", "flatness", 30),
+    ("exact", "predicted", "held", 15),
+]
+
+
+def make_model(kind: str, vehicle: Vehicle) -> EquivalentModel:
+    return EquivalentModel.of(Scenario(model=Model(kind=kind, k_b=tuple(K_B))), vehicle.joints)
+
+
+def formulation(
+    config: Mpc, vehicle: Vehicle, kind: str, error: str, tilt: str, span: int
+) -> MpcFormulation:
+    """The formulation under test, with weights that tell all axes and joints apart."""
+    config = dataclasses.replace(
+        config,
+        error=error,
+        tilt=tilt,
+        span_ticks=span,
+        w_5=(3.0, 20.0, 150.0),
+        k_e=(3.0, 2.0, 4.0),
+        w_1=(1e4, 2e4, 0.5e4),
+        w_2_base=(1e-2, 2e-2, 3e-2),
+        w_2_joints=(1e-2, 2e-2, 1e-3, 3e-2, 2e-3, 1e-2),
+        w_3_base=(30.0, 20.0, 40.0),
+        w_3_joints=(10.0, 12.0, 8.0, 15.0, 9.0, 11.0),
+        w_4=(300.0, 200.0, 400.0),
+    )
+    limits = SetpointLimits.make(config, vehicle)
+    return MpcFormulation(config, make_model(kind, vehicle), limits, vehicle)
+
+
+@pytest.fixture(scope="module")
+def prepared(ticks_of):
+    """The ticks with a residual; and with a commanded base where the model believes in it."""
+
+    def prepared(model: EquivalentModel) -> list[MpcInputs]:
+        made = []
+        for k, tick in enumerate(ticks_of(model)):
+            if model.believes_command:
+                tick.x_0[[0, 1, 4, 5, 8, 9]] = tick.x_0[[2, 3, 6, 7, 10, 11]]
+            delta = 0.05 * np.random.default_rng(k).normal(size=3)
+            made.append(dataclasses.replace(tick, delta=delta))
+        return made
+
+    return prepared
+
+
+@pytest.mark.parametrize("option", OPTIONS)
+def test_optimum_is_that_of_the_problem_written_out(option, prepared, tight_scenario, vehicle):
+    """At every eighth tick of a flight along its bounds: over 100 programs in all."""
+    ours = formulation(tight_scenario.mpc, vehicle, *option)
+    qp = CondensedQp(ours.A, ours.config.max_iterations)
+    theirs = WrittenOut(ours.config, ours.model, vehicle)
+    statuses, active, gaps = [], [], []
+    for tick in prepared(ours.model)[::8]:
+        program = ours.form(tick)
+        result = qp.solve(program.H, program.g, program.lower, program.upper)
+        u_0, share = theirs.solve(tick)
+        statuses.append(result.status)
+        active.append(share)
+        gaps.append(np.abs(ours.inputs(result.z)[0] - u_0).max())
+        if not theirs.is_exact:  # Then it is off, not we: ours is feasible, and cheaper.
+            costs = [
+                z @ program.H @ z / 2 + program.g @ z
+                for z in (result.z, theirs.U.T.ravel() / ours.scale)
+            ]
+            assert costs[0] <= costs[1] + 1e-9
+            assert np.all(ours.A @ result.z <= program.upper + 1e-9)
+            assert np.all(ours.A @ result.z >= program.lower - 1e-9)
+            gaps.pop()
+    assert len(OPTIONS) * len(statuses) > 100 and len(gaps) > len(statuses) / 2
+    assert np.max(gaps) < 1e-5
+    assert set(statuses) <= {QpStatus.UNCONSTRAINED, QpStatus.EXCHANGED, QpStatus.SOLVED}
+    assert np.mean(np.array(active) > 0) > 0.5
+
+
+@pytest.mark.parametrize("option", OPTIONS[:3])
+def test_prediction_of_the_program_is_the_models(option, prepared, tight_scenario, vehicle):
+    """Of all stages, and of p_E by J_s and tilt from where it is."""
+    ours = formulation(tight_scenario.mpc, vehicle, *option)
+    model, tick = ours.model, prepared(ours.model)[50]
+    u = np.random.default_rng(0).normal(size=(ours.config.horizon, 3 + vehicle.joints))
+    free = driven = tick.x_0
+    program, at = ours.form(tick), tick.end_effector
+    p_E = ours.predict(tick, program, u)
+    for k, ticks in enumerate(ours.stage_ticks):
+        for _ in range(ticks):
+            free = model.predict(free, np.zeros_like(u[k]), tick.delta)
+            driven = model.predict(driven, u[k], tick.delta)
+        places = [*model.base_position, *model.joint_position]
+        m = len(places)
+        np.testing.assert_allclose(
+            program.free[m : 2 * m, k], (free - tick.x_0)[places], atol=1e-12
+        )
+        moved = driven - tick.x_0
+        place = moved[model.base_position] + at.J_c[:, 4:] @ moved[model.joint_position]
+        if ours.config.tilt == "flatness":
+            place = place + displaced(at.r, acceleration(model, moved))
+        np.testing.assert_allclose(p_E[k + 1], at.p_E + place, atol=1e-10)
+    np.testing.assert_array_equal(p_E[0], at.p_E)
+
+
+def test_tilt_matrix_is_the_rotation_of_the_thrust_axis():
+    """Turned so that the thrust points along g + a, the base moves its tool by T a."""
+    r = np.array([0.1, 0.2, -0.3])
+    for a in 0.01 * np.vstack([np.eye(3), [1, -2, 0.5]]):
+        thrust = a + G * UP
+        turned = Rotation.align_vectors(thrust[None], UP[None])[0]
+        np.testing.assert_allclose(tilt_matrix(r) @ a, turned.apply(r) - r, atol=2e-6)
+
+
+def test_per_joint_weights_may_be_given_once(tight_scenario, ticks, vehicle):
+    config = tight_scenario.mpc
+    spelled_out = dataclasses.replace(
+        config, w_2_joints=config.w_2_joints * 6, w_3_joints=config.w_3_joints * 6
+    )
+    model, limits = make_model("flight", vehicle), SetpointLimits.make(config, vehicle)
+    for name in ("H", "g"):
+        one, other = (
+            getattr(MpcFormulation(c, model, limits, vehicle).form(ticks[0]), name)
+            for c in (config, spelled_out)
+        )
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("horizon", [10, 15])
+def test_a_feasible_program_is_followed_by_a_feasible_one(horizon, ticks_of, vehicle):
+    """Flown by plans that care for nothing but speed towards the joints' upper limits.
+
+    The horizons are those in which a joint can stop: v_max / a_max = 10 ticks and more.
+    """
+    config, model = Mpc(horizon=horizon, span_ticks=horizon), make_model("velocity_aware", vehicle)
+    ours = MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
+    first = ticks_of(model)[0]
+    tick = dataclasses.replace(first, reference=np.zeros((horizon + 1, 6)), delta=np.zeros(3))
+    by_input = ours.prediction.Gamma[:, model.joint_velocity].sum(axis=(0, 1))
+    speeds = by_input.reshape(horizon, -1).T.ravel() * ours.scale
+    x = tick.x_0.copy()
+    x[model.joint_position] = vehicle.upper - 0.8
+    for k in range(35):
+        program = ours.form(dataclasses.replace(tick, x_0=x))
+        plan = linprog(
+            -speeds,
+            A_ub=np.vstack([ours.A, -ours.A]),
+            b_ub=np.concatenate([program.upper, -program.lower]) + 1e-9,
+            bounds=(-1, 1),
+        )
+        assert plan.status == 0, f"infeasible at tick {k}"
+        x = model.predict(x, ours.inputs(plan.x)[0], tick.delta)
+    to_limit = vehicle.upper - x[model.joint_position]
+    assert np.all(to_limit >= -1e-6) and np.all(to_limit < 0.2)

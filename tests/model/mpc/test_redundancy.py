@@ -1,0 +1,117 @@
+"""The minimiser in parts against that of the whole program."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.inputs import MpcInputs, Pointing
+from aerodrake.model.mpc.redundancy import Redundancy, motions
+from aerodrake.model.mpc.solver import MpcSolver
+from aerodrake.model.qp.condensed_qp import CondensedQp, QpStatus
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.scenario import Mpc, Scenario
+
+CONFIG = Mpc(horizon=7, span_ticks=20, w_6=70.0, k_o=4.0)
+
+
+def formulation(vehicle, **changes) -> MpcFormulation:
+    config = dataclasses.replace(CONFIG, **changes)
+    model = EquivalentModel.of(Scenario(), vehicle.joints)
+    return MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
+
+
+def make_tick(vehicle, model, pointing: bool, seed: int = 0) -> MpcInputs:
+    rng = np.random.default_rng(seed)
+    kinematics = Kinematics(vehicle.robot)
+    x = vehicle.trim_state + 0.1 * rng.normal(size=len(vehicle.trim_state))
+    state = VehicleState.from_vector(x)
+    axis = kinematics.tool_axis(state)
+    d = axis.value + 0.05 * rng.normal(size=(CONFIG.horizon + 1, 3))
+    return MpcInputs(
+        x_0=0.05 * rng.normal(size=len(model.A)),
+        u_last=rng.normal(size=3 + vehicle.joints),
+        end_effector=kinematics.end_effector(state),
+        rpy_rates=0.05 * rng.normal(size=3),
+        reference=0.1 * rng.normal(size=(CONFIG.horizon + 1, 6)),
+        delta=0.01 * rng.normal(size=3),
+        w_q=300.0,
+        w_m=20.0,
+        w_d=5.0,
+        pointing=Pointing(axis, np.hstack([d, 0 * d])) if pointing else None,
+    )
+
+
+def minimiser(ours: MpcFormulation, program) -> np.ndarray | None:
+    return Redundancy(ours.condensing, ours.W_2).minimiser(program.C, program.g, program.carried)
+
+
+@pytest.mark.parametrize("pointing", [False, True])
+@pytest.mark.parametrize("tilt", ["flatness", "held"])
+def test_it_is_that_of_the_whole_program(vehicle, pointing, tilt):
+    ours = formulation(vehicle, tilt=tilt)
+    for seed in range(5):
+        program = ours.form(make_tick(vehicle, ours.model, pointing, seed))
+        best = -np.linalg.solve(program.H, program.g)
+        found = minimiser(ours, program)
+        np.testing.assert_allclose(found, best, atol=1e-9 * np.abs(best).max())
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"w_2_joints": (1.0, 1.0, 1.0, 1.0, 1.0, 1.1)},
+        {"w_3_joints": (3.0, 3.0, 4.0, 3.0, 3.0, 3.0)},
+    ],
+)
+def test_joints_that_differ_have_none(vehicle, changes):
+    ours = formulation(vehicle, **changes)
+    assert minimiser(ours, ours.form(make_tick(vehicle, ours.model, pointing=False))) is None
+
+
+def test_a_singular_arm_has_more_motions_that_leave_the_tool(vehicle):
+    ours = formulation(vehicle)
+    tick = make_tick(vehicle, ours.model, pointing=False)
+    at = tick.end_effector
+    flat = np.diag([1.0, 1.0, 0.0])  # What the joints cannot do along z, the cost cannot ask for.
+    J_c = at.J_c.copy()
+    J_c[:, 4:] = flat @ at.J_B
+    at = dataclasses.replace(at, J_B=flat @ at.J_B, J_c=J_c)
+    program = ours.form(dataclasses.replace(tick, end_effector=at))
+    assert motions(program.carried)[1] == 2
+    best = -np.linalg.solve(program.H, program.g)
+    np.testing.assert_allclose(minimiser(ours, program), best, atol=1e-9 * np.abs(best).max())
+
+
+@pytest.mark.parametrize(("rows", "rank"), [(0, 0), (1, 1), (3, 3), (4, 3), (6, 6), (8, 6)])
+def test_motions_are_orthonormal_and_those_that_carry_come_first(rows, rank):
+    rng = np.random.default_rng(rows)
+    carried = rng.normal(size=(rows, 6))
+    if rows == 4:
+        carried[2] = carried[0] - 2 * carried[1]
+    Q, r = motions(carried)
+    assert r == rank
+    np.testing.assert_allclose(Q.T @ Q, np.eye(6), atol=1e-12)
+    np.testing.assert_allclose(carried @ Q[:, r:], 0, atol=1e-10)
+
+
+def test_the_solver_takes_it_where_no_bound_holds_it(vehicle):
+    """Far from bounds and beyond them, with and without a guess: as the program without parts."""
+    ours = formulation(vehicle)
+    solver, whole = MpcSolver(ours), CondensedQp(ours.A, ours.config.max_iterations)
+    statuses = set()
+    for seed in range(6):
+        program = ours.form(make_tick(vehicle, ours.model, pointing=False, seed=seed))
+        for pull in (1e-3, 1e3):
+            program = dataclasses.replace(program, g=pull * program.g)
+            expected = whole.solve(program.H, program.g, program.lower, program.upper)
+            for active in (None, expected.active):
+                result = solver.solve(program, active)
+                assert result.status is expected.status
+                np.testing.assert_allclose(result.z, expected.z, atol=1e-8)
+            statuses.add(result.status)
+    assert statuses == {QpStatus.UNCONSTRAINED, QpStatus.EXCHANGED}

@@ -1,0 +1,191 @@
+"""A plant off its model: the masses and inertias of its links, and nothing else."""
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from aerodrake.model.vehicle.mismatch import mismatched_urdf
+from aerodrake.model.vehicle.vehicle import Vehicle, add_robot
+from aerodrake.scenario.world import Mismatch
+from aerodrake.support.errors import BadInput
+from aerodrake.support.files import locate
+
+MASS, INERTIA = 1.3, 0.8
+OFF = Mismatch(mass_scale=MASS, inertia_scale=INERTIA)
+
+
+@pytest.fixture(scope="module")
+def scene_graph():
+    return SceneGraph()
+
+
+def make_plant(robot: str, scene_graph: SceneGraph, mismatch: Mismatch) -> MultibodyPlant:
+    plant = MultibodyPlant(0.001)
+    plant.RegisterAsSourceForSceneGraph(scene_graph)
+    add_robot(plant, robot, mismatch)
+    plant.Finalize()
+    return plant
+
+
+@pytest.fixture(scope="module")
+def exact(vehicle, scene_graph):
+    return make_plant(vehicle.robot, scene_graph, Mismatch())
+
+
+@pytest.fixture(scope="module")
+def off(vehicle, scene_graph):
+    return make_plant(vehicle.robot, scene_graph, OFF)
+
+
+@pytest.fixture(scope="module")
+def state(vehicle):
+    """Tilted, with a bent arm, at rest."""
+    state = vehicle.trim_state
+    quaternion = np.array([0.9, 0.2, -0.3, 0.1])
+    state[:4] = quaternion / np.linalg.norm(quaternion)
+    state[7:13] += [0.3, -0.2, 0.1, 0.5, 0.2, -0.4]
+    return state
+
+
+def at(plant, state):
+    context = plant.CreateDefaultContext()
+    plant.SetPositionsAndVelocities(context, state)
+    return context
+
+
+def links(plant):
+    robot = plant.GetBodyByName("base").model_instance()
+    return [plant.get_body(index) for index in plant.GetBodyIndices(robot)]
+
+
+def visuals(plant) -> list[int]:
+    """How many geometries are seen of each link."""
+    return [len(plant.GetVisualGeometriesForBody(body)) for body in links(plant)]
+
+
+def about_centre(body) -> np.ndarray:
+    """(3, 3) kg m^2, rotational inertia of a link about its own centre of mass."""
+    inertia = body.default_spatial_inertia()
+    return inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
+
+
+def test_every_link_has_its_mass_and_inertia_by_the_factors(exact, off):
+    pairs = list(zip(links(exact), links(off), strict=True))
+    assert len(pairs) == 1 + 6  # The base, and one for each joint.
+    for ours, theirs in pairs:
+        assert theirs.name() == ours.name()
+        assert theirs.default_mass() == pytest.approx(MASS * ours.default_mass())
+        np.testing.assert_allclose(theirs.default_com(), ours.default_com(), atol=1e-15)
+        np.testing.assert_allclose(
+            about_centre(theirs), INERTIA * about_centre(ours), rtol=1e-9, atol=1e-16
+        )
+
+
+def test_total_mass_and_weight(exact, off, state):
+    total = [plant.CalcTotalMass(at(plant, state)) for plant in (exact, off)]
+    np.testing.assert_allclose(total, [3.8, MASS * 3.8])
+    weight = [plant.CalcGravityGeneralizedForces(at(plant, state)) for plant in (exact, off)]
+    np.testing.assert_allclose(weight[1], MASS * weight[0], rtol=1e-12, atol=1e-14)
+
+
+def test_composite_inertia_is_that_of_the_links_by_the_parallel_axis_theorem(exact, off, state):
+    context, composite = at(exact, state), np.zeros((3, 3))
+    masses = MASS * np.array([body.default_mass() for body in links(exact)])
+    poses = [body.EvalPoseInWorld(context) for body in links(exact)]
+    places = np.array(
+        [pose @ body.default_com() for pose, body in zip(poses, links(exact), strict=True)]
+    )
+    arms = places - masses @ places / masses.sum()
+    for body, pose, mass, r in zip(links(exact), poses, masses, arms, strict=True):
+        R = pose.rotation().matrix()
+        turned = R @ (INERTIA * about_centre(body)) @ R.T
+        composite += turned + mass * (r @ r * np.eye(3) - np.outer(r, r))
+
+    there = at(off, state)
+    inertia = off.CalcSpatialInertia(
+        there, off.world_frame(), [body.index() for body in links(off)]
+    )
+    found = inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
+    np.testing.assert_allclose(found, composite, rtol=1e-9, atol=1e-12)
+
+
+def test_the_mass_matrix_changes_by_the_links_alone(exact, off, state):
+    """The reflected inertia of the joints' motors stays as it is."""
+    context, world = at(exact, state), exact.world_frame()
+    expected = np.zeros((exact.num_velocities(),) * 2)
+    for body in links(exact):
+        J = exact.CalcJacobianSpatialVelocity(
+            context, JacobianWrtVariable.kV, body.body_frame(), body.default_com(), world, world
+        )
+        J_w, J_v = np.split(J, 2)
+        R = body.EvalPoseInWorld(context).rotation().matrix()
+        expected += (MASS - 1) * body.default_mass() * J_v.T @ J_v
+        expected += (INERTIA - 1) * J_w.T @ R @ about_centre(body) @ R.T @ J_w
+    added = off.CalcMassMatrix(at(off, state)) - exact.CalcMassMatrix(context)
+    np.testing.assert_allclose(added, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("key", ["mass_scale", "inertia_scale"])
+def test_either_alone(vehicle, scene_graph, exact, key):
+    plant = make_plant(vehicle.robot, scene_graph, Mismatch(**{key: 2.0}))
+    scales = np.array([1.0 + (key == "mass_scale"), 1.0 + (key == "inertia_scale")])
+    for ours, theirs in zip(links(exact), links(plant), strict=True):
+        moments = [np.trace(about_centre(body)) for body in (ours, theirs)]
+        masses = [body.default_mass() for body in (ours, theirs)]
+        np.testing.assert_allclose(
+            [masses[1], moments[1]], scales * [masses[0], moments[0]], rtol=1e-9
+        )
+
+
+def test_all_else_stays(exact, off):
+    assert off.GetStateNames() == exact.GetStateNames()
+    assert off.GetActuatorNames() == exact.GetActuatorNames()
+    assert off.num_collision_geometries() == exact.num_collision_geometries()
+    assert visuals(off) == visuals(exact)
+    for limits in (
+        "GetPositionLowerLimits",
+        "GetPositionUpperLimits",
+        "GetVelocityUpperLimits",
+        "GetAccelerationUpperLimits",
+        "GetEffortUpperLimits",
+    ):
+        np.testing.assert_array_equal(getattr(off, limits)(), getattr(exact, limits)())
+
+
+def test_a_robot_elsewhere_finds_the_meshes_beside_it(vehicle, tmp_path, scene_graph, exact):
+    text = locate(vehicle.robot).read_text().replace("package://aerodrake/robots/", "")
+    folder = tmp_path / "my 50% robot"
+    folder.mkdir()
+    (folder / "own.urdf").write_text(text)
+    (folder / "meshes").symlink_to(locate(vehicle.robot).parent / "meshes")
+    plant = make_plant(str(folder / "own.urdf"), scene_graph, OFF)
+    assert visuals(plant) == visuals(exact)
+
+
+def test_a_prefix_that_is_not_declared_is_kept(vehicle, tmp_path):
+    """As Drake reads it."""
+    text = locate(vehicle.robot).read_text().replace(' xmlns:drake="https://drake.mit.edu"', "")
+    (tmp_path / "own.urdf").write_text(text)
+    scaled = mismatched_urdf(tmp_path / "own.urdf", OFF)
+    assert "xmlns" not in scaled
+    assert scaled.count("drake:acceleration") == text.count("drake:acceleration") > 0
+
+
+@pytest.mark.parametrize("mass", ["0x1p0", "", "one"])
+def test_numbers_that_are_none_cannot_be_scaled(tmp_path, mass):
+    path = Path(tmp_path / "robot.urdf")
+    path.write_text(f'<robot><inertial><mass value="{mass}"/></inertial></robot>')
+    with pytest.raises(BadInput, match="robot.urdf: mismatch of links: could not convert"):
+        mismatched_urdf(path, OFF)
+
+
+def test_no_controller_knows_of_it(scenario, vehicle):
+    told = Vehicle.load(replace(scenario, mismatch=OFF))
+    for field in fields(Vehicle):
+        if field.name != "rotors":
+            np.testing.assert_array_equal(getattr(told, field.name), getattr(vehicle, field.name))

@@ -1,0 +1,130 @@
+"""The payload in a plant: its weight, inertia and place; nothing else changes."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from aerodrake.model.vehicle.payload import PAYLOAD_BODY, STEEL_KG_M3, add_payload
+from aerodrake.model.vehicle.vehicle import TOOL_FRAME, Vehicle, add_robot
+from aerodrake.scenario.world import Payload
+
+MASS = 0.2
+
+
+@pytest.fixture(scope="module")
+def scene_graph():
+    return SceneGraph()
+
+
+def make_plant(robot: str, scene_graph: SceneGraph, mass: float) -> MultibodyPlant:
+    plant = MultibodyPlant(0.001)
+    plant.RegisterAsSourceForSceneGraph(scene_graph)
+    add_robot(plant, robot)
+    add_payload(plant, mass)
+    plant.Finalize()
+    return plant
+
+
+@pytest.fixture(scope="module")
+def bare(vehicle, scene_graph):
+    return make_plant(vehicle.robot, scene_graph, 0.0)
+
+
+@pytest.fixture(scope="module")
+def loaded(vehicle, scene_graph):
+    return make_plant(vehicle.robot, scene_graph, MASS)
+
+
+def at(plant, state):
+    context = plant.CreateDefaultContext()
+    plant.SetPositionsAndVelocities(context, state)
+    return context
+
+
+@pytest.fixture(scope="module")
+def state(vehicle):
+    """Tilted, with a bent arm, at rest."""
+    state = vehicle.trim_state
+    quaternion = np.array([0.9, 0.2, -0.3, 0.1])
+    state[:4] = quaternion / np.linalg.norm(quaternion)
+    state[7:13] += [0.3, -0.2, 0.1, 0.5, 0.2, -0.4]
+    return state
+
+
+def tool_jacobian(plant, state) -> np.ndarray:
+    """(6, 6 + n) of the tool in the world, rotation first."""
+    world = plant.world_frame()
+    return plant.CalcJacobianSpatialVelocity(
+        at(plant, state),
+        JacobianWrtVariable.kV,
+        plant.GetFrameByName(TOOL_FRAME),
+        np.zeros(3),
+        world,
+        world,
+    )
+
+
+def test_no_mass_is_no_payload(vehicle, bare):
+    plain = MultibodyPlant(0.001)
+    add_robot(plain, vehicle.robot)
+    plain.Finalize()
+    assert bare.num_bodies() == plain.num_bodies()
+    assert bare.num_model_instances() == plain.num_model_instances()
+    assert not bare.HasBodyNamed(PAYLOAD_BODY)
+
+
+def test_it_adds_its_mass(bare, loaded, state):
+    total = [plant.CalcTotalMass(at(plant, state)) for plant in (bare, loaded)]
+    np.testing.assert_allclose(total, [3.8, 3.8 + MASS])
+
+
+def test_it_adds_its_weight_at_the_tool(bare, loaded, state):
+    added = [plant.CalcGravityGeneralizedForces(at(plant, state)) for plant in (bare, loaded)]
+    J_v = tool_jacobian(bare, state)[3:]
+    np.testing.assert_allclose(added[1] - added[0], J_v.T @ [0, 0, -MASS * 9.81], atol=1e-12)
+
+
+def test_it_adds_the_inertia_of_a_steel_ball_at_the_tool(bare, loaded, state):
+    added = [plant.CalcMassMatrix(at(plant, state)) for plant in (bare, loaded)]
+    J_w, J_v = np.split(tool_jacobian(bare, state), 2)
+    squared_radius = (MASS / STEEL_KG_M3 / (4 / 3 * np.pi)) ** (2 / 3)
+    assert squared_radius == pytest.approx(0.018**2, rel=0.05)  # 18 mm: nearly a point.
+    expected = MASS * J_v.T @ J_v + 0.4 * MASS * squared_radius * J_w.T @ J_w
+    np.testing.assert_allclose(added[1] - added[0], expected, atol=1e-14)
+
+
+def test_states_bodies_and_actuators_stay_where_they_are(bare, loaded):
+    assert loaded.GetStateNames() == bare.GetStateNames()
+    assert loaded.GetActuatorNames() == bare.GetActuatorNames()
+    assert loaded.num_bodies() == bare.num_bodies() + 1
+    payload = loaded.GetBodyByName(PAYLOAD_BODY)
+    assert int(payload.index()) == bare.num_bodies()
+    for name in ("base", "gripper"):
+        assert loaded.GetBodyByName(name).index() == bare.GetBodyByName(name).index()
+
+
+def test_it_is_seen_and_touches_nothing(bare, loaded):
+    payload = loaded.GetBodyByName(PAYLOAD_BODY)
+    assert len(loaded.GetVisualGeometriesForBody(payload)) == 1
+    assert not loaded.GetCollisionGeometriesForBody(payload)
+    assert loaded.num_collision_geometries() == bare.num_collision_geometries()
+
+
+def test_a_plant_that_nobody_looks_at_has_it_too(vehicle):
+    plant = MultibodyPlant(0.0)
+    add_robot(plant, vehicle.robot)
+    add_payload(plant, MASS)
+    plant.Finalize()
+    assert plant.GetBodyByName(PAYLOAD_BODY).default_mass() == MASS
+
+
+def test_no_controller_knows_of_it(scenario, vehicle):
+    """Mass, inertia, trim and kinematics of the vehicle are those without."""
+    told = Vehicle.load(replace(scenario, payload=Payload(mass_kg=MASS)))
+    for field in fields(Vehicle):
+        if field.name != "rotors":
+            np.testing.assert_array_equal(getattr(told, field.name), getattr(vehicle, field.name))

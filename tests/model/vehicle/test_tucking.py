@@ -1,0 +1,141 @@
+"""Tucked arms: high enough, nearest, within limits, and the same each time."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
+from pydrake.systems.framework import DiagramBuilder
+
+from aerodrake.bench.arms import with_joints
+from aerodrake.model.low_level.thrust_allocation import ThrustAllocation
+from aerodrake.model.vehicle.tucking import CLEARANCE_M, TOLERANCE_M, GroundGeometry, tuck
+from aerodrake.model.vehicle.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
+from aerodrake.scenario import Scenario
+from aerodrake.support.files import locate
+
+
+def geometry_of(robot: str) -> GroundGeometry:
+    plant, scene_graph = MultibodyPlant(0.0), SceneGraph()
+    plant.RegisterAsSourceForSceneGraph(scene_graph)
+    add_robot(plant, robot)
+    plant.Finalize()
+    return GroundGeometry(plant, scene_graph, BASE_FRAME)
+
+
+@pytest.fixture(scope="module")
+def geometry(scenario) -> GroundGeometry:
+    return geometry_of(scenario.vehicle.robot)
+
+
+def test_feet_are_the_urdfs(geometry, vehicle):
+    """Spheres of 2 cm at z = -0.36 m."""
+    assert geometry.feet == vehicle.feet_m == pytest.approx(-0.38)
+
+
+def test_jacobian_is_that_of_the_heights(geometry, vehicle):
+    q, step = vehicle.working + 0.1, 1e-6
+    columns = [
+        (geometry.heights(q + step * e) - geometry.heights(q - step * e)) / (2 * step)
+        for e in np.eye(vehicle.joints)
+    ]
+    np.testing.assert_allclose(geometry.jacobian(q), np.column_stack(columns), atol=1e-8)
+
+
+def test_heights_are_no_higher_than_what_collides(geometry, vehicle):
+    """Drake's own distance of the arm from a ground on which the feet stand."""
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
+    add_robot(plant, vehicle.robot)
+    add_ground(plant)
+    plant.Finalize()
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    plant_context = plant.GetMyContextFromRoot(context)
+    query = scene_graph.get_query_output_port()
+    (ground,) = plant.GetCollisionGeometriesForBody(plant.world_body())
+    rng = np.random.default_rng(2)
+    for q in (vehicle.working, vehicle.tucked, *(vehicle.working + rng.uniform(-1, 1, (20, 6)))):
+        x = vehicle.trim_state[: plant.num_positions()]
+        x[6], x[7:] = 2.0, q
+        plant.SetPositions(plant_context, x)
+        distances = [
+            query.Eval(scene_graph.GetMyContextFromRoot(context))
+            .ComputeSignedDistancePairClosestPoints(ground, geometry_id)
+            .distance
+            for body in map(
+                plant.get_body, plant.GetBodyIndices(plant.GetModelInstanceByName("quadrotor_arm6"))
+            )
+            if body.name() != BASE_FRAME
+            for geometry_id in plant.GetCollisionGeometriesForBody(body)
+        ]
+        lowest = geometry.heights(q).min()
+        assert lowest <= min(distances) - 2.0 + 1e-6
+        assert lowest > min(distances) - 2.0 - 0.03  # The corners of boxes around what is round.
+
+
+def test_the_vehicles_own(geometry, vehicle):
+    assert geometry.heights(vehicle.tucked).min() >= vehicle.feet_m + CLEARANCE_M - TOLERANCE_M
+    assert np.all((vehicle.tucked >= vehicle.lower) & (vehicle.tucked <= vehicle.upper))
+    # It hardly has to move for that, and is on the edge of what is high enough.
+    assert np.abs(vehicle.tucked - vehicle.working).max() < 0.1
+    assert geometry.heights(vehicle.tucked).min() == pytest.approx(
+        vehicle.feet_m + CLEARANCE_M, abs=1e-5
+    )
+
+
+def test_it_can_be_held_and_flown(scenario, vehicle):
+    """Loaded as a working configuration: torques, trim and ground are checked there."""
+    changed = replace(scenario.vehicle, working_rad=tuple(vehicle.tucked))
+    tucked = Vehicle.load(replace(scenario, vehicle=changed))
+    assert np.all(np.abs(tucked.trim_torque) < vehicle.effort / 2)
+    ThrustAllocation.make(tucked, scenario.vehicle.rotor)
+
+
+@pytest.mark.parametrize("joints", [2, 3, 4, 5, 7, 8, 9])
+def test_other_arms(tmp_path, joints):
+    changed = with_joints(Scenario(), joints, tmp_path / "arm.urdf")
+    other = Vehicle.load(changed)
+    geometry = geometry_of(other.robot)
+    assert other.tucked.shape == (joints,)
+    assert geometry.heights(other.tucked).min() >= other.feet_m + CLEARANCE_M - TOLERANCE_M
+    np.testing.assert_array_equal(other.tucked, Vehicle.load(changed).tucked)
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 2**32))
+def test_from_anywhere_high_enough_or_as_high_as_can_be(scenario, vehicle, seed):
+    """The arm hanging down is the hardest of all."""
+    geometry = geometry_of(scenario.vehicle.robot)
+    share = np.random.default_rng(seed).uniform(size=vehicle.joints)
+    working = vehicle.lower + share * (vehicle.upper - vehicle.lower)
+    q = tuck(geometry, working)
+    assert np.all((q >= vehicle.lower) & (q <= vehicle.upper))
+    assert geometry.heights(q).min() >= geometry.feet + CLEARANCE_M - TOLERANCE_M
+    if geometry.heights(working).min() >= geometry.feet + CLEARANCE_M:
+        np.testing.assert_allclose(q, working, atol=1e-6)
+
+
+def test_where_it_cannot_be_high_enough_it_is_as_high_as_it_can(tmp_path):
+    """One joint, that yaws: no way to lift anything."""
+    other = Vehicle.load(with_joints(Scenario(), 1, tmp_path / "arm.urdf"))
+    geometry = geometry_of(other.robot)
+    highest = max(geometry.heights(np.array([q])).min() for q in np.linspace(-3, 3, 601))
+    found = geometry.heights(other.tucked).min()
+    assert found < other.feet_m + CLEARANCE_M
+    assert found == pytest.approx(highest, abs=1e-4)
+
+
+def test_an_arm_that_collides_with_nothing_stays(tmp_path, scenario, vehicle):
+    text = Path(locate(scenario.vehicle.robot)).read_text()
+    text = re.sub(r"<collision>.*?</collision>", "", text, flags=re.DOTALL)
+    robot = tmp_path / "robot.urdf"
+    robot.write_text(text)
+    other = Vehicle.load(replace(scenario, vehicle=replace(scenario.vehicle, robot=str(robot))))
+    assert other.feet_m == 0
+    np.testing.assert_array_equal(other.tucked, other.working)

@@ -1,0 +1,124 @@
+"""What no single key of a scenario can tell."""
+
+import dataclasses
+import re
+
+import pytest
+
+from aerodrake.scenario import Flight, Model, Scenario
+from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.rules import check, warnings
+from aerodrake.support.errors import BadInput
+
+
+def hover_with(changes: dict[str, object]) -> Scenario:
+    """The packaged hover with values at dotted keys, all changed before they are checked."""
+    return load_scenario("hover", [("--set", f"{key}={value}") for key, value in changes.items()])
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"rates.plant_step_s": 0.003}, "rates.sensor_period_s: expected a multiple of"),
+        ({"rates.sensor_period_s": 0.0105}, "rates.sensor_period_s: expected a multiple of"),
+        ({"rates.flight_period_s": 0.0105}, "rates.flight_period_s: expected a multiple of"),
+        ({"rates.arm_period_s": 0.0055}, "rates.arm_period_s: expected a multiple of"),
+        ({"rates.mpc_period_s": 0.0205}, "rates.mpc_period_s: expected a multiple of"),
+        (
+            {"rates.plant_step_s": 0.005, "rates.arm_period_s": 0.002},
+            "rates.arm_period_s: expected a multiple of rates.plant_step_s (0.005 s), got 0.002 s",
+        ),
+        (
+            {"rates.sensor_period_s": 0.012},
+            "rates.mpc_period_s: expected a multiple of rates.sensor_period_s (0.012 s), "
+            "got 0.02 s",
+        ),
+        (
+            {"rates.flight_period_s": 0.04},
+            "rates.mpc_period_s: expected a multiple of rates.flight_period_s",
+        ),
+        (
+            {"vehicle.rotor.min_thrust_n": 20.0},
+            "vehicle.rotor.min_thrust_n: expected less than max_thrust_n (20 N), got 20 N",
+        ),
+        (
+            {"rates.flight_period_s": 0.005},
+            "rates.flight_period_s: expected rates.sensor_period_s (0.01 s) or more",
+        ),
+        (
+            {"sensors.base_delay_s": 0.0105},
+            "sensors.base_delay_s: expected a multiple of rates.plant_step_s (0.001 s), "
+            "got 0.0105 s",
+        ),
+        (
+            {"filter.delay_s": 0.015},
+            "filter.delay_s: expected a multiple of rates.sensor_period_s (0.01 s), got 0.015 s",
+        ),
+        (
+            {"filter.delay_s": 0.01, "rates.sensor_period_s": 0.02, "rates.flight_period_s": 0.02},
+            "filter.delay_s: expected a multiple of rates.sensor_period_s (0.02 s), got 0.01 s",
+        ),
+        ({"name": "../elsewhere"}, "name: expected a name that can be a folder's"),
+        (
+            {"flight.interface": "position", "model.kind": "velocity_aware"},
+            "model.kind: velocity_aware expects",
+        ),
+        (
+            {"allocation.d_edge_m": 0.07},
+            "allocation.d_edge_m: expected more than d_h_m (0.075 m), got 0.07 m",
+        ),
+        (
+            {"allocation.d_f_m": 0.075},
+            "allocation.d_f_m: expected more than d_h_m (0.075 m), got 0.075 m",
+        ),
+    ],
+)
+def test_contradictions_are_named(changes, expected):
+    with pytest.raises(BadInput, match=re.escape(f": {expected}")):
+        hover_with(changes)
+
+
+@pytest.mark.parametrize("kind", ["flight", "paper", "exact", "integral"])
+def test_combinations_that_go_together(kind):
+    scenario = hover_with(
+        {
+            "flight.interface": "position",
+            "model.kind": kind,
+            "mpc.tilt": "flatness",
+            "rates.plant_step_s": 0.0005,
+            "rates.sensor_period_s": 0.005,
+            "rates.mpc_period_s": 0.03,
+            "sensors.base_delay_s": 0.0105,
+            "filter.delay_s": 0.015,
+        }
+    )
+    assert scenario.flight == Flight(interface="position")
+    assert scenario.model == Model(kind=kind)
+
+
+def test_warns_where_hovering_reaches_out_of_the_learning_space(scenario):
+    (warning,) = warnings(scenario)
+    assert "allocation.d_h_m" in warning and "0.075 m" in warning and "0.05 m" in warning
+    quiet = dataclasses.replace(scenario.allocation, d_h_m=0.05)
+    assert warnings(dataclasses.replace(scenario, allocation=quiet)) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"model.kind": "paper"}, "model.kind paper is for a base that is told p_d alone"),
+        ({"model.kind": "exact"}, "model.kind exact is for a base that is told p_d alone"),
+        ({"mpc.tilt": "held"}, "mpc.tilt held"),
+        ({"faults": "[{kind: learner_nan}]"}, "faults[0] learner_nan does nothing: residual.mode"),
+    ],
+)
+def test_warns_of_what_flies_badly(changes, expected):
+    *_, warning = warnings(hover_with(changes))
+    assert warning.startswith(expected)
+
+
+def test_defaults_and_the_papers_choices_draw_no_other_warning(scenario):
+    check(scenario, "defaults")
+    papers = hover_with({"flight.interface": "position", "model.kind": "paper"})
+    for fine in (scenario, papers):
+        assert all("d_h_m" in warning for warning in warnings(fine))

@@ -1,0 +1,100 @@
+"""Files: read no further than allowed, written as a whole or not at all."""
+
+import io
+import os
+import zipfile
+
+import pytest
+
+from aerodrake.support.errors import BadInput
+from aerodrake.support.files import is_stored_zip, leaves_package, read_bounded, write_whole
+
+
+def names(folder) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_a_file_as_long_as_allowed_is_read(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(b"12345")
+    assert read_bounded(path, 5) == b"12345"
+    with pytest.raises(BadInput, match="a: expected at most 4 bytes"):
+        read_bounded(path, 4)
+
+
+@pytest.mark.parametrize("name, reason", [("none", "No such file"), (".", "Is a directory")])
+def test_what_cannot_be_read_is_named(tmp_path, name, reason):
+    with pytest.raises(BadInput, match=f"expected a readable file: {reason}"):
+        read_bounded(tmp_path / name, 5)
+
+
+def test_what_may_never_begin_or_end_is_not_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", "/dev/zero"):
+        with pytest.raises(BadInput, match="expected a file, got a pipe or a device"):
+            read_bounded(path, 5)
+
+
+@pytest.mark.parametrize(
+    "uri",
+    [
+        "package://other/x",
+        "package://aerodrake/../x",
+        "package://aerodrake//etc/passwd",
+        "package://aerodrake/",
+        "package://",
+    ],
+)
+def test_uris_that_leave_the_package(uri):
+    assert leaves_package(uri) and not leaves_package("package://aerodrake/robots/x.urdf")
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
+def test_only_a_zip_that_does_not_grow_is_stored(method):
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", method) as file:
+        file.writestr("a", "0" * 1000)
+    assert is_stored_zip(content.getvalue()) == (method == zipfile.ZIP_STORED)
+    assert not is_stored_zip(content.getvalue()[:-20])
+    assert not is_stored_zip(b"")
+
+
+def test_entries_that_share_their_bytes_are_a_bomb():
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as file:
+        file.writestr("a", "0" * 1000)
+        for _ in range(10):  # Directory entries for the one that is there.
+            file.filelist.append(file.filelist[0])
+        file._didModify = True
+    assert not is_stored_zip(content.getvalue())
+
+
+def test_writing_replaces_the_file_and_keeps_its_mode_and_links(tmp_path):
+    path, link = tmp_path / "a", tmp_path / "b"
+    path.write_bytes(b"old")
+    path.chmod(0o640)
+    link.symlink_to(path)
+    write_whole(link, b"new")
+    assert path.read_bytes() == b"new" and link.is_symlink()
+    assert path.stat().st_mode & 0o777 == 0o640
+    assert names(tmp_path) == ["a", "b"]
+
+
+def test_a_new_file_has_the_mode_of_any_other(tmp_path):
+    (tmp_path / "usual").write_bytes(b"")
+    write_whole(tmp_path / "new", b"")
+    modes = [(tmp_path / name).stat().st_mode for name in ("usual", "new")]
+    assert modes[0] == modes[1]
+
+
+def test_what_cannot_be_written_leaves_all_as_it_was(tmp_path, monkeypatch):
+    path = tmp_path / "a"
+    path.write_bytes(b"old")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(BadInput, match="a: cannot be written: No space left on device"):
+        write_whole(path, b"new")
+    assert path.read_bytes() == b"old" and names(tmp_path) == ["a"]

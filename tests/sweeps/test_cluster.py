@@ -1,0 +1,111 @@
+"""A Dask cluster of two worker processes on loopback."""
+
+import json
+import os
+import signal
+import socket
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from aerodrake.cli import main
+from aerodrake.scenario.load import load_scenario
+from aerodrake.support.errors import BadInput
+from aerodrake.sweeps import cluster as module
+from aerodrake.sweeps.cluster import cluster
+from aerodrake.sweeps.folder import ROWS, TIMINGS, sweep_folder
+from aerodrake.sweeps.loop import sweep
+from aerodrake.sweeps.plan import Plan
+from aerodrake.sweeps.trial import fly_trial
+
+distributed = pytest.importorskip("distributed")
+
+TRIALS = 6
+CHANGES = [("--set", "settle_s=0.02"), ("--set", "duration=0.06")]
+VARY = "wind.gust_m_s[0]=uniform(0, 2)"
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory) -> str:
+    """Its address. Its workers are daemons under a nanny, as `dask worker` makes them."""
+    folder = tmp_path_factory.mktemp("dask")
+    local = distributed.LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        host="127.0.0.1",
+        dashboard_address=None,
+        local_directory=str(folder),
+        silence_logs=50,
+    )
+    with local:
+        yield local.scheduler_address
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    return Plan.make(load_scenario("hover", CHANGES), [VARY], TRIALS)
+
+
+@pytest.fixture(scope="module")
+def flown(plan) -> set[str]:
+    return {json.dumps(fly_trial(plan.trial(i))[0]) for i in range(TRIALS)}
+
+
+def rows(folder: Path) -> list[str]:
+    return (folder / ROWS).read_text().splitlines()
+
+
+def test_rows_are_those_of_flights_one_by_one(scheduler, flown, tmp_path, capsys):
+    out = tmp_path / "sweep"
+    options = [word for change in CHANGES for word in change]
+    options += ["--trials", str(TRIALS), "--vary", VARY, "--out", str(out), "--quiet"]
+    assert main(["sweep", "hover", *options, "--scheduler", scheduler]) == 0
+    assert set(rows(out)) == flown and len(rows(out)) == TRIALS
+    timings = [json.loads(line) for line in (out / TIMINGS).read_text().splitlines()]
+    assert len({timing["process"] for timing in timings}) == 2
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_worker_that_is_killed_is_none_of_our_business(scheduler, plan, flown, tmp_path):
+    with cluster(scheduler) as executor, sweep_folder(tmp_path / "s", plan, False) as folder:
+        pid, killed = executor.submit(os.getpid).result(), []
+
+        def progress(_):
+            if not killed:
+                os.kill(pid, signal.SIGKILL)
+                killed.append(pid)
+
+        sweep(folder, executor, progress)
+        while True:  # Its nanny has another one.
+            time.sleep(0.05)
+            if len(executor._client.scheduler_info()["workers"]) == 2:
+                break
+    assert killed and len(rows(tmp_path / "s")) == TRIALS and set(rows(tmp_path / "s")) == flown
+
+
+def test_a_worker_of_another_version_is_told(scheduler, monkeypatch):
+    monkeypatch.setattr(module, "version", lambda _: "0.0.0")  # Here, not there.
+    expected = "--scheduler: expected aerodrake 0.0.0 on worker tcp:.*got '"
+    with pytest.raises(BadInput, match=expected), cluster(scheduler):
+        pytest.fail("connected")
+
+
+@pytest.mark.parametrize("address", ["nonsense", "", "tcp://127.0.0.1", "closed"])
+def test_nobody_answers(address, monkeypatch, capsys):
+    monkeypatch.setattr(module, "PATIENCE_S", 0.5)
+    if address == "closed":
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+    assert main(["sweep", "hover", "--trials", "1", "--quiet", "--scheduler", address]) == 2
+    error = capsys.readouterr().err
+    assert "--scheduler: expected the address of a Dask scheduler" in error
+    assert len(error.splitlines()) == 1
+
+
+def test_without_the_extra_it_says_so(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    expected = r"--scheduler: expected the extra \[cluster\]"
+    with pytest.raises(BadInput, match=expected), cluster("tcp://127.0.0.1:8786"):
+        pytest.fail("connected")

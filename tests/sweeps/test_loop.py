@@ -1,0 +1,243 @@
+"""Sweeps: the same rows however they are flown, whoever is killed."""
+
+import json
+import os
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from aerodrake.cli import main
+from aerodrake.scenario.load import load_scenario
+from aerodrake.support.errors import ProcessDied
+from aerodrake.sweeps import loop as module
+from aerodrake.sweeps.folder import ROWS, SUMMARY, TIMINGS, read_rows, sweep_folder
+from aerodrake.sweeps.loop import processes, sweep
+from aerodrake.sweeps.plan import Plan
+from aerodrake.sweeps.trial import fly_trial
+
+TRIALS = 6
+VARY = ["wind.gust_m_s[0]=uniform(0, 2)", "mpc.horizon=choice(10, 15)"]
+CHANGES = ["settle_s=0.02", "duration=0.08", "sensors.position_noise_m=0.001"]
+OPTIONS = [
+    *("hover", "--trials", str(TRIALS)),
+    *(word for text in VARY for word in ("--vary", text)),
+    *(word for text in CHANGES for word in ("--set", text)),
+]
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    scenario = load_scenario("hover", [("--set", change) for change in CHANGES])
+    return Plan.make(scenario, VARY, TRIALS)
+
+
+@pytest.fixture(scope="module")
+def flown(plan) -> dict[int, str]:
+    """The rows, by trial, of flights one by one in this process."""
+    return {i: json.dumps(fly_trial(plan.trial(i))[0]) for i in range(TRIALS)}
+
+
+@pytest.fixture
+def _here(monkeypatch):
+    """Flights in this process, where what they are flown by is of no matter."""
+    monkeypatch.setattr(module, "apart", lambda function, *arguments: function(*arguments))
+
+
+def rows(folder: Path) -> dict[int, str]:
+    lines = (folder / ROWS).read_text().splitlines()
+    found = {json.loads(line)["trial"]: line for line in lines}
+    assert len(found) == len(lines)
+    return found
+
+
+def children(pid: int) -> list[int]:
+    """The processes that fly for another."""
+    found = []
+    for place in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = int((place / "stat").read_text().rpartition(")")[2].split()[1])
+            if parent == pid and b"aerodrake.sweeps.child" in (place / "cmdline").read_bytes():
+                found.append(int(place.name))
+        except OSError:
+            continue
+    return found
+
+
+def wait_until(condition) -> None:
+    deadline = time.monotonic() + 120
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def is_alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def fly(plan: Plan, folder: Path, executor: Executor, progress=lambda row: None) -> None:
+    with sweep_folder(folder, plan, resumes=False) as opened:
+        sweep(opened, executor, progress)
+
+
+def call(folder: Path, *more: str) -> subprocess.Popen:
+    argv = [sys.executable, "-m", "aerodrake", "sweep", *OPTIONS, "--out", str(folder), *more]
+    return subprocess.Popen(argv, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+# Whoever flies them.
+
+
+def test_rows_of_two_processes_are_those_of_flights_one_by_one(flown, tmp_path, capsys):
+    out = tmp_path / "sweep"
+    assert main(["sweep", *OPTIONS, "--jobs", "2", "--out", str(out), "--quiet"]) == 0
+    assert rows(out) == flown and capsys.readouterr().out == ""
+    timings = [json.loads(line) for line in (out / TIMINGS).read_text().splitlines()]
+    assert sorted(timing["trial"] for timing in timings) == [*range(TRIALS)]
+    assert len({timing["process"] for timing in timings}) == 2
+    assert children(os.getpid()) == []
+
+
+@pytest.mark.usefixtures("_here")
+def test_so_many_are_in_flight_and_no_more(plan, tmp_path, monkeypatch):
+    class Slow(ThreadPoolExecutor):
+        waiting = most = 0
+
+        def submit(self, function, *arguments):
+            self.waiting += 1
+            self.most = max(self.most, self.waiting)
+            return super().submit(function, answer, arguments[-1])
+
+    executor = Slow(1)
+
+    def progress(_):
+        executor.waiting -= 1
+
+    monkeypatch.setattr(module, "MOST_IN_FLIGHT", 3)
+    with executor:
+        fly(plan, tmp_path / "sweep", executor, progress)
+    assert executor.most == 3 and len(rows(tmp_path / "sweep")) == TRIALS
+
+
+def answer(trial):
+    return {**trial.head(), "exit_reason": "completed"}, {"trial": trial.index}
+
+
+# Whoever is killed.
+
+
+def test_a_trial_whose_process_is_killed_is_flown_again(plan, flown, tmp_path):
+    killed = []
+
+    def progress(_):
+        if not killed:
+            killed.extend(children(os.getpid()))
+            os.kill(killed[0], signal.SIGKILL)
+
+    with processes(1) as executor:
+        fly(plan, tmp_path / "sweep", executor, progress)
+    timings = (tmp_path / "sweep" / TIMINGS).read_text().splitlines()
+    assert len({json.loads(line)["process"] for line in timings}) == 2 and len(killed) == 1
+    assert rows(tmp_path / "sweep") == flown
+
+
+def die(trial):
+    if trial.index == 1:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return answer(trial)
+
+
+def test_a_trial_that_kills_its_process_is_a_row_in_the_end(plan, tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "fly_trial", die)
+    monkeypatch.setattr(module, "MOST_DEATHS", 2)
+    with processes(1) as executor:
+        fly(plan, tmp_path / "sweep", executor)
+    found = {row["trial"]: row for row in read_rows(tmp_path / "sweep")}
+    assert len(found) == TRIALS
+    failed = found.pop(1)
+    assert failed == {
+        **plan.trial(1).head(),
+        "exit_reason": "failed",
+        "exit_cause": "ProcessDied: its process died of SIGKILL",
+    }
+    assert {row["exit_reason"] for row in found.values()} == {"completed"}
+
+
+def test_an_engine_that_gives_up_is_told(plan, tmp_path):
+    class Gone(Executor):
+        def submit(self, *_):
+            future = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+    with pytest.raises(ProcessDied, match="what runs the trials has given up"):
+        fly(plan, tmp_path / "sweep", Gone())
+    assert rows(tmp_path / "sweep") == {}
+
+
+def test_killed_at_any_time_it_goes_on_with_what_is_missing(flown, tmp_path, long):
+    out = tmp_path / "sweep"
+    process = call(out, "--jobs", "1")
+    for enough in (0, 1, 1, 2, 4, 5) if long else (2,):
+        wait_until(lambda enough=enough: (out / ROWS).exists() and len(rows_now(out)) >= enough)
+        helpers = children(process.pid)
+        process.kill()
+        process.communicate()
+        wait_until(lambda helpers=helpers: not any(is_alive(pid) for pid in helpers))
+        assert not (out / SUMMARY).exists()
+        process = call(out, "--jobs", "1", "--resume")
+    said, error = process.communicate(timeout=120)
+    assert process.returncode == 0 and "Traceback" not in error
+    assert rows(out) == flown and f"{TRIALS} trials, {TRIALS} completed" in said
+    assert json.loads((out / SUMMARY).read_text())["endings"] == {"completed": TRIALS}
+
+
+def rows_now(folder: Path) -> list[bytes]:
+    """Whole ones, of a sweep that goes on."""
+    return (folder / ROWS).read_bytes().splitlines()
+
+
+def test_interrupted_it_ends_at_once_and_says_how_to_go_on(tmp_path):
+    out = tmp_path / "my sweep"
+    code = "import signal, sys\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+    code += "from aerodrake.cli import main\nsys.exit(main(sys.argv[1:]))"
+    argv = ["sweep", "hover", "--trials", "2", "--vary", "duration=choice(3000, 3001)", "--quiet"]
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, *argv, "--jobs", "1", "--out", str(out)],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    wait_until(lambda: children(process.pid))
+    helpers = children(process.pid)
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=30)
+    assert process.returncode == 130
+    first, last = error.splitlines()
+    assert last == "aerodrake: interrupted"
+    head, _, command = first.partition("; to go on: ")
+    assert head == f"aerodrake: 0 of 2 trials are in {out}"
+    words = shlex.split(command)
+    assert words[:3] == ["aerodrake", "sweep", "hover"] and words[-3:] == [
+        "--resume", "--out", str(out)
+    ]  # fmt: skip
+    assert words[words.index("--vary") + 1] == "duration=choice(3000, 3001)"
+    wait_until(lambda: not any(is_alive(pid) for pid in helpers))
+    assert not (out / SUMMARY).exists()
+
+
+@pytest.mark.usefixtures("_here")
+def test_finished_it_can_be_resumed_for_more(flown, tmp_path):
+    out, quiet = str(tmp_path / "sweep"), ["--quiet", "--jobs", "1"]
+    fewer = ["2" if word == str(TRIALS) else word for word in OPTIONS]
+    assert main(["sweep", *fewer, "--out", out, *quiet]) == 0
+    assert main(["sweep", *OPTIONS, "--out", out, "--resume", *quiet]) == 0
+    assert rows(tmp_path / "sweep") == flown

@@ -1,0 +1,126 @@
+"""What a station does with what it is told, and with what it is not."""
+
+import numpy as np
+import pytest
+from pydrake.lcm import DrakeLcm
+from pydrake.systems.analysis import Simulator
+
+from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.wire.link import Link
+from aerodrake.wire.message import Layout, Phase
+from aerodrake.wire.receiver import WireReceiver
+
+PERIOD, POLL = 0.02, 0.001
+AXES = 2
+SIZES = {"segment": 3 * AXES + 1, "plan": 3 * AXES, "status": 3, "delta": 2, "tick_ms": 1}
+
+
+class Bench:
+    """A receiver with a coordinator that is a script."""
+
+    def __init__(self):
+        lcm, layouts = DrakeLcm("memq://"), (Layout({}, {"state": 1}), Layout({}, SIZES))
+        self.told_by = Link(lcm, *layouts, is_station=False)
+        self.told_by.phase = Phase.FLYING
+        link = Link(lcm, *layouts, is_station=True)
+        self.told_by.station = link.station
+        self.receiver = WireReceiver(link, PERIOD, POLL, 3 * POLL / 8)
+        self.simulator = Simulator(self.receiver)
+
+    def tell(self, time, value, **others):
+        """u is `value` at the tick, 10 and 20 more at the next ones."""
+        segment = np.concatenate([np.full(2 * AXES, 99.0), np.full(AXES, value), [time]])
+        plan = np.repeat([-1.0, value + 10, value + 20], AXES)
+        parts = {
+            "segment": segment,
+            "plan": plan,
+            "status": np.array([1.0, 7.0, 2.0]),
+            "delta": np.array([value, -value]),
+            "tick_ms": np.array([0.1 * value]),
+        }
+        self.told_by.tell(time, parts | others)
+
+    def at(self, time, port="u"):
+        self.simulator.AdvanceTo(time)
+        return self.receiver.GetOutputPort(port).Eval(self.simulator.get_context()).tolist()
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+def test_before_anything_is_told(bench):
+    assert bench.at(0.005) == [0, 0]
+    assert bench.at(0.045, "status") == [QpStatus.MISSED, 0, 3]
+
+
+def test_the_plan_is_followed_until_the_next_answer(bench):
+    bench.tell(0.0, 1.0)
+    assert bench.at(0.003) == [1, 1]
+    assert bench.at(0.019) == [1, 1]
+    assert bench.at(0.021) == [11, 11]
+    bench.tell(0.02, 2.0)
+    assert bench.at(0.0225) == [2, 2]
+    assert bench.at(0.0225, "delta") == [2, -2]
+    assert bench.receiver.tick_ms == pytest.approx([0.1, 0.2])
+
+
+def test_the_plan_ends_in_rest(bench):
+    bench.tell(0.0, 1.0)
+    assert [bench.at(t)[0] for t in (0.01, 0.03, 0.05, 0.07, 0.5)] == [1, 11, 21, 0, 0]
+
+
+def test_ticks_without_an_answer_are_missed_ones(bench):
+    bench.tell(0.0, 1.0)
+    assert bench.at(0.01, "status") == [1, 7, 2]
+    assert bench.at(0.03, "status") == [QpStatus.MISSED, 0, 3]
+    assert bench.at(0.05, "status") == [QpStatus.MISSED, 0, 4]
+    bench.tell(0.04, 1.0)
+    assert bench.at(0.055, "status") == [1, 7, 2]
+    assert len(bench.receiver.tick_ms) == 2
+
+
+@pytest.mark.parametrize("time", [0.0, 0.02, 0.06, -0.04, 1e6])
+def test_answers_to_other_ticks_are_not_followed(bench, time):
+    bench.at(0.045)
+    bench.tell(time, 5.0)
+    assert bench.at(0.055) == [0, 0] and not bench.receiver.tick_ms
+
+
+def test_the_first_answer_counts(bench):
+    bench.tell(0.0, 1.0)
+    bench.tell(0.0, 2.0)
+    assert bench.at(0.01) == [1, 1] and len(bench.receiver.tick_ms) == 1
+
+
+@pytest.mark.parametrize("part", ["segment", "plan"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_no_number_is_not_followed(bench, part, value):
+    bench.tell(0.0, 1.0, **{part: np.full(SIZES[part], value)})
+    assert bench.at(0.01) == [0, 0]
+    bench.tell(0.0, 3.0)
+    assert bench.at(0.012) == [3, 3]
+
+
+def test_what_is_logged_may_be_none(bench):
+    bench.tell(0.0, 1.0, delta=np.full(2, np.nan))
+    assert bench.at(0.01) == [1, 1] and np.isnan(bench.at(0.01, "delta")).all()
+
+
+def test_a_tick_that_the_coordinator_missed_itself_has_no_time(bench):
+    bench.tell(0.0, 1.0, tick_ms=np.array([np.nan]))
+    assert bench.at(0.01) == [1, 1] and bench.receiver.tick_ms == []
+
+
+@pytest.mark.parametrize("phase", [Phase.WAITING, Phase.OVER])
+def test_who_does_not_fly_is_not_followed(bench, phase):
+    bench.told_by.phase = phase
+    bench.tell(0.0, 1.0)
+    assert bench.at(0.01) == [0, 0]
+
+
+def test_what_is_told_to_another_station_is_not_followed(bench):
+    bench.told_by.station ^= 1
+    bench.tell(0.0, 1.0)
+    assert bench.at(0.01) == [0, 0]

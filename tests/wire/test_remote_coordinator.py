@@ -1,0 +1,197 @@
+"""A flight over a wire is the flight without one, as far as the wire lets it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from pydrake.lcm import DrakeLcm
+
+from aerodrake.coordinator import make_coordinator
+from aerodrake.flight.simulate import Flight
+from aerodrake.flight.summary import summarize
+from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.supervision.safe_mode import SafeMode
+from aerodrake.scenario.load import load_scenario
+from aerodrake.support.errors import BadInput
+from aerodrake.wire.companion import Companion
+from aerodrake.wire.link import COORDINATOR, STATION, Link
+from aerodrake.wire.message import Phase
+from aerodrake.wire.remote_coordinator import (
+    make_layouts,
+    make_remote_coordinator,
+    make_station_link,
+)
+from tests.lockstep import Lockstep, fly_over
+
+SHORT = [("--set", f"{key}={value}") for key, value in (("settle_s", 0.5), ("duration", 2.0))]
+
+
+@pytest.fixture(scope="module")
+def clover():
+    return load_scenario("clover", SHORT)
+
+
+@pytest.fixture(scope="module")
+def here(clover):
+    return Flight(clover).fly()
+
+
+def names(diagram, count, port):
+    return {getattr(diagram, port)(i).get_name() for i in range(getattr(diagram, count)())}
+
+
+def test_it_has_the_ports_of_the_coordinator(scenario):
+    own, remote = (
+        make_coordinator(scenario),
+        make_remote_coordinator(scenario, make_station_link(scenario, Lockstep())),
+    )
+    inputs, outputs = ("num_input_ports", "get_input_port"), ("num_output_ports", "get_output_port")
+    assert names(remote, *inputs) == names(own, *inputs) - {"followed"}
+    assert names(remote, *outputs) == names(own, *outputs) - {"plan"}
+    for name in names(remote, *outputs):
+        assert remote.GetOutputPort(name).size() == own.GetOutputPort(name).size(), name
+
+
+@pytest.mark.parametrize("name", ["clover", "clover_paper"])
+def test_without_latency_it_is_the_same_flight_bit_for_bit(name):
+    scenario = load_scenario(name, SHORT)
+    here, over = Flight(scenario).fly(), fly_over(Lockstep(), scenario)
+    assert over.exit_reason == here.exit_reason == "completed"
+    assert set(over.signals) == set(here.signals)
+    for key in set(here.signals) - {"tick_ms"}:
+        # Before the first tick nothing has been told yet.
+        np.testing.assert_array_equal(over[key][1:], here[key][1:], err_msg=key)
+    figures = summarize(scenario, here)["mpc"], summarize(scenario, over)["mpc"]
+    for key in ("ticks", "missed", "unconstrained", "solver_fallbacks"):
+        assert figures[0][key] == figures[1][key]
+
+
+def test_latency_costs_next_to_nothing():
+    """Without the plan in each message the 3 ms would cost half as much again."""
+    scenario = load_scenario("clover", [("--set", "settle_s=0.5"), ("--set", "duration=9")])
+    here, over = Flight(scenario).fly(), fly_over(Lockstep(late=3), scenario)
+    assert summarize(scenario, over)["mpc"]["missed"] == 0
+    started = here.time_s > 3
+    assert over.error_m[started].mean() < 1.2 * here.error_m[started].mean()
+
+
+def test_an_answer_within_its_period_is_in_time(clover):
+    assert summarize(clover, fly_over(Lockstep(late=17), clover))["mpc"]["missed"] == 0
+
+
+def test_an_answer_after_its_period_is_a_missed_tick(clover):
+    over = fly_over(Lockstep(late=21), clover)
+    figures = summarize(clover, over)
+    assert figures["mpc"]["ticks"] == 0
+    assert figures["mpc"]["missed"] == 125
+    assert (over.exit_reason, over.exit_cause.split()[0]) == ("hold", "plan_outage")
+
+
+def test_a_lost_message_hardly_matters(clover, here):
+    """Each fifth answer, and each seventh sample, some of them a tick's."""
+    lcm = Lockstep(2, lambda channel, i: i % {COORDINATOR: 5, STATION: 7}[channel] == 4)
+    over = fly_over(lcm, clover)
+    figures = summarize(clover, over)["mpc"]
+    assert over.exit_reason == "completed"
+    assert lcm.companion.service.missed == pytest.approx(125 / 7, abs=2)
+    assert figures["missed"] > 25 and figures["missed"] + figures["ticks"] == 125
+    assert over["qp_status"].tolist().count(QpStatus.MISSED) > 20
+    assert over.error_m.max() < 0.002
+    # Setpoints go on from where they are.
+    jumps = np.diff(over["p_Bd_m"], axis=0) - over["v_Bd_m_s"][:-1] * 0.01
+    assert np.abs(jumps).max() < 3 * 0.01**2
+
+
+def test_a_silent_coordinator_is_an_mpc_without_an_answer(clover):
+    """The plan goes on for `plan_ticks`, then setpoints come to rest; and on it goes."""
+    lcm = Lockstep(2, lambda channel, i: channel == COORDINATOR and 60 <= i < 80)
+    over = fly_over(lcm, clover)
+    mode, age = over["supervisor_mode"], over["plan_age_ticks"]
+    held = np.flatnonzero(mode == SafeMode.HOLD)
+    assert age[held[0] - 1] == pytest.approx(clover.supervisor.plan_ticks, abs=1)
+    assert age.max() == pytest.approx(20, abs=1)
+    rest = held[40]
+    assert np.abs(over["a_Bd_m_s2"][rest]).max() < 0.3
+    assert over.exit_reason == "completed" and mode[-1] == SafeMode.NOMINAL
+    assert over.error_m.max() < 0.1 and over.error_m[-1] < 0.005
+
+
+@pytest.mark.parametrize("late, each", [(12, 1000), (2, 20)], ids=["slow", "lossy"])
+def test_a_hold_ends_where_answers_take_their_time_or_are_lost_now_and_then(clover, late, each):
+    def is_lost(channel, i):
+        return channel == COORDINATOR and (40 <= i < 50 or i > 50 and i % each == 0)
+
+    over = fly_over(Lockstep(late, is_lost), clover)
+    assert over.exit_reason == "completed"
+    assert np.count_nonzero(over["supervisor_mode"] == SafeMode.HOLD) < 80
+
+
+def test_a_dead_coordinator_is_a_landing(clover):
+    scenario = load_scenario("clover", [*SHORT, ("--set", "supervisor.plan_lost_s=0.3")])
+    over = fly_over(Lockstep(2, lambda channel, i: channel == COORDINATOR and i > 60), scenario)
+    assert (over.exit_reason, over.exit_cause.split()[0]) == ("descend", "plan_lost")
+    triggers = [
+        e["cause"] for e in summarize(scenario, over)["events"] if e["event"] == "triggered"
+    ]
+    assert triggers[:2] == ["plan_outage", "plan_lost"]
+    assert over["v_Bd_m_s"][-1, 2] == pytest.approx(-scenario.supervisor.descend_m_s, rel=0.05)
+
+
+def test_a_second_station_changes_nothing(clover, here):
+    """Once the first one is served: it waits, flies and ends, by messages among those of that."""
+    lcm = Lockstep()
+    second = make_station_link(clover, lcm)
+
+    def is_lost(channel, i):
+        is_served = lcm.companion and lcm.companion.link.station
+        if is_served and channel == STATION and i % 2:
+            second.phase = Phase(i // 2 % 3)
+            second.tell(i / 200, {})
+        return False
+
+    lcm.is_lost = is_lost
+    over = fly_over(lcm, clover)
+    assert over.exit_reason == "completed"
+    for key in set(here.signals) - {"tick_ms"}:
+        np.testing.assert_array_equal(over[key][1:], here[key][1:], err_msg=key)
+    assert lcm.companion.link.refused > 200
+    assert second.hear() == [] and second.refused
+
+
+def test_a_coordinator_that_is_started_again_takes_the_flight_over(clover):
+    lcm = Lockstep(2)
+
+    def is_lost(channel, i):
+        if channel == STATION and i == 140:
+            lcm.companion = Companion(clover, lcm)
+        return channel == COORDINATOR and i > 60 and lcm.companion is first
+
+    lcm.is_lost = is_lost
+    flight = Flight(clover, link=make_station_link(clover, lcm))
+    first = lcm.companion = Companion(clover, lcm)
+    over = flight.fly()
+    assert SafeMode.HOLD in over["supervisor_mode"]
+    assert over.exit_reason == "completed"
+    assert over.error_m.max() < 0.1 and over.error_m[-1] < 0.005
+    assert lcm.companion.service.flown_s == pytest.approx(2.49)
+
+
+def test_a_tick_that_the_mpc_misses_is_missed_over_the_wire_too():
+    faults = "[{kind: mpc_missed, start_s: 0.5, duration_s: 0.055}]"
+    scenario = load_scenario("clover", [*SHORT, ("--set", f"faults={faults}")])
+    figures = [
+        summarize(scenario, log)["mpc"]
+        for log in (Flight(scenario).fly(), fly_over(Lockstep(3), scenario))
+    ]
+    assert [f["missed"] for f in figures] == [3, 3]
+
+
+def test_a_refusal_counts_as_soon_as_it_is_heard(scenario):
+    """Systems that are tried out before the flight speak over the wire already."""
+    lcm, other = DrakeLcm("memq://"), dataclasses.replace(scenario, settle_s=9.0)
+    link = make_station_link(scenario, lcm)
+    coordinator = Link(lcm, *make_layouts(make_coordinator(other), other), False)
+    coordinator.station, coordinator.phase = link.station, Phase.OVER
+    coordinator.tell(0.0, {})
+    with pytest.raises(BadInput, match=r"expected a coordinator .* that differs in settle_s$"):
+        Flight(scenario, link=link)

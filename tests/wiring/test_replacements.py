@@ -1,0 +1,221 @@
+"""Systems of a person's own fly in the place of ours."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, LeafSystem
+
+from aerodrake.flight.simulate import Flight
+from aerodrake.gallery.graph import systems_by_name
+from aerodrake.model.mpc.weight_allocation import Mode
+from aerodrake.scenario import Residual, Scenario
+from aerodrake.scenario.faults import LearnerPoisoned, RotorDegraded
+from aerodrake.scenario.references import Clover
+from aerodrake.scenario.world import Wind
+from aerodrake.station import make_closed_loop, make_coordinator, make_station
+from aerodrake.support.errors import BadInput
+from aerodrake.wiring.replacements import FIXED, Replacements
+
+SHORT = Scenario(duration=0.3, settle_s=0.1, reference=Clover(start_s=0.2))
+BREEZE = Wind(velocity_m_s=(1.0, 0.0, 0.0), gust_m_s=(0.5, 0.5, 0.5))
+NAMES = sorted(systems_by_name(make_closed_loop(SHORT)).keys() - FIXED - {"closed_loop"})
+
+
+class Fixed(LeafSystem):
+    """An allocator that never changes its mind."""
+
+    def __init__(self, **sizes: int):
+        super().__init__()
+        for name, size in ({"d_g": 1, "distances": 2} | sizes).items():
+            self.DeclareVectorInputPort(name, size)
+        self.DeclareVectorOutputPort("weights", 5, self._calc, {self.nothing_ticket()})
+
+    def _calc(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector([0.5, Mode.HOVER, 600.0, 20.0, 1.0])
+
+
+def flown(scenario: Scenario, **by_name):
+    return Flight(scenario, Replacements(by_name)).fly()
+
+
+@pytest.fixture(scope="module")
+def ours():
+    return flown(SHORT)
+
+
+def test_a_system_in_the_place_of_ours_is_the_one_that_flies(ours):
+    log = flown(SHORT, weight_allocator=lambda ours: Fixed())
+    assert log.exit_reason == "completed"
+    ticked = slice(3, None)  # What the port shows at first is from before the first tick.
+    np.testing.assert_array_equal(log["gamma"][ticked], 0.5)
+    np.testing.assert_array_equal(log["w_m"][ticked], 20.0)
+    assert not np.array_equal(log["q_rad"], ours["q_rad"])
+
+
+class Gale(LeafSystem):
+    """Air that moves where the scenario's does not."""
+
+    def __init__(self):
+        super().__init__()
+        self.DeclareVectorInputPort("u0", 3)
+        self.DeclareVectorOutputPort("y0", 3, self._calc, {self.nothing_ticket()})
+
+    def _calc(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector([2.0, 0.0, 0.0])
+
+
+def test_another_air_blows_in_a_calm(ours):
+    """0.25 |v| v + 0.15 v, less what the base is blown along with it."""
+    log = flown(SHORT, air=lambda ours: Gale())
+    np.testing.assert_allclose(log["wind_force_n"][-1], [1.3, 0, 0], atol=0.1)
+    np.testing.assert_array_equal(ours["wind_force_n"], 0.0)
+
+
+def test_a_system_flies_in_one_diagram():
+    fixed = Fixed()
+    mine = Replacements({"weight_allocator": lambda ours: fixed})
+    make_closed_loop(SHORT, mine)
+    with pytest.raises(BadInput, match="weight_allocator: expected a new system, got one of a"):
+        make_closed_loop(SHORT, mine)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_system_can_be_taken_the_place_of(name):
+    """Also whole diagrams: whoever is given ours may return it."""
+    given = []
+
+    def same(system):
+        given.append(system.get_name())
+        return system
+
+    replacements = Replacements({name: same})
+    diagram = make_closed_loop(SHORT, replacements)
+    assert len(given) == 1 and given[0] in (name, "")
+    assert name in systems_by_name(diagram)
+
+
+def test_ours_in_their_own_places_fly_as_ever(ours):
+    log = flown(SHORT, **{name: lambda system: system for name in NAMES})
+    for key in set(log.signals) - {"tick_ms"}:
+        np.testing.assert_array_equal(log[key], ours[key])
+
+
+def test_a_side_takes_its_own():
+    replacements = Replacements({"weight_allocator": lambda ours: Fixed()})
+    coordinator = make_coordinator(SHORT, replacements)
+    assert isinstance(coordinator.GetSubsystemByName("weight_allocator"), Fixed)
+    station = make_station(SHORT, Replacements({"sampler": wrapped}))
+    assert "its_inside" in systems_by_name(station)
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (make_station, "weight_allocator"),
+        (make_station, "wieght_allocator"),
+        (make_coordinator, "sampler"),
+        (make_closed_loop, "wieght_allocator"),
+        *((make, name) for make in (make_station, make_closed_loop) for name in sorted(FIXED)),
+    ],
+)
+def test_a_name_that_is_not_there_to_be_replaced_is_refused(make, name):
+    with pytest.raises(BadInput, match=f"^replacements: {name}: no such system that can") as said:
+        make(SHORT, Replacements({name: wrapped}))
+    valid = str(said.value).partition("valid: ")[2].rstrip(")").split(", ")
+    inside = systems_by_name(make(SHORT)).keys() - FIXED - {"station", "coordinator", "closed_loop"}
+    assert set(valid) - {"station", "coordinator"} == inside
+
+
+def test_a_controller_that_keeps_no_time(ours):
+    """A LeafSystem with the ports of the MPC, and nothing else."""
+
+    class Still(LeafSystem):
+        def __init__(self, other):
+            super().__init__()
+            for i in range(other.num_input_ports()):
+                port = other.get_input_port(i)
+                if port.size():
+                    self.DeclareVectorInputPort(port.get_name(), port.size())
+                else:
+                    self.DeclareAbstractInputPort(
+                        port.get_name(), other.AllocateInputAbstract(port)
+                    )
+            for i in range(other.num_output_ports()):
+                port = other.get_output_port(i)
+                zeros = np.zeros(port.size())
+                self.DeclareVectorOutputPort(
+                    port.get_name(),
+                    port.size(),
+                    lambda context, output, zeros=zeros: output.SetFromVector(zeros),
+                    {self.nothing_ticket()},
+                )
+
+    log = flown(SHORT, mpc=Still)
+    assert log.exit_reason == "completed" and len(log["tick_ms"]) == 0
+    np.testing.assert_array_equal(log["a_Bd_m_s2"], 0.0)
+    np.testing.assert_allclose(
+        log["p_B_m"], np.tile(ours["p_B_m"][0], (len(log["p_B_m"]), 1)), atol=1e-3
+    )
+
+
+def wrapped(ours):
+    """Ours in a diagram of its own."""
+    builder = DiagramBuilder()
+    inner = builder.AddNamedSystem(f"{ours.get_name() or 'its'}_inside", ours)
+    for i in range(inner.num_input_ports()):
+        port = inner.get_input_port(i)
+        builder.ExportInput(port, port.get_name())
+    for i in range(inner.num_output_ports()):
+        port = inner.get_output_port(i)
+        builder.ExportOutput(port, port.get_name())
+    return builder.Build()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("station", "coordinator", "sensors", "mpc", "rotors", "propellers", "air"),
+        *("rotor_faults", "learner_fault"),
+    ],
+)
+def test_a_diagram_around_ours_flies_as_ours(name):
+    faults = (RotorDegraded(start_s=0.1), LearnerPoisoned(start_s=0.1))
+    scenario = replace(SHORT, faults=faults, residual=Residual(mode="online"), wind=BREEZE)
+    log, ours = flown(scenario, **{name: wrapped}), flown(scenario)
+    for key in set(log.signals) - {"tick_ms"}:
+        np.testing.assert_array_equal(log[key], ours[key])
+
+
+@pytest.mark.parametrize(
+    ("by_name", "message"),
+    [
+        (
+            {"mpc": lambda ours: None},
+            "replacements: mpc: expected a system, got NoneType",
+        ),
+        (
+            {"mpc": Fixed()},
+            "replacements: mpc: expected a function that is given ours .*, got Fixed",
+        ),
+        (
+            {"wieght_allocator": lambda ours: Fixed()},
+            "replacements: wieght_allocator: no such .*; did you mean 'weight_allocator'?",
+        ),
+        (
+            {"weight_allocator": lambda ours: Fixed(distances=3)},
+            "weight_allocator: expected an input port 'distances' of size 2, got size 3",
+        ),
+        (
+            {"weight_allocator": lambda ours: Fixed(wind=3)},
+            "weight_allocator: nothing is there for its input port 'wind'",
+        ),
+        (
+            {"kinematics": lambda ours: Fixed()},
+            "kinematics: expected an input port 'state' of size 25, got d_g, distances",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(by_name, message):
+    with pytest.raises(BadInput, match=message.replace("?", r"\?")):
+        make_closed_loop(SHORT, Replacements(by_name))

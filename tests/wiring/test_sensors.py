@@ -1,0 +1,142 @@
+"""The sensors' diagram: which instant of the true state a sample is about, late or not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource, DiscreteTimeIntegrator, RandomSource
+
+from aerodrake.flight.simulate import Flight
+from aerodrake.scenario import Filter, Rates, Scenario
+from aerodrake.scenario.faults import Push, SampleJump, SampleNan
+from aerodrake.scenario.world import Payload, Sensors
+from aerodrake.station import make_context
+from aerodrake.wiring.sensors import make_sensors
+
+JOINTS = 6
+STEP, PERIOD = 0.001, 0.010
+SLOPE = np.linspace(1.0, 2.0, 13 + 2 * JOINTS)
+BASE = np.repeat([True, False, True, False], [7, JOINTS, 6, JOINTS])
+
+
+def make_moving(config: Sensors, trim: np.ndarray, rates: Rates) -> Diagram:
+    """Sensors that look at what starts in trim and changes by SLOPE in each step of the plant."""
+    builder = DiagramBuilder()
+    slope = builder.AddSystem(ConstantVectorSource(SLOPE / rates.plant_step_s))
+    mover = builder.AddNamedSystem("mover", DiscreteTimeIntegrator(len(SLOPE), rates.plant_step_s))
+    sensors = builder.AddSystem(make_sensors(config, Filter(), rates, trim, np.zeros(6)))
+    builder.Connect(slope.get_output_port(), mover.get_input_port())
+    builder.Connect(mover.get_output_port(), sensors.GetInputPort("true_state"))
+    for port, size in (("acceleration", 6), ("reaction", 3), ("joint_setpoint", 3 * JOINTS)):
+        none = builder.AddNamedSystem(port, ConstantVectorSource(np.zeros(size)))
+        builder.Connect(none.get_output_port(), sensors.GetInputPort(port))
+    builder.ExportOutput(sensors.GetOutputPort("sample"), "sample")
+    return builder.Build()
+
+
+def sampled(config: Sensors, trim: np.ndarray, rates: Rates, instants: int) -> np.ndarray:
+    """(instants, 13 + 2 n) the samples at the multiples of the period, from 0 on.
+
+    `mover` starts at `trim` too.
+    """
+    diagram = make_moving(config, trim, rates)
+    context = diagram.CreateDefaultContext()
+    mover = diagram.GetSubsystemByName("mover")
+    mover.set_integral_value(mover.GetMyMutableContextFromRoot(context), trim)
+    simulator = Simulator(diagram, context)
+    states = []
+    for k in range(instants):
+        simulator.AdvanceTo(k * rates.sensor_period_s)
+        states.append(diagram.get_output_port().Eval(context).copy())
+    return np.array(states)
+
+
+@settings(max_examples=25)
+@given(
+    delay=st.integers(0, 35),
+    ticks=st.integers(1, 12),
+    step=st.sampled_from([0.0005, 0.001, 0.002]),
+)
+def test_a_sample_is_the_base_a_delay_ago_and_the_arm_of_its_instant(vehicle, delay, ticks, step):
+    """For whole steps of any plant. Before time 0 all was in trim."""
+    rates = Rates(plant_step_s=step, sensor_period_s=ticks * step)
+    trim = vehicle.trim_state
+    states = sampled(Sensors(base_delay_s=delay * step), trim, rates, 12)
+    steps = ticks * np.arange(12)[:, np.newaxis]
+    expected = trim + np.where(BASE, np.maximum(steps - delay, 0), steps) * SLOPE
+    np.testing.assert_allclose(states, expected, rtol=1e-12, atol=1e-12)
+
+
+def test_trim_comes_out_of_a_delay_to_the_last_bit(vehicle):
+    rates = Rates()
+    diagram = make_moving(Sensors(base_delay_s=0.2), vehicle.trim_state, rates)
+    context = diagram.CreateDefaultContext()
+    simulator = Simulator(diagram, context)
+    for time in (0.0, 0.05, 0.19):
+        simulator.AdvanceTo(time)
+        state = diagram.get_output_port().Eval(context)
+        np.testing.assert_array_equal(state[BASE], vehicle.trim_state[BASE])
+
+
+def test_without_delay_there_is_nothing_to_delay(vehicle):
+    sensors = make_sensors(Sensors(), Filter(), Rates(), vehicle.trim_state, np.zeros(6))
+    assert {s.get_name() for s in sensors.GetSystems()} == {
+        "sensor_noise",
+        "sampler",
+        "state_filter",
+    }
+    assert not sensors.HasAnyDirectFeedthrough()
+
+
+def test_faults_of_samples_strike_in_their_order_and_others_not_at_all(vehicle):
+    faults = [SampleNan(group="joints"), Push(), SampleJump(group="position")]
+    sensors = make_sensors(
+        Sensors(), Filter(), Rates(), vehicle.trim_state, np.zeros(6), faults, 3.0
+    )
+    assert [s.get_name() for s in sensors.GetSystems() if "fault" in type(s).__name__.lower()] == [
+        "sample_nan_0",
+        "sample_jump_2",
+    ]
+
+
+def test_noise_is_the_same_at_any_delay(vehicle):
+    draws = []
+    for delay in (0.0, 0.01):
+        sensors = make_sensors(
+            Sensors(base_delay_s=delay), Filter(), Rates(), vehicle.trim_state, np.zeros(6)
+        )
+        noise = sensors.GetSubsystemByName("sensor_noise")
+        assert isinstance(noise, RandomSource)
+        context = noise.GetMyContextFromRoot(make_context(sensors, 3))
+        draws.append(noise.get_output_port().Eval(context))
+    np.testing.assert_array_equal(*draws)
+
+
+@pytest.fixture(scope="module")
+def dropped():
+    """A load from the first moment on, which base and arm give way to, measured 20 ms late."""
+    scenario = Scenario(duration=0.5, settle_s=0.0, payload=Payload(mass_kg=0.5))
+    return Flight(replace(scenario, sensors=Sensors(base_delay_s=0.02))).fly()
+
+
+@pytest.mark.parametrize(
+    ("key", "late"),
+    [
+        ("quaternion", 2),
+        ("p_B_m", 2),
+        ("omega_W_rad_s", 2),
+        ("v_B_m_s", 2),
+        ("q_rad", 0),
+        ("qdot_rad_s", 0),
+    ],
+)
+def test_a_station_measures_its_base_late(dropped, key, late):
+    """Logged every 10 ms."""
+    true, measured = dropped[key], dropped[f"measured_{key}"]
+    assert len(np.unique(true, axis=0)) == len(true)
+    np.testing.assert_array_equal(measured[: late + 1], true[[0] * (late + 1)])
+    np.testing.assert_allclose(measured[late:], true[: len(true) - late], rtol=0, atol=1e-15)

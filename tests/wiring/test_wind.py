@@ -1,0 +1,115 @@
+"""The moving air without a plant: its gusts against theory, and by the seed."""
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput
+
+from aerodrake.scenario.world import Wind
+from aerodrake.station import make_context
+from aerodrake.wiring.wind import make_wind
+
+JOINTS, PERIOD = 6, 0.01
+MEAN, SIGMA, T = np.array([2.0, 0.0, -1.0]), np.array([1.0, 0.5, 0.0]), 0.1
+
+
+class Air:
+    """Air past a base at rest, whose force in N is its velocity in m/s."""
+
+    def __init__(self, vehicle):
+        config = Wind(
+            velocity_m_s=tuple(MEAN),
+            gust_m_s=tuple(SIGMA),
+            gust_correlation_s=T,
+            quadratic_drag_n_s2_m2=0.0,
+            linear_drag_n_s_m=1.0,
+        )
+        builder = DiagramBuilder()
+        self.wind = builder.AddSystem(make_wind(config, JOINTS, PERIOD))
+        base = builder.AddSystem(ConstantVectorSource(vehicle.trim_state))
+        builder.Connect(base.get_output_port(), self.wind.get_input_port())
+        self._log = LogVectorOutput(self.wind.GetOutputPort("wind_force"), builder, PERIOD)
+        self.diagram = builder.Build()
+
+    def samples(self, context) -> np.ndarray:
+        """(samples, 3) m/s, all that were logged. The first force is from the event at time 0."""
+        return self._log.FindLog(context).data().T[1:]
+
+    def blow(self, duration: float, seed: int = 0) -> np.ndarray:
+        context = make_context(self.diagram, seed)
+        Simulator(self.diagram, context).AdvanceTo(duration)
+        return self.samples(context)
+
+    def first(self, seed: int) -> np.ndarray:
+        """(3,) m/s at time 0."""
+        context = make_context(self.diagram, seed)
+        air = self.wind.GetSubsystemByName("air")
+        return air.get_output_port().Eval(air.GetMyContextFromRoot(context))
+
+
+@pytest.fixture(scope="module")
+def air(vehicle):
+    return Air(vehicle)
+
+
+@pytest.fixture(scope="module")
+def gusts(air):
+    """(samples, 2) over 3000 correlation times: the axes with gusts, in units of their sigma."""
+    velocity = air.blow(3000 * T)
+    np.testing.assert_array_equal(velocity[:, 2], MEAN[2])  # No gust where none is asked for.
+    return (velocity[:, :2] - MEAN[:2]) / SIGMA[:2]
+
+
+def test_mean_and_deviation(gusts):
+    """To four standard errors of 3000 correlation times: sqrt(2 / 3000) and sqrt(1 / 3000)."""
+    np.testing.assert_allclose(gusts.mean(axis=0), 0, atol=0.10)
+    np.testing.assert_allclose((gusts**2).mean(axis=0), 1, atol=0.08)
+
+
+@pytest.mark.parametrize("lag", [1, 5, 10, 20, 60])
+def test_correlation_decays_exponentially(gusts, lag):
+    correlation = (gusts[lag:] * gusts[:-lag]).mean(axis=0) / (gusts**2).mean(axis=0)
+    np.testing.assert_allclose(correlation, np.exp(-lag * PERIOD / T), atol=0.08)
+
+
+def test_its_steps_are_white_and_each_axis_has_its_own(gusts):
+    a = np.exp(-PERIOD / T)
+    steps = (gusts[1:] - a * gusts[:-1]) / np.sqrt(1 - a * a)
+    both = np.hstack([steps[1:], steps[:-1]])
+    np.testing.assert_allclose(np.cov(both.T), np.eye(4), atol=0.04)
+
+
+def test_it_has_always_been_blowing(air):
+    """At time 0 gusts are what they are later, over many seeds."""
+    first = np.array([air.first(seed) for seed in range(1000)])
+    assert first.mean(axis=0) == pytest.approx(MEAN, abs=0.13)
+    assert first.std(axis=0) == pytest.approx(SIGMA, abs=0.09)
+
+
+def test_gusts_follow_from_the_seed_alone(air, vehicle):
+    first = air.blow(1.0, seed=3)
+    np.testing.assert_array_equal(first, air.blow(1.0, seed=3))
+    np.testing.assert_array_equal(first, Air(vehicle).blow(1.0, seed=3))
+    other = air.blow(1.0, seed=4)
+    assert np.all(first[:, :2] != other[:, :2])
+
+
+def test_a_clone_blows_on_as_the_original(air):
+    context = make_context(air.diagram, 5)
+    Simulator(air.diagram, context).AdvanceTo(0.505)
+    clone = context.Clone()
+    for each in (context, clone):
+        Simulator(air.diagram, each).AdvanceTo(1.0)
+        np.testing.assert_array_equal(air.samples(each), air.blow(1.0, seed=5))
+
+
+def test_at_rest_it_exerts_nothing_on_a_base_that_flies(vehicle):
+    wind = make_wind(Wind(), JOINTS, PERIOD)
+    context = make_context(wind, 0)
+    state = vehicle.trim_state
+    state[16:19] = 3.0, 2.0, 1.0
+    wind.get_input_port().FixValue(context, state)
+    Simulator(wind, context).AdvanceTo(1.0)
+    np.testing.assert_array_equal(wind.GetOutputPort("wind_force").Eval(context), 0)
+    np.testing.assert_array_equal(wind.GetOutputPort("generalized_force").Eval(context), 0)
