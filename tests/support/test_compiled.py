@@ -63,7 +63,7 @@ def test_a_change_of_what_is_called_or_of_a_number_is_noticed(sources):
     assert run(sources) == 120
     old = (sources / "inner" / "number.py").stat().st_mtime
     (sources / "inner" / "number.py").write_text(NUMBER.format(200))
-    os.utime(sources / "number.py", (old, old))  # As restored files have it.
+    os.utime(sources / "inner" / "number.py", (old, old))  # As restored files have it.
     assert run(sources) == 220
     assert len(machine_code(sources)) == len(before)
 
