@@ -3,7 +3,7 @@
 From measurement and reference to setpoints of base and arm: guidance, kinematics,
 pointing (if asked for), weight allocator, residual estimator, MPC (or CLIK) and
 setpoint integrator; and the supervisor, which says in which mode it works. Rates
-stand in `aerodrake.station`, which it meets in `SEAM`.
+stand in `aerodrake.station`, which it meets in `STATION_INTERFACE`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMotion
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.faults import MPC_FAULTS
 from aerodrake.support.errors import file_at
@@ -36,7 +36,7 @@ from aerodrake.systems.mpc import MpcSystem
 from aerodrake.systems.pointing import PointingSystem
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
-from aerodrake.systems.supervisor import Supervisor
+from aerodrake.systems.supervisor import SupervisorSystem
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.wiring.guidance import make_guidance
 from aerodrake.wiring.replacements import Replacements
@@ -45,8 +45,8 @@ from aerodrake.wiring.replacements import Replacements
 def make_coordinator(scenario: Scenario, replacements: Replacements | None = None) -> Diagram:
     """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
 
-    Inputs: those of `SEAM`; and `followed` (3 (3 + n) + 1), the segment that setpoints are on
-    where the station has the last word on it, unconnected where it does as it is told.
+    Inputs: those of `STATION_INTERFACE`; and `followed` (3 (3 + n) + 1), the segment that
+    setpoints are on where the station has the last word on it, unconnected otherwise.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment`, which tells both
     until the next tick (3 (3 + n) + 1); `reference` (6) and `reference_verdict` (1), as it
     is followed; `weights` (5), `u` (3 + n) and `plan` (P (3 + n)), what it is to be from the last
@@ -62,7 +62,7 @@ def make_coordinator(scenario: Scenario, replacements: Replacements | None = Non
         BadInput: if a system that is to be replaced is not in it.
     """
     period = scenario.rates.mpc_period_s
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     n = vehicle.joints
     model = EquivalentModel.of(scenario, n)
     limits = SetpointLimits.make(scenario.mpc, vehicle)
@@ -160,7 +160,7 @@ def make_coordinator(scenario: Scenario, replacements: Replacements | None = Non
     return diagram
 
 
-def make_setpoint_integrator(scenario: Scenario, vehicle: Vehicle) -> SetpointIntegrator:
+def make_setpoint_integrator(scenario: Scenario, vehicle: VehicleModel) -> SetpointIntegrator:
     """That of the coordinator, from trim."""
     return SetpointIntegrator(
         SetpointLimits.make(scenario.mpc, vehicle),
@@ -170,9 +170,9 @@ def make_setpoint_integrator(scenario: Scenario, vehicle: Vehicle) -> SetpointIn
     )
 
 
-def make_supervisor(scenario: Scenario, vehicle: Vehicle) -> Supervisor:
+def make_supervisor(scenario: Scenario, vehicle: VehicleModel) -> SupervisorSystem:
     """That of the coordinator."""
-    return Supervisor(
+    return SupervisorSystem(
         conditions(scenario.supervisor),
         vehicle,
         scenario.rates.sensor_period_s,

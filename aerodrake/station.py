@@ -4,7 +4,7 @@ The *station* is what hardware would replace: plant and rotors (wired in `physic
 wind, sensors and the low-level controllers. The *coordinator* is what runs on a companion computer:
 reference, kinematics, pointing (if asked for), weight allocator, residual estimator,
 MPC (or CLIK), setpoint integrator, and the supervisor, which says in which mode it
-works. They meet in nine signals: those of `SEAM` one way, `base_setpoint` and
+works. They meet in nine signals: those of `STATION_INTERFACE` one way, `base_setpoint` and
 `joint_setpoint` the other. Either may be in another process: `remote_coordinator` says how
 they meet there. `physics`, `sensors`, `wind` and `guidance` have pages of their own. What a
 scenario's `faults` inject stands between systems, and only where it has some.
@@ -45,7 +45,7 @@ from pydrake.systems.primitives import AffineSystem, RandomSource
 from aerodrake.coordinator import make_coordinator
 from aerodrake.model.low_level.joint_pid import JointPid
 from aerodrake.model.supervision.rotor_monitor import RotorMonitor
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.faults.actuators import make_joint_faults, make_pushes
@@ -56,7 +56,7 @@ from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.sensors import make_sensors
 from aerodrake.wiring.wind import make_wind
 
-SEAM = (
+STATION_INTERFACE = (
     "state",
     "sample_health",
     "external_acceleration",
@@ -86,7 +86,7 @@ def make_station(scenario: Scenario, replacements: Replacements | None = None) -
         BadInput: if a system that is to be replaced is not in it, or cannot be.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     replacements = replacements or Replacements()
     builder = replacements.builder()
 
@@ -194,7 +194,7 @@ def add_closed_loop(
         )
     )
     replacements.check_met()
-    for port in SEAM:
+    for port in STATION_INTERFACE:
         builder.Connect(station.GetOutputPort(port), coordinator.GetInputPort(port))
     for port in ("base_setpoint", "joint_setpoint"):
         builder.Connect(coordinator.GetOutputPort(port), station.GetInputPort(port))

@@ -3,7 +3,7 @@
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.vehicle.vehicle import GRAVITY, Vehicle
+from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
 from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_context, make_coordinator
 from aerodrake.support.threads import single_thread
@@ -14,7 +14,7 @@ def main() -> None:
     coordinator = make_coordinator(scenario)
     context = make_context(coordinator, scenario.seed)
     for port, value in (
-        ("state", Vehicle.load(scenario).trim_state),
+        ("state", VehicleModel.load(scenario).trim_state),
         ("specific_thrust", [GRAVITY]),
         ("external_acceleration", np.zeros(3)),
         ("disturbance", np.zeros(6)),

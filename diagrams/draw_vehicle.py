@@ -18,7 +18,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
 from aerodrake.model.reference.curves import make_reference
-from aerodrake.model.vehicle.vehicle import Vehicle, add_robot
+from aerodrake.model.vehicle.vehicle import VehicleModel, add_robot
 from aerodrake.scenario.load import load_scenario
 
 EYE, TARGET = np.array([0.75, 1.35, 1.75]), np.array([-0.22, 0.12, 1.33])
@@ -27,7 +27,7 @@ WIDTH, HEIGHT = 1200, 640
 
 def main() -> None:
     scenario = load_scenario("clover")
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 1e-3)
     add_robot(plant, vehicle.robot)

@@ -4,7 +4,7 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.threads import single_thread
@@ -19,7 +19,7 @@ def main() -> None:
     for t in range(11):
         with single_thread():
             simulator.AdvanceTo(scenario.settle_s + t)
-        state = VehicleState.from_vector(closed_loop.GetOutputPort("true_state").Eval(context))
+        state = split_state(closed_loop.GetOutputPort("true_state").Eval(context))
         p_Ed = closed_loop.GetOutputPort("reference").Eval(context)[:3]
         error = np.linalg.norm(kinematics.end_effector(state).p_E - p_Ed)
         x, y, z = p_Ed

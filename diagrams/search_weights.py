@@ -13,7 +13,7 @@ from scipy.optimize import minimize
 from scipy.stats import qmc
 
 from aerodrake.comparison.compare import make_variants
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import load_scenario
@@ -38,7 +38,7 @@ def cost(scenarios: list[Scenario], start: dict, decades: np.ndarray) -> float:
     for scenario in scenarios:
         for path, duration in PATHS:
             flown = replace(weighted(scenario, start, decades), reference=path, duration=duration)
-            errors.append(summarize(flown, Flight(flown).fly())["error"]["lap_mean_m"])
+            errors.append(summarize(flown, FlightSimulation(flown).fly())["error"]["lap_mean_m"])
     return float(np.mean([1.0 if error is None else error for error in errors]))
 
 

@@ -5,7 +5,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource
 
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context, make_station
 from aerodrake.support.threads import single_thread
@@ -29,7 +29,7 @@ class Circle(LeafSystem):
 
 def main() -> None:
     scenario = Scenario()
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()
     station = builder.AddSystem(make_station(scenario))
     circle = builder.AddNamedSystem("circle", Circle(vehicle.p_B))

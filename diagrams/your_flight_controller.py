@@ -3,10 +3,10 @@
 import numpy as np
 from pydrake.systems.framework import LeafSystem
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
-from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.vehicle import GRAVITY, Vehicle
+from aerodrake.model.vehicle.state import split_state
+from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
 from aerodrake.scenario.load import load_scenario
 from aerodrake.wiring.replacements import Replacements
 
@@ -18,7 +18,7 @@ class PdController(LeafSystem):
     Rate: `period`, half a millisecond after each sample.
     """
 
-    def __init__(self, vehicle: Vehicle, torque_ratio: float, period: float):
+    def __init__(self, vehicle: VehicleModel, torque_ratio: float, period: float):
         super().__init__()
         self._vehicle = vehicle
         self._mixer = np.linalg.pinv(vehicle.rotors.mixer(torque_ratio))
@@ -35,7 +35,7 @@ class PdController(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0005, self._update)
 
     def _update(self, context, discrete) -> None:
-        x = VehicleState.from_vector(self._state.Eval(context))
+        x = split_state(self._state.Eval(context))
         p_d, v_d, a_d = self._setpoint.Eval(context).reshape(3, 3)
         a = a_d + 9.0 * (p_d - x.p_B) + 5.0 * (v_d - x.v_B) + [0.0, 0.0, GRAVITY]
         R, z = x.R_B, a / np.linalg.norm(a)
@@ -51,11 +51,11 @@ class PdController(LeafSystem):
 
 def main() -> None:
     scenario = load_scenario("clover", [("--set", "duration=8")])
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     ratio, period = scenario.vehicle.rotor.torque_ratio_m, scenario.rates.flight_period_s
     mine = {"flight_controller": lambda ours: PdController(vehicle, ratio, period)}
     for name, replacements in (("ours", Replacements()), ("mine", Replacements(mine))):
-        error = summarize(scenario, Flight(scenario, replacements).fly())["error"]
+        error = summarize(scenario, FlightSimulation(scenario, replacements).fly())["error"]
         print(f"{name}: {1e3 * error['mean_m']:.3f} mm")
 
 

@@ -14,7 +14,7 @@ import hypothesis
 import pytest
 from threadpoolctl import threadpool_limits
 
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from tests.browser import DESKTOP, PHONE, chromium, visit
 
@@ -82,14 +82,14 @@ def scenario() -> Scenario:
 
 
 @pytest.fixture(scope="session")
-def vehicle(scenario) -> Vehicle:
-    return Vehicle.load(scenario)
+def vehicle(scenario) -> VehicleModel:
+    return VehicleModel.load(scenario)
 
 
 @pytest.fixture(scope="session")
 def short_flight():
     """A scenario that has something of everything, and the log of its flight of 0.6 s."""
-    from aerodrake.flight.simulate import Flight
+    from aerodrake.flight.simulate import FlightSimulation
     from aerodrake.scenario import Residual, Scenario
     from aerodrake.scenario.references import Clover
 
@@ -100,7 +100,7 @@ def short_flight():
         reference=Clover(start_s=0.2),
         residual=Residual(mode="online", judge_s=0.0),  # Delta is used from the first.
     )
-    return scenario, Flight(scenario).fly()
+    return scenario, FlightSimulation(scenario).fly()
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """States, and what the state filter makes of a sample of one."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from aerodrake.model.sensing.state_filter import (
@@ -10,7 +8,7 @@ from aerodrake.model.sensing.state_filter import (
     correct_motion,
     correct_rotation,
 )
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Filter
 
 DT = 0.01
@@ -28,8 +26,8 @@ CONFIG = Filter(
 
 def rest(**parts: np.ndarray) -> VehicleState:
     """At the origin and upright, but for `parts`."""
-    zero = VehicleState.from_vector(np.zeros(VehicleState.size(JOINTS)))
-    return replace(zero, **{"quaternion": np.array([1.0, 0, 0, 0]), **parts})
+    zero = split_state(np.zeros(VehicleState.size(JOINTS)))
+    return zero._replace(**{"quaternion": np.array([1.0, 0, 0, 0]), **parts})
 
 
 def estimate(d=(0, 0, 0), delta=(0, 0, 0), **parts: np.ndarray) -> np.ndarray:
@@ -46,4 +44,4 @@ def correct(gains: StateFilter, predicted: np.ndarray, sample: np.ndarray) -> np
 
 
 def state_of(estimate: np.ndarray) -> VehicleState:
-    return VehicleState.from_vector(estimate[6:])
+    return split_state(estimate[6:])

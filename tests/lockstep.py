@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pydrake.lcm import DrakeLcm
 
 from aerodrake.flight.log import FlightLog
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.scenario import Scenario
 from aerodrake.wire.companion import Companion
 from aerodrake.wire.link import COORDINATOR
@@ -59,6 +59,6 @@ class Lockstep:
 
 def fly_over(lcm: Lockstep, scenario: Scenario) -> FlightLog:
     """A flight of which both ends are here, faster than real time."""
-    flight = Flight(scenario, link=make_station_link(scenario, lcm))
+    flight = FlightSimulation(scenario, link=make_station_link(scenario, lcm))
     lcm.companion = Companion(scenario, lcm)
     return flight.fly()

@@ -10,7 +10,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 import aerodrake
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.scenario import Mpc, Residual, Scenario
 from aerodrake.scenario.references import Clover
 from aerodrake.scenario.world import Mismatch, Payload, Sensors, Wind
@@ -51,8 +51,8 @@ def assert_same(signals, others) -> None:
 
 
 @pytest.fixture(scope="module")
-def flight() -> Flight:
-    return Flight(noisy())
+def flight() -> FlightSimulation:
+    return FlightSimulation(noisy())
 
 
 @pytest.fixture(scope="module")
@@ -76,8 +76,8 @@ def test_flown_again(flight, signals):
 
 def test_flown_by_another_diagram(signals):
     """Built after others, some of which were flown: no state is shared between them."""
-    Flight(noisy(seed=8)).fly()
-    assert_same(Flight(noisy()).fly().signals, signals)
+    FlightSimulation(noisy(seed=8)).fly()
+    assert_same(FlightSimulation(noisy()).fly().signals, signals)
 
 
 def test_flown_by_another_process(signals, tmp_path):
@@ -85,8 +85,8 @@ def test_flown_by_another_process(signals, tmp_path):
     path = tmp_path / "log.npz"
     code = (
         f"import sys; sys.path[:0] = {[str(Path(__file__).parent)]!r}\n"
-        "from test_determinism import Flight, noisy\n"
-        f"from pathlib import Path; Flight(noisy()).fly().save(Path({str(path)!r}))"
+        "from test_determinism import FlightSimulation, noisy\n"
+        f"from pathlib import Path; FlightSimulation(noisy()).fly().save(Path({str(path)!r}))"
     )
     root = str(Path(aerodrake.__file__).parents[1])
     environment = os.environ | {"PYTHONHASHSEED": "123", "PYTHONPATH": root}
@@ -96,7 +96,7 @@ def test_flown_by_another_process(signals, tmp_path):
 
 
 def test_another_seed_is_another_flight(signals):
-    other = Flight(noisy(seed=8)).fly().signals
+    other = FlightSimulation(noisy(seed=8)).fly().signals
     for key in ("measured_p_B_m", "measured_q_rad", "p_B_m", "thrust_n", "p_E_m", "wind_force_n"):
         assert np.any(other[key] != signals[key]), key
 

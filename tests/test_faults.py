@@ -11,10 +11,10 @@ import yaml
 
 from aerodrake.flight.events import events
 from aerodrake.flight.log import FlightLog
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.supervision.conditions import NEVER, Condition, conditions
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.faults import AnyFault
 from aerodrake.scenario.load import load_scenario
@@ -64,7 +64,7 @@ def scenario_of(row: Row) -> Scenario:
 @pytest.fixture(scope="module", params=ROWS, ids=lambda row: row.fault)
 def flown(request) -> tuple[Row, Scenario, FlightLog]:
     scenario = scenario_of(request.param)
-    return request.param, scenario, Flight(scenario).fly()
+    return request.param, scenario, FlightSimulation(scenario).fly()
 
 
 def test_each_row_of_the_table(flown):
@@ -73,7 +73,7 @@ def test_each_row_of_the_table(flown):
     assert (log.exit_reason, found) == (row.ends, set(row.conditions) | found & KNOWN)
     for key in log.signals:
         assert np.isfinite(log[key]).all(), key
-    limits = SetpointLimits.make(scenario.mpc, Vehicle.load(scenario))
+    limits = SetpointLimits.make(scenario.mpc, VehicleModel.load(scenario))
     check_envelope(log, limits)
     if row.ends == "completed":
         assert log.error_m[-1] < HELD_WITHIN_M + log_floor(scenario)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.residual.judge import FADE, Cause
 from aerodrake.scenario.faults import LearnerDiverged, LearnerNan, LearnerPoisoned
 from aerodrake.scenario.load import load_scenario
@@ -18,7 +18,7 @@ SCENARIO = load_scenario(
 
 def fly(mode: str, *faults):
     residual = replace(SCENARIO.residual, mode=mode)
-    return Flight(replace(SCENARIO, residual=residual, faults=faults)).fly()
+    return FlightSimulation(replace(SCENARIO, residual=residual, faults=faults)).fly()
 
 
 @pytest.fixture(scope="module")

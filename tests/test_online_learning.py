@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.residual.features import features
 from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.scenario import Residual, Rotor, Scenario, Vehicle
@@ -23,7 +23,7 @@ def test_delta_is_bounded_with_an_absurd_learning_rate(vehicle, max_drift):
         sensors=Sensors(velocity_noise_m_s=0.01),
         residual=Residual(mode="online", learning_rate=1.0, max_drift=max_drift, judge_s=0.0),
     )
-    log = Flight(scenario).fly()
+    log = FlightSimulation(scenario).fly()
     assert log.exit_reason == "completed"
     network = ResidualNetwork.untrained(vehicle.joints, scenario.seed)
     measured = ("quaternion", "p_B_m", "q_rad", "omega_W_rad_s", "v_B_m_s", "qdot_rad_s")

@@ -9,7 +9,7 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from aerodrake.flight.open_loop import make_open_loop
 from aerodrake.model.vehicle.rotation import rotation_matrix
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.faults import JointDegraded, Push, RotorDegraded
 from aerodrake.scenario.load import load_scenario
@@ -94,7 +94,7 @@ def test_a_push_accelerates_the_whole_vehicle(vehicle):
 def test_joints_keep_their_limits_when_a_motor_comes_back():
     """It has hung limp meanwhile, and its setpoints are far away."""
     scenario = broken(JointDegraded(FAULT_S, 0.6, joint=1, remaining=0.0))
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     log = fly(scenario, ("true_state",), FAULT_S + 1.6)["true_state"]
     q, qdot = log[:, 7:13], log[:, 19:25]
     back = round((SETTLE_S + FAULT_S + 0.7) / 0.01)
@@ -112,9 +112,9 @@ def test_it_lands_on_its_feet(name, rest_s):
     """
     scenario = load_scenario(name)
     start = replace(scenario.vehicle, base_position_m=(0.0, 0.0, 1.0))
-    tucked = tuple(Vehicle.load(replace(scenario, vehicle=start)).tucked)
+    tucked = tuple(VehicleModel.load(replace(scenario, vehicle=start)).tucked)
     scenario = replace(scenario, vehicle=replace(start, working_rad=tucked))
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     under = -vehicle.feet_m - 0.3
     down_s = (1.0 - under) / 0.3
     path = np.array([[0, 0, 1.0], [0, 0, under], [0, 0, under]]).T

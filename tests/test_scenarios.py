@@ -14,10 +14,10 @@ from pydrake.trajectories import PiecewisePolynomial
 import aerodrake
 from aerodrake.comparison.compare import make_variants
 from aerodrake.flight.excitation import excite
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
 from aerodrake.model.setpoint.integration import SetpointLimits
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario.load import load_scenario, packaged_scenarios
 from aerodrake.scenario.references import Hover
 
@@ -27,7 +27,7 @@ PACKAGE = Path(aerodrake.__file__).parent
 def fly(name: str, **changes):
     """The scenario, its log and its figures."""
     scenario = replace(load_scenario(name), **changes)
-    log = Flight(scenario).fly()
+    log = FlightSimulation(scenario).fly()
     return scenario, log, summarize(scenario, log)
 
 
@@ -207,7 +207,9 @@ def test_clover_with_the_papers_method():
     # To the end of the lap.
     variants = make_variants(replace(scenario, duration=27.0))
     error = {
-        name: summarize(variants[name], Flight(variants[name]).fly())["error"]["lap_mean_m"]
+        name: summarize(variants[name], FlightSimulation(variants[name]).fly())["error"][
+            "lap_mean_m"
+        ]
         for name in ("integral", "modified", "modified+offline")
     }
     online = figures["error"]["lap_mean_m"]
@@ -229,7 +231,7 @@ def test_moving_target_with_the_papers_method():
     assert figures["error"]["approach_s"] < 5
     assert figures["error"]["settled_mean_m"] <= 0.0197
     flown = log.time_s >= 0
-    limits = SetpointLimits.make(scenario.mpc, Vehicle.load(scenario))
+    limits = SetpointLimits.make(scenario.mpc, VehicleModel.load(scenario))
     u = np.hstack([log["a_Bd_m_s2"], log["qddot_d_rad_s2"]])
     assert np.all(np.abs(u) <= limits.acceleration + 1e-9)
     changes = np.count_nonzero(np.diff(log["mode"][flown]))
@@ -247,7 +249,7 @@ def test_gains_of_the_position_interface_meet_their_criterion(name):
     """The one that their files state, fixed before any comparison."""
     scenario = load_scenario(name)
     assert scenario.flight.interface == "position"
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     np.testing.assert_allclose(
         scenario.flight.velocity_gain, 2 * np.sqrt(scenario.flight.position_gain)
     )

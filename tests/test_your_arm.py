@@ -10,9 +10,9 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from aerodrake.bench.arms import with_joints
 from aerodrake.cli import main
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario.load import load_scenario
 from aerodrake.support.errors import ScenarioError
 
@@ -22,13 +22,13 @@ ARM4 = DIAGRAMS / "clover_arm4.yaml"
 
 def test_four_joints_below_six_rotors_fly_their_own_clover():
     scenario = load_scenario(str(ARM4))
-    error = summarize(scenario, Flight(scenario).fly())["error"]
+    error = summarize(scenario, FlightSimulation(scenario).fly())["error"]
     assert error["lap_mean_m"] < 1e-4 and error["max_m"] < 5e-4
 
 
 def test_all_is_read_from_its_file():
     """Beside what Drake reads there."""
-    vehicle = Vehicle.load(load_scenario(str(ARM4)))
+    vehicle = VehicleModel.load(load_scenario(str(ARM4)))
     plant = MultibodyPlant(0.0)
     Parser(plant).AddModels(str(DIAGRAMS / "hexarotor_arm4.urdf"))
     plant.Finalize()
@@ -72,7 +72,10 @@ def with_wrist(urdf: str, old: str, new: str) -> str:
 def test_joints_are_in_the_order_of_the_chain(tmp_path):
     """Wherever they stand in the file."""
     path = changed(tmp_path, lambda urdf: reversed_blocks("joint", urdf))
-    vehicle, ours = Vehicle.load(load_scenario(path)), Vehicle.load(load_scenario(str(ARM4)))
+    vehicle, ours = (
+        VehicleModel.load(load_scenario(path)),
+        VehicleModel.load(load_scenario(str(ARM4))),
+    )
     assert vehicle.joint_names == ours.joint_names
     assert vehicle.effort.tolist() == ours.effort.tolist()
     assert vehicle.lower.tolist() == ours.lower.tolist()
@@ -109,7 +112,7 @@ def test_joints_are_in_the_order_of_the_chain(tmp_path):
 )
 def test_what_is_no_such_arm_is_refused(change, message, tmp_path):
     with pytest.raises(ScenarioError, match=message):
-        Vehicle.load(load_scenario(changed(tmp_path, change)))
+        VehicleModel.load(load_scenario(changed(tmp_path, change)))
 
 
 @pytest.mark.parametrize("joints", [*range(1, 11), 15])
@@ -117,13 +120,16 @@ def test_the_clover_is_the_same_to_any_arm(joints, tmp_path):
     """One second of rest and three of clover; with one joint the base does nearly all of it."""
     scenario = replace(load_scenario("clover"), settle_s=1.0, duration=3.0)
     scenario = with_joints(scenario, joints, tmp_path / "arm.urdf")
-    error = summarize(scenario, Flight(scenario).fly())["error"]
+    error = summarize(scenario, FlightSimulation(scenario).fly())["error"]
     assert error["max_m"] < (1e-3 if joints == 1 else 2e-4)
 
 
 def test_a_continuous_joint_within_limits_is_as_any_other(tmp_path):
     path = changed(tmp_path, lambda u: with_wrist(u, 'type="revolute"', 'type="continuous"'))
-    vehicle, ours = Vehicle.load(load_scenario(path)), Vehicle.load(load_scenario(str(ARM4)))
+    vehicle, ours = (
+        VehicleModel.load(load_scenario(path)),
+        VehicleModel.load(load_scenario(str(ARM4))),
+    )
     assert vehicle.joint_names == ours.joint_names
     assert vehicle.lower.tolist() == ours.lower.tolist()
 
@@ -134,7 +140,7 @@ def test_a_joint_without_limits_is_refused_whatever_it_is_called(tmp_path):
         return with_wrist(urdf, 'lower="-2.0" upper="2.0" ', "")
 
     with pytest.raises(ScenarioError, match="wrist_pitch: expected every joint to have limits"):
-        Vehicle.load(load_scenario(changed(tmp_path, turns_for_ever)))
+        VehicleModel.load(load_scenario(changed(tmp_path, turns_for_ever)))
 
 
 def test_the_commands_take_it(tmp_path, capsys):

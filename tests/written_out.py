@@ -7,7 +7,7 @@ from scipy import sparse
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.horizon import stage_ticks
 from aerodrake.model.mpc.inputs import MpcInputs
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
 
 K_B, DT = np.array([1.8, 2.5, 6.67]), 0.02
@@ -38,7 +38,7 @@ class WrittenOut:
     where it began, and the equalities hardly tell.
     """
 
-    def __init__(self, config: Mpc, model: EquivalentModel, vehicle: Vehicle):
+    def __init__(self, config: Mpc, model: EquivalentModel, vehicle: VehicleModel):
         self.config, self.model, self.vehicle = config, model, vehicle
         self.n, self.N = vehicle.joints, config.horizon
         self.nx, self.m = len(model.A), 3 + self.n

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.wiring.physics import add_physics
 
@@ -16,7 +16,7 @@ def make_bare_plant(scenario: Scenario) -> Diagram:
     Nothing in it is Python, and nothing holds the vehicle: it drifts off slowly, as
     rounding has it. Outputs: `true_state` (13 + 2 n).
     """
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()
     physics = add_physics(builder, scenario, vehicle)
     thrust_command = builder.AddNamedSystem(

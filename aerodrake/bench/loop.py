@@ -13,7 +13,7 @@ from pydrake.systems.framework import Diagram
 
 from aerodrake.bench.bare_plant import make_bare_plant
 from aerodrake.bench.systems import timed_systems
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import rounded
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import load_scenario
@@ -62,7 +62,7 @@ def loop_figures(
     progress("closed loop beside bare plant")
     scenario = replace(load_scenario(SCENARIO), duration=simulated_s, settle_s=0.0)
     plant, closed_loop, flight = (
-        make_bare_plant(scenario), make_closed_loop(scenario), Flight(scenario)
+        make_bare_plant(scenario), make_closed_loop(scenario), FlightSimulation(scenario)
     )  # fmt: skip
     flight.fly()  # What compiles, compiles here.
     plants, loops, flights = [], [], []

@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from aerodrake.bench.peers import Peer
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
 from aerodrake.model.mpc.inputs import MpcInputs
 from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.qp.condensed_qp import QpResult, QpStatus, is_bound
 from aerodrake.model.setpoint.integration import SetpointLimits
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.threads import single_thread
 
@@ -70,7 +70,7 @@ class Replay:
 
 def record_ticks(scenario: Scenario) -> RecordedTicks:
     """Flies a scenario and keeps what its MPC was asked at each tick."""
-    flight = Flight(scenario)
+    flight = FlightSimulation(scenario)
     mpc = flight.closed_loop.GetSubsystemByName("coordinator").GetSubsystemByName("mpc")
     inputs: list[MpcInputs] = []
     answer = mpc.tick_inputs
@@ -82,7 +82,7 @@ def record_ticks(scenario: Scenario) -> RecordedTicks:
 
     mpc.tick_inputs = recorded
     flight.fly()
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     model = EquivalentModel.of(scenario, vehicle.joints)
     limits = SetpointLimits.make(scenario.mpc, vehicle)
     formulation = MpcFormulation(scenario.mpc, model, limits, vehicle)

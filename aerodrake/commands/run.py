@@ -60,7 +60,7 @@ def main(arguments: argparse.Namespace) -> int:
     scenario = load_scenario(arguments.scenario, overrides(arguments))
     target = arguments.out or new_folder(scenario.name)
 
-    from aerodrake.flight.simulate import Flight
+    from aerodrake.flight.simulate import FlightSimulation
     from aerodrake.model.low_level.thrust_allocation import thrust_notes
     from aerodrake.model.residual.scenario_network import provenance_notes
     from aerodrake.reports.flight_folder import fly_into
@@ -93,7 +93,7 @@ def main(arguments: argparse.Namespace) -> int:
 
             view = LiveView(scenario, rate)
             print(f"watch it at {view.url}", file=sys.stderr)
-        flight = Flight(scenario, link=link)
+        flight = FlightSimulation(scenario, link=link)
         if link:
             say(f"note: waits in trim for a coordinator at {arguments.lcm}")
         with (

@@ -9,9 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import failure
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.reports.flight_folder import fly_into
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.references import OrientationOff
@@ -130,7 +130,7 @@ def make_variants(scenario: Scenario, names: Sequence[str] = ()) -> dict[str, Sc
     for name in names:
         if name not in VARIANTS:
             raise BadInput("--variant", "", f"no such variant '{name}'; {nearest(name, VARIANTS)}")
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     for name in ("w_2_joints", "w_3_joints"):
         vehicle.per_joint(getattr(scenario.baseline, name), f"baseline.{name}")
     absent = PARTS.keys() - parts(_proposed(scenario))
@@ -204,5 +204,5 @@ def _fly(flight: tuple[Scenario, Path]) -> dict[str, Any]:
     scenario, folder = flight
     folder.mkdir()
     title = f"{scenario.name} as {folder.name}, seed {scenario.seed}"
-    summary, _ = fly_into(folder, Flight(scenario), title)
+    summary, _ = fly_into(folder, FlightSimulation(scenario), title)
     return summary

@@ -10,7 +10,7 @@ from itertools import takewhile
 from typing import Any
 
 from aerodrake.comparison.margin_search import Outcome, Search
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import failure, summarize
 from aerodrake.scenario import Scenario
 from aerodrake.support.processes import run_parallel
@@ -161,4 +161,4 @@ def find_margins(
 
 
 def _fly(scenario: Scenario) -> dict[str, Any]:
-    return summarize(scenario, Flight(scenario).fly())
+    return summarize(scenario, FlightSimulation(scenario).fly())

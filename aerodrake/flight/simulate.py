@@ -22,8 +22,8 @@ from aerodrake.model.setpoint.integration import integrate
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.rotation import rotation_matrix
-from aerodrake.model.vehicle.state import parts
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.state import split_state
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import add_closed_loop, make_context
 from aerodrake.support.errors import BadInput
@@ -40,7 +40,7 @@ REFUSALS = (BadInput, OSError, MemoryError)
 """Of the machine, or of the other end of a wire: no fault of the flight's."""
 
 
-class Flight:
+class FlightSimulation:
     """A scenario's closed loop with logs on its ports, ready to fly.
 
     Attributes:
@@ -84,7 +84,7 @@ class Flight:
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
         self._tick_ms = _tick_ms(self.closed_loop, "receiver" if link else scenario.controller)
-        self._vehicle = Vehicle.load(scenario)
+        self._vehicle = VehicleModel.load(scenario)
         self._kinematics = Kinematics(self._vehicle.robot)
         self.curve = make_reference(scenario.reference, self._vehicle.p_E)
         # What is compiled is loaded now, lest the first ticks wait for it.
@@ -101,7 +101,7 @@ class Flight:
         self,
         progress: Callable[[float], None] = lambda simulated_s: None,
         rate: float = 0.0,
-        attach: Callable[[Flight, Simulator], None] = lambda flight, simulator: None,
+        attach: Callable[[FlightSimulation, Simulator], None] = lambda flight, simulator: None,
     ) -> FlightLog:
         """Flies from trim to the scenario's end, or until the vehicle is lost, or stops.
 
@@ -180,7 +180,7 @@ class Flight:
 
     def p_E(self, state: np.ndarray) -> np.ndarray:
         """(3,) m, the end-effector at a state (13 + 2 n,)."""
-        quaternion, p_B, q, _, _, _ = parts(state)
+        quaternion, p_B, q, _, _, _ = split_state(state)
         return p_B + rotation_matrix(quaternion) @ self._kinematics.tool(q)[0]
 
     def _log_end(self, recording: Recording, context: Context) -> None:

@@ -16,7 +16,7 @@ from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.vehicle.reach import farthest_reach
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 
 SETTLED_AFTER_S = 15.0
@@ -131,7 +131,7 @@ def to_json(summary: dict[str, Any]) -> str:
 
 
 def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
-    vehicle, flown = Vehicle.load(scenario), log.time_s >= 0
+    vehicle, flown = VehicleModel.load(scenario), log.time_s >= 0
     d_o = np.linalg.norm(log.p_EB_m - vehicle.p_O, axis=1)[flown]
     q = log["q_rad"][flown]
     room = np.minimum(q - vehicle.lower, vehicle.upper - q)

@@ -35,8 +35,8 @@ from scipy.signal import chirp
 from aerodrake.flight.excitation import excite
 from aerodrake.model.equivalent.identification import GainFit, fit_gain
 from aerodrake.model.setpoint.motion import held_acceleration_motion
-from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.state import split_state
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Model, Scenario
 from aerodrake.scenario.schema import as_mapping, build
 from aerodrake.support.errors import BadInput, ProcessDied, ScenarioError
@@ -139,7 +139,7 @@ def identify(
         ScenarioError: if the base does not answer its setpoint as the model has it.
         ProcessDied: if the process of a flight did.
     """
-    Vehicle.load(scenario)  # A bad robot is better refused here than six times there.
+    VehicleModel.load(scenario)  # A bad robot is better refused here than six times there.
     manoeuvres = [Manoeuvre(scenario, axis, arm) for axis in range(3) for arm in ARMS]
     records: dict[tuple[int, str], Record] = {}
     for index, result in run_parallel(fly, manoeuvres, jobs):
@@ -185,18 +185,18 @@ def fly(manoeuvre: Manoeuvre) -> Record:
     scenario, axis, arm = manoeuvre.scenario, manoeuvre.axis, manoeuvre.arm
     seeds = np.random.SeedSequence([scenario.seed, axis, ARMS.index(arm)])
     seeded = dataclasses.replace(scenario, seed=int(seeds.generate_state(1)[0]) % 2**31)
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     base, joints = base_motion(scenario, vehicle, axis), arm_motion(scenario, vehicle, arm)
     try:
         flown = excite(seeded, base, joints)
     except RuntimeError as error:  # The plant cannot step.
         problem = f"along {AXES[axis]}, arm {arm}, it crashes: {error}".splitlines()[0]
         raise _not_first_order(scenario, problem) from None
-    states = VehicleState.from_vector(flown.state.T)
+    states = split_state(flown.state.T)
     return Record(flown.time_s, flown.base_setpoint[:, axis], states.p_B[axis], states.v_B[axis])
 
 
-def base_motion(scenario: Scenario, vehicle: Vehicle, axis: int) -> PiecewisePolynomial:
+def base_motion(scenario: Scenario, vehicle: VehicleModel, axis: int) -> PiecewisePolynomial:
     """(3,) m, the chirp along one axis, held from one tick of the flight controller to the next.
 
     Held, its derivatives are zero; it steps just before the tick, so that the
@@ -211,7 +211,7 @@ def base_motion(scenario: Scenario, vehicle: Vehicle, axis: int) -> PiecewisePol
     return PiecewisePolynomial.ZeroOrderHold(ticks - scenario.rates.plant_step_s / 4, position.T)
 
 
-def arm_motion(scenario: Scenario, vehicle: Vehicle, arm: str) -> PiecewisePolynomial:
+def arm_motion(scenario: Scenario, vehicle: VehicleModel, arm: str) -> PiecewisePolynomial:
     """(n,) rad, every joint at rest, or swinging at its own frequency to where it has room."""
     period = scenario.rates.mpc_period_s
     ticks = period * np.arange(round(DURATION_S / period) + 1)

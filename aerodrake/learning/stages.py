@@ -20,7 +20,7 @@ from aerodrake.flight.excitation import Excitation, excite
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.residual.collection_motion import joint_motion, turn_about
 from aerodrake.model.setpoint.motion import held_acceleration_motion
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.references import FigureEight, Hover, Lissajous
 from aerodrake.scenario.world import Payload, Wind
@@ -100,7 +100,7 @@ def fly_stage(
     scenario = dataclasses.replace(
         scenario, wind=stage.wind, payload=stage.payload, seed=stage.seed
     )
-    vehicle, period = Vehicle.load(scenario), scenario.rates.mpc_period_s
+    vehicle, period = VehicleModel.load(scenario), scenario.rates.mpc_period_s
     hover = round(SETTLE_S / period)
     times = period * (np.arange(hover + round(stage.duration_s / period) + 1) - hover)
 

@@ -19,7 +19,7 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.checkpoint import Provenance, load, save
 from aerodrake.model.residual.linear_residual import LinearResidual
 from aerodrake.model.residual.training import Training, train
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.fingerprint import plant_hash, scenario_hash
 from aerodrake.support.errors import BadInput, ScenarioError
@@ -57,7 +57,7 @@ def train_scenario(
         BadInput: if the scenario cannot be trained for, or `folder` holds
             something else, which is left as it is.
     """
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     if scenario.model.kind == "integral":
         raise ScenarioError(
             scenario.source,

@@ -9,7 +9,7 @@ from typing import Any
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.flight.log import FlightLog
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize, to_json
 from aerodrake.reports.flight_figure import plot_tracking
 from aerodrake.scenario.load import save_scenario
@@ -17,11 +17,11 @@ from aerodrake.scenario.load import save_scenario
 
 def fly_into(
     folder: Path,
-    flight: Flight,
+    flight: FlightSimulation,
     title: str,
     progress: Callable[[float], None] = lambda simulated_s: None,
     rate: float = 0.0,
-    attach: Callable[[Flight, Simulator], None] = lambda flight, simulator: None,
+    attach: Callable[[FlightSimulation, Simulator], None] = lambda flight, simulator: None,
 ) -> tuple[dict[str, Any], FlightLog]:
     """Flies; writes `summary.json`, `log.npz`, `scenario.yaml` and `tracking.png`.
 
@@ -29,7 +29,7 @@ def fly_into(
         folder: An empty one.
         flight: Ready to fly.
         title: Of the figure.
-        progress, rate, attach: As `Flight.fly` has them.
+        progress, rate, attach: As `FlightSimulation.fly` has them.
 
     Returns:
         What `summary.json` and `log.npz` hold.

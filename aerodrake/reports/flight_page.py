@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from aerodrake.flight.log import FlightLog
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.reports.flight_pictures import flight_pictures
 from aerodrake.reports.flight_table import highlights, table_rows
 from aerodrake.reports.page import render
@@ -17,7 +17,7 @@ MOST_EVENTS = 200
 
 
 def report_page(
-    flight: Flight,
+    flight: FlightSimulation,
     summary: dict[str, Any],
     log: FlightLog,
     replay: str,

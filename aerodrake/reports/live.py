@@ -8,10 +8,10 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, EventStatus
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.supervision.safe_mode import SafeMode
-from aerodrake.model.vehicle.state import parts
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.reports.scene import Scene
 from aerodrake.scenario import Scenario
 
@@ -48,8 +48,8 @@ class LiveView:
     def __exit__(self, *error: object) -> None:
         self._scene.__exit__(*error)
 
-    def attach(self, flight: Flight, simulator: Simulator) -> None:
-        """Watches a flight that is about to begin, as `Flight.fly` has it."""
+    def attach(self, flight: FlightSimulation, simulator: Simulator) -> None:
+        """Watches a flight that is about to begin, as `FlightSimulation.fly` has it."""
         self._flight = flight
         self._context = simulator.get_context()
         self._coordinator = flight.closed_loop.GetSubsystemByName("coordinator")
@@ -79,7 +79,7 @@ class LiveView:
 
     def _show(self) -> None:
         state = self._flight.closed_loop.GetOutputPort("true_state").Eval(self._context)
-        quaternion, p_B, q, *_ = parts(state)
+        quaternion, p_B, q, *_ = split_state(state)
         self._scene.pose(self._context.get_time(), np.concatenate([quaternion, p_B, q]))
         self._scene.draw_learning_space()
         viewers = self._scene.meshcat.GetNumActiveConnections()

@@ -13,7 +13,7 @@ from pydrake.perception import PointCloud
 from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.model.vehicle.payload import add_payload
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
+from aerodrake.model.vehicle.vehicle import BASE_FRAME, VehicleModel, add_ground, add_robot
 from aerodrake.scenario import Scenario
 
 VIEW_FROM_M = np.array([0.85, 1.3, 0.3])
@@ -43,7 +43,7 @@ class Scene:
     def __init__(self, scenario: Scenario):
         self.meshcat = _silent_meshcat()
         self.meshcat.SetProperty("/Axes", "visible", False)
-        self._p_O = Vehicle.load(scenario).p_O
+        self._p_O = VehicleModel.load(scenario).p_O
         self._size_m = scenario.allocation.learning_space_m
         builder = DiagramBuilder()
         self._plant = builder.AddSystem(MultibodyPlant(0.0))

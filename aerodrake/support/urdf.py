@@ -51,7 +51,7 @@ def parse_urdf(path: Path, content: bytes) -> Document:
             nested too deep, if a mesh is no file, or if a joint follows another one.
     """
     try:
-        document = _Builder().parseString(content)
+        document = _UrdfBuilder().parseString(content)
     except (ExpatError, ValueError, LookupError) as error:
         raise BadInput(path, "", f"cannot be parsed: {error}") from None
     if document.documentElement.tagName != "robot":
@@ -98,7 +98,7 @@ def _local_meshes(document: Document) -> list[Element]:
     return [mesh for mesh, file in files if "://" not in file or file.startswith("file://")]
 
 
-class _Builder(expatbuilder.ExpatBuilder):
+class _UrdfBuilder(expatbuilder.ExpatBuilder):
     """Knows neither namespaces, since prefixes such as `drake:` go undeclared, nor entities."""
 
     _depth = 0

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import failure, repeatable, summarize
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import override
@@ -87,7 +87,7 @@ def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
     try:
         scenario = trial.resolved()
         with single_thread():
-            figures = repeatable(summarize(scenario, Flight(scenario).fly()))
+            figures = repeatable(summarize(scenario, FlightSimulation(scenario).fly()))
         ending = {k: v for k, v in figures.items() if k not in ("scenario", "seed", "version")}
     except (Exception, SystemExit) as error:  # Drake's conditions are the latter.
         if _is_of_machine(error):

@@ -6,7 +6,7 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.low_level.joint_pid import JointPid, control
 from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 
 
 class ArmController(LeafSystem):
@@ -29,7 +29,7 @@ class ArmController(LeafSystem):
         offset: s.
     """
 
-    def __init__(self, pid: JointPid, vehicle: Vehicle, offset: float):
+    def __init__(self, pid: JointPid, vehicle: VehicleModel, offset: float):
         super().__init__()
         self._pid = pid
         n = vehicle.joints

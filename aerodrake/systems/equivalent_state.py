@@ -7,7 +7,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 
 from aerodrake.model.equivalent.initial_state import Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 
 
 class EquivalentState(LeafSystem):
@@ -50,7 +50,7 @@ class EquivalentState(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(model.dt, 0.0, self._update)
 
     def _calc_x_0(self, context: Context, output: BasicVector) -> None:
-        state = VehicleState.from_vector(self._state.Eval(context))
+        state = split_state(self._state.Eval(context))
         thrust = Thrust.make(
             state,
             self._specific_thrust.Eval(context)[0],

@@ -10,7 +10,7 @@ from aerodrake.model.low_level.inner_loop import InnerLoop, inner_loop
 from aerodrake.model.low_level.outer_loop import OuterLoop, outer_loop
 from aerodrake.model.low_level.thrust_allocation import allocate
 from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.model.vehicle.whole_body import WholeBody, commanded_motion, rigid_body_effort
 from aerodrake.scenario import Flight, Rotor
 
@@ -78,7 +78,7 @@ class FlightController(LeafSystem):
         self,
         config: Flight,
         rotor: Rotor,
-        vehicle: Vehicle,
+        vehicle: VehicleModel,
         period: float,
         offset: float,
     ):

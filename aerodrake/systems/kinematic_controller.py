@@ -9,7 +9,7 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.inputs import MpcInputs
 from aerodrake.model.qp.condensed_qp import QpStatus, is_answer
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 
 
 class KinematicController(LeafSystem):
@@ -74,7 +74,7 @@ class KinematicController(LeafSystem):
 
     def tick_inputs(self, context: Context) -> MpcInputs:
         """What the tick at this Context is about."""
-        state = VehicleState.from_vector(self._state.Eval(context))
+        state = split_state(self._state.Eval(context))
         _, _, a_d = self._base_setpoint.Eval(context).reshape(3, -1)
         _, _, qddot_d = self._joint_setpoint.Eval(context).reshape(3, -1)
         _, _, w_q, w_m, w_d = self._weights.Eval(context)

@@ -8,7 +8,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from aerodrake.model.vehicle.kinematics import EndEffector, Kinematics
 from aerodrake.model.vehicle.rotation import length
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 
 
 class KinematicsSystem(LeafSystem):
@@ -44,7 +44,7 @@ class KinematicsSystem(LeafSystem):
         )
 
     def _calc_end_effector(self, context: Context, output: AbstractValue) -> None:
-        state = VehicleState.from_vector(self._state.Eval(context))
+        state = split_state(self._state.Eval(context))
         output.set_value(self._kinematics.end_effector(state))
 
     def _calc_distances(self, context: Context, output: BasicVector) -> None:

@@ -9,8 +9,8 @@ from pydrake.systems.framework import Context, LeafSystem
 from aerodrake.model.mpc.inputs import Pointing
 from aerodrake.model.reference.direction import Direction, check_start
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.model.vehicle.vehicle import VehicleModel
 
 
 class PointingSystem(LeafSystem):
@@ -35,7 +35,7 @@ class PointingSystem(LeafSystem):
     """
 
     def __init__(
-        self, vehicle: Vehicle, direction: Direction, settle_s: float, stages_s: np.ndarray
+        self, vehicle: VehicleModel, direction: Direction, settle_s: float, stages_s: np.ndarray
     ):
         super().__init__()
         check_start(direction, vehicle)
@@ -50,7 +50,7 @@ class PointingSystem(LeafSystem):
         )
 
     def _calc_pointing(self, context: Context, output: AbstractValue) -> None:
-        state = VehicleState.from_vector(self._state.Eval(context))
+        state = split_state(self._state.Eval(context))
         times = context.get_time() - self._settle_s + self._stages
         output.set_value(
             Pointing(self._kinematics.tool_axis(state), np.hstack(self._direction.evaluate(times)))

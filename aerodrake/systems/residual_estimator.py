@@ -21,7 +21,7 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.features import PHI_SIZE, features
 from aerodrake.model.residual.judge import HEALTH_SIZE, Cause, Evidence, Health, LearnerJudge
 from aerodrake.model.residual.online_learner import LearnerState, OnlineLearner
-from aerodrake.model.vehicle.state import VehicleState, parts
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Residual
 
 if TYPE_CHECKING:  # torch takes a second to import.
@@ -164,11 +164,11 @@ class ResidualEstimator(LeafSystem):
             tick.set_value(None)
             return
         if self._mode == "off":
-            sample = self._complete(context, parts(state)[4], u)
+            sample = self._complete(context, split_state(state)[4], u)
             tick.set_value(_Tick(sample, None, None, x, phi, np.zeros(6), np.zeros(3)))
             return
         fault = self._fault.Eval(context) if self._fault.HasValue(context) else np.zeros(4)
-        motion = np.concatenate([parts(state)[1], parts(state)[4] + fault[1:]])
+        motion = np.concatenate([split_state(state)[1], split_state(state)[4] + fault[1:]])
         sample = self._complete(context, motion[3:], u)
         health, found, learned = self._known(context), Cause.OK, self._learned(context)
         if sample is not None:

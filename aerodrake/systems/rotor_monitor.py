@@ -7,7 +7,7 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.supervision.rotor_monitor import RotorMonitor, watch
 from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.model.vehicle.whole_body import WholeBody
 
 GROUPS = 3
@@ -35,7 +35,7 @@ class RotorMonitorSystem(LeafSystem):
         vehicle: Its links, of whose momentum it keeps account.
     """
 
-    def __init__(self, monitor: RotorMonitor, vehicle: Vehicle):
+    def __init__(self, monitor: RotorMonitor, vehicle: VehicleModel):
         super().__init__()
         self._monitor = monitor
         self._whole_body = WholeBody(vehicle.robot)

@@ -14,13 +14,13 @@ from pydrake.systems.framework import (
 from aerodrake.model.supervision.conditions import Condition, Rules, signals, supervise
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 
 WELL, GIVING = np.zeros(6), np.ones(1)
 """What a port without a connection says."""
 
 
-class Supervisor(LeafSystem):
+class SupervisorSystem(LeafSystem):
     """Conditions with trigger and clear rules, and the worst mode that one of them asks for.
 
     Ports:
@@ -55,7 +55,7 @@ class Supervisor(LeafSystem):
     def __init__(
         self,
         conditions: tuple[Condition, ...],
-        vehicle: Vehicle,
+        vehicle: VehicleModel,
         period: float,
         mpc_period: float,
     ):

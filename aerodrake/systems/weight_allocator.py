@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.mpc.weight_allocation import Mode, Weights, allocate
+from aerodrake.model.mpc.weight_allocation import AllocatedWeights, Mode, allocate
 from aerodrake.scenario import Allocation
 
 
@@ -44,7 +44,9 @@ class WeightAllocator(LeafSystem):
     def _calc_weights(self, context: Context, output: BasicVector) -> None:
         last = Mode(int(context.get_discrete_state(self._x_mode).value()[0]))
         d_e, d_o = self._distances.Eval(context)
-        weights: Weights = allocate(self._config, last, d_e, d_o, self._d_g.Eval(context)[0])
+        weights: AllocatedWeights = allocate(
+            self._config, last, d_e, d_o, self._d_g.Eval(context)[0]
+        )
         output.SetFromVector([weights.gamma, weights.mode, weights.w_q, weights.w_m, weights.w_d])
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:

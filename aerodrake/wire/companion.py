@@ -14,7 +14,7 @@ from pydrake.systems.framework import Context
 
 from aerodrake.coordinator import make_coordinator
 from aerodrake.model.sensing.sample_check import ABSURD, UNIT_LENGTH
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
 from aerodrake.support.threads import single_thread
@@ -94,7 +94,7 @@ class Companion:
         self._time = -math.inf  # s, of the sample that was taken in last.
         # What is compiled is loaded now, lest the first ticks wait for it.
         warm = make_context(self._coordinator, scenario.seed)
-        self._fix(warm, {"state": Vehicle.load(scenario).trim_state})
+        self._fix(warm, {"state": VehicleModel.load(scenario).trim_state})
         with single_thread():
             Simulator(self._coordinator, warm).AdvanceTo(scenario.rates.mpc_period_s)
 

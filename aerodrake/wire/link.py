@@ -1,7 +1,7 @@
 """What station and coordinator tell each other over LCM, when each has a process of its own.
 
     channel                 from, when                    parts
-    AERODRAKE_STATION       station, at every sample      `SEAM`, and the segment it follows
+    AERODRAKE_STATION       station, at every sample      its interface, and the segment it follows
     AERODRAKE_COORDINATOR   coordinator, at every tick    segment, plan, and what is logged of it
 
 `wire_message` says what else is in each. Times are the station's, in s from where its flight

@@ -21,10 +21,10 @@ from pydrake.lcm import DrakeLcmInterface
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from aerodrake.coordinator import make_coordinator, make_setpoint_integrator, make_supervisor
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.fingerprint import coordinated
-from aerodrake.station import SEAM
+from aerodrake.station import STATION_INTERFACE
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Layout
 from aerodrake.wire.receiver import WireReceiver
@@ -45,7 +45,7 @@ def make_layouts(coordinator: Diagram, scenario: Scenario) -> tuple[Layout, Layo
         ScenarioError: if a file that it names cannot be read.
     """
     agreed = coordinated(scenario)
-    inputs = [coordinator.GetInputPort(name) for name in (*SEAM, "followed")]
+    inputs = [coordinator.GetInputPort(name) for name in (*STATION_INTERFACE, "followed")]
     outputs = map(coordinator.get_output_port, range(coordinator.num_output_ports()))
     told = {p.get_name(): p.size() for p in outputs if p.get_name() not in OWN}
     ticks, axes = scenario.supervisor.plan_ticks + 2, told["segment"] // 3
@@ -79,7 +79,7 @@ def make_remote_coordinator(scenario: Scenario, link: Link) -> Diagram:
     """
     rates = scenario.rates
     step = rates.plant_step_s
-    vehicle = Vehicle.load(scenario)
+    vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()
     receiver = builder.AddNamedSystem(
         "receiver", WireReceiver(link, rates.mpc_period_s, step, 3 * step / 8)
@@ -100,7 +100,7 @@ def make_remote_coordinator(scenario: Scenario, link: Link) -> Diagram:
     connect(receiver, "u", "status", "reference_verdict", "learner_health")
     connect(supervisor, "mode")
     builder.Connect(setpoint_integrator.GetOutputPort("segment"), sender.GetInputPort("followed"))
-    for port in SEAM:
+    for port in STATION_INTERFACE:
         builder.ExportInput(sender.GetInputPort(port), port)
         if supervisor.HasInputPort(port):
             builder.ConnectInput(port, supervisor.GetInputPort(port))

@@ -7,7 +7,7 @@ from pydrake.systems.framework import Diagram
 from aerodrake.model.mpc.horizon import stage_times
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.reference.envelope import Envelope
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.faults import REFERENCE_FAULTS
 from aerodrake.support.errors import file_at
@@ -18,7 +18,7 @@ from aerodrake.wiring.replacements import Replacements
 
 
 def make_guidance(
-    scenario: Scenario, vehicle: Vehicle, replacements: Replacements | None = None
+    scenario: Scenario, vehicle: VehicleModel, replacements: Replacements | None = None
 ) -> Diagram:
     """The scenario's reference, with the faults that it declares, within the envelope.
 

@@ -12,7 +12,7 @@ from pydrake.systems.primitives import SymbolicVectorSystem
 
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle.payload import add_payload
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
+from aerodrake.model.vehicle.vehicle import BASE_FRAME, VehicleModel, add_ground, add_robot
 from aerodrake.scenario import Scenario
 from aerodrake.support.errors import file_at
 from aerodrake.systems.faults.actuators import make_rotor_faults
@@ -37,7 +37,7 @@ class Physics(NamedTuple):
     trim_thrust: np.ndarray
 
 
-def add_physics(builder: DiagramBuilder, scenario: Scenario, vehicle: Vehicle) -> Physics:
+def add_physics(builder: DiagramBuilder, scenario: Scenario, vehicle: VehicleModel) -> Physics:
     """Adds the scenario's plant, with its payload and mismatch, in trim by default."""
     step, rotor = scenario.rates.plant_step_s, scenario.vehicle.rotor
     plant = builder.AddNamedSystem("plant", MultibodyPlant(step))

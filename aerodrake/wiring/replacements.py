@@ -44,7 +44,7 @@ class Replacements:
 
     def builder(self) -> DiagramBuilder:
         """Adds these systems where ours of their names are added; refuses to build without one."""
-        return _Builder(self)
+        return _ReplacingBuilder(self)
 
     def part(self) -> Replacements:
         """The same for a diagram inside of another, in which systems may be as well."""
@@ -94,7 +94,7 @@ class Replacements:
             raise BadInput("replacements", name, message)
 
 
-class _Builder(DiagramBuilder):
+class _ReplacingBuilder(DiagramBuilder):
     def __init__(self, replacements: Replacements):
         super().__init__()
         self._replacements = replacements

@@ -12,7 +12,7 @@ from pydrake.systems.primitives import AffineSystem, DiscreteTimeDelay, RandomSo
 from aerodrake.model.sensing.sample import noise_size
 from aerodrake.model.sensing.sample_check import SampleCheck
 from aerodrake.model.sensing.state_filter import StateFilter
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Filter, Rates
 from aerodrake.scenario.faults import AnyFault, SampleFault
 from aerodrake.scenario.world import Sensors
@@ -54,7 +54,7 @@ def make_sensors(
         settle_s: Reference time 0.
         replacements: Of systems in it.
     """
-    joints = len(VehicleState.from_vector(trim_state).q)
+    joints = len(split_state(trim_state).q)
     period, step = rates.sensor_period_s, rates.plant_step_s
     builder = (replacements or Replacements()).builder()
     sensor_noise = builder.AddNamedSystem(

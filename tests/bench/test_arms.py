@@ -6,14 +6,14 @@ import pytest
 from aerodrake.bench.arms import with_joints
 from aerodrake.bench.scaling import JOINTS
 from aerodrake.bench.ticks import record_ticks
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 
 
 @pytest.mark.parametrize("joints", JOINTS)
 def test_the_end_effector_stays(joints, scenario, vehicle, tmp_path):
     changed = with_joints(scenario, joints, tmp_path / "arm.urdf")
-    other = Vehicle.load(changed)
+    other = VehicleModel.load(changed)
     assert other.joints == joints
     assert other.joint_names[: min(joints, 6)] == vehicle.joint_names[:joints]
     np.testing.assert_allclose(other.p_O, vehicle.p_O, atol=1e-9)
@@ -22,7 +22,7 @@ def test_the_end_effector_stays(joints, scenario, vehicle, tmp_path):
 
 
 def test_as_many_joints_as_there_are_change_nothing(scenario, vehicle, tmp_path):
-    other = Vehicle.load(with_joints(scenario, vehicle.joints, tmp_path / "arm.urdf"))
+    other = VehicleModel.load(with_joints(scenario, vehicle.joints, tmp_path / "arm.urdf"))
     np.testing.assert_array_equal(other.inertia, vehicle.inertia)
     np.testing.assert_array_equal(other.working, vehicle.working)
 

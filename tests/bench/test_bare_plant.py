@@ -5,7 +5,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import LeafSystem
 
 from aerodrake.bench.bare_plant import make_bare_plant
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.station import make_closed_loop
 
 
@@ -33,7 +33,7 @@ def test_it_hovers(scenario):
     diagram = make_bare_plant(scenario)
     simulator = Simulator(diagram)
     port = diagram.GetOutputPort("true_state")
-    trim = Vehicle.load(scenario).trim_state
+    trim = VehicleModel.load(scenario).trim_state
     np.testing.assert_allclose(port.Eval(simulator.get_context()), trim)
     simulator.AdvanceTo(1.0)
     np.testing.assert_allclose(port.Eval(simulator.get_context()), trim, atol=1e-5)
@@ -44,4 +44,4 @@ def test_it_stays_in_the_air_for_as_long_as_it_is_timed(scenario):
     simulator = Simulator(diagram)
     simulator.AdvanceTo(10.0)
     state = diagram.GetOutputPort("true_state").Eval(simulator.get_context())
-    assert np.abs(state[4:7] - Vehicle.load(scenario).p_B).max() < 0.1
+    assert np.abs(state[4:7] - VehicleModel.load(scenario).p_B).max() < 0.1

@@ -9,7 +9,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from aerodrake.bench import systems as bench_systems
 from aerodrake.bench.systems import DECLARATIONS, timed_systems
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 
 PULL_S, UPDATE_S = 0.25, 1.0
 
@@ -65,7 +65,7 @@ def test_nothing_stays_behind():
 def test_a_timed_flight_is_the_same_flight(short_flight):
     scenario, log = short_flight
     with timed_systems() as seconds:
-        flight = Flight(scenario)
+        flight = FlightSimulation(scenario)
     start = time.perf_counter()
     timed = flight.fly()
     whole = time.perf_counter() - start

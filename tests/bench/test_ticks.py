@@ -8,7 +8,7 @@ import pytest
 from aerodrake.bench.peers import Peer
 from aerodrake.bench.solvers import judge
 from aerodrake.bench.ticks import OWN, record_ticks, replay
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.references import MovingTarget
@@ -46,7 +46,7 @@ def recorded(scenario):
 
 def test_a_replay_commands_what_was_flown(scenario, recorded):
     """Noise and all: what is recorded is what each update saw, no sample sooner or later."""
-    log = Flight(scenario).fly()
+    log = FlightSimulation(scenario).fly()
     ticks = len(recorded.inputs)
     assert ticks == len(log["tick_ms"]) == 25
     stride = 2

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
 from aerodrake.scenario.load import load_scenario
 
@@ -20,7 +20,7 @@ URL = "udpm://239.255.76.67:7767?ttl=0"
 def test_real_time_costs_no_accuracy(name, tmp_path, capsys):
     scenario = load_scenario(name)
     key = "settled_mean_m" if name == "moving_target" else "lap_mean_m"
-    here = summarize(scenario, Flight(scenario).fly())["error"][key]
+    here = summarize(scenario, FlightSimulation(scenario).fly())["error"][key]
     aerodrake = (sys.executable, "-m", "aerodrake")
     options = (name, "--lcm", URL)
     coordinator = subprocess.Popen(

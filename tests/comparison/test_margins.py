@@ -13,7 +13,7 @@ from aerodrake.cli import main
 from aerodrake.comparison import compare as compare_module
 from aerodrake.comparison import margins as module
 from aerodrake.comparison.margins import DISTURBANCES, R40, Disturbance, find_margins
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.scenario import Rates, Scenario
 from aerodrake.scenario.load import load_scenario
 from aerodrake.scenario.rules import check
@@ -170,7 +170,7 @@ def test_a_flight_is_that_of_the_scenario_with_so_much_of_it(monkeypatch):
     exact = {"exit_reason": "completed", "exit_cause": "", "error": {"max_m": 0.0}}
     margins = find_margins({"modified": scenario}, {"modified": exact}, "max_m", 1)
     search = margins.searches["modified"]["payload_kg"]
-    log = Flight(replace(scenario, payload=Payload(1.9))).fly()
+    log = FlightSimulation(replace(scenario, payload=Payload(1.9))).fly()
     assert search.values == (0.0, 1.9, 2.0)
     assert search.flown[1].error_m == pytest.approx(log.error_m.max(), rel=1e-11)
     assert search.flown[2].error_m > search.flown[1].error_m > 1e-3

@@ -14,7 +14,7 @@ from pydrake.systems.framework import (
 )
 
 from aerodrake.flight.not_finite import not_finite
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize, to_json
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.faults import SampleNan
@@ -76,7 +76,7 @@ def spoilt(port: str, number: float, after_s: float):
     ],
 )
 def test_whoever_says_it_is_named(name, port, path):
-    flight = Flight(SHORT, Replacements({name: spoilt(port, np.nan, after_s=0.35)}))
+    flight = FlightSimulation(SHORT, Replacements({name: spoilt(port, np.nan, after_s=0.35)}))
     log = flight.fly()
     assert log.exit_reason == "lost"
     assert log.exit_cause.startswith(f"{path}: passed not finite at 0.")
@@ -86,14 +86,14 @@ def test_whoever_says_it_is_named(name, port, path):
 
 
 def test_from_the_first_instant_on():
-    log = Flight(SHORT, Replacements({"mpc": spoilt("u", np.nan, after_s=0.0)})).fly()
+    log = FlightSimulation(SHORT, Replacements({"mpc": spoilt("u", np.nan, after_s=0.0)})).fly()
     assert "mpc::spoils: passed not finite at -0.10 s" in log.exit_cause
     assert log.time_s.tolist() == [-0.1]
 
 
 def test_what_is_too_large_for_the_plant():
     force = spoilt("generalized_force", np.inf, after_s=0.35)
-    log = Flight(SHORT, Replacements({"wind": force})).fly()
+    log = FlightSimulation(SHORT, Replacements({"wind": force})).fly()
     assert log.exit_reason == "lost" and "station::wind::spoils: passed" in log.exit_cause
 
 
@@ -107,7 +107,7 @@ def test_what_the_machine_refuses_is_raised_whatever_is_not_finite(error):
 
     struck = replace(SHORT, faults=(SampleNan(start_s=0.05),))
     with pytest.raises(type(error)):
-        Flight(struck).fly(progress)
+        FlightSimulation(struck).fly(progress)
 
 
 @pytest.mark.parametrize("name", ["clover", "moving_target"])

@@ -11,7 +11,7 @@ import pytest
 
 import aerodrake.flight.simulate
 from aerodrake.flight.recording import Recording
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize, to_json
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.scenario import Filter, Rates, Rotor, Scenario, Vehicle
@@ -54,20 +54,20 @@ def test_all_signals_are_as_long_as_the_time_axis(short_flight):
 )
 def test_as_many_ticks_as_periods(settle_s, duration, ticks):
     """0.1 + 0.2 is a little more than 0.3 in floating point; a tick at the end is not flown."""
-    log = Flight(Scenario(settle_s=settle_s, duration=duration)).fly()
+    log = FlightSimulation(Scenario(settle_s=settle_s, duration=duration)).fly()
     assert len(log["tick_ms"]) == ticks
     assert len(log.time_s) == int((settle_s + duration) / 0.01 + 1e-9) + 1
 
 
 def test_logs_are_at_the_flight_controllers_rate():
     rates = Rates(flight_period_s=0.005, sensor_period_s=0.005)
-    log = Flight(Scenario(settle_s=0, duration=0.1, rates=rates)).fly()
+    log = FlightSimulation(Scenario(settle_s=0, duration=0.1, rates=rates)).fly()
     np.testing.assert_allclose(np.diff(log.time_s), 0.005)
 
 
 def test_progress_is_told_up_to_the_end():
     told = []
-    Flight(Scenario(settle_s=0.1, duration=0.35)).fly(progress=told.append)
+    FlightSimulation(Scenario(settle_s=0.1, duration=0.35)).fly(progress=told.append)
     np.testing.assert_allclose(told, [0.1, 0.2, 0.3, 0.4, 0.45])
 
 
@@ -76,7 +76,7 @@ def test_progress_is_told_up_to_the_end():
 
 def ended(scenario: Scenario):
     """The log of a flight that does not complete; its figures are strict JSON all the same."""
-    log = Flight(scenario).fly()
+    log = FlightSimulation(scenario).fly()
     figures = summarize(scenario, log)
     assert to_json(figures)
     assert figures["exit_reason"] == log.exit_reason != "completed"
@@ -106,7 +106,7 @@ def test_lost_in_the_initial_hover():
 
 def test_a_far_target_is_not_lost_before_it_is_approached():
     reference = MovingTarget(target_m=(0.0, 5.0, 0.0))
-    log = Flight(Scenario(reference=reference, settle_s=0, duration=0.4)).fly()
+    log = FlightSimulation(Scenario(reference=reference, settle_s=0, duration=0.4)).fly()
     assert log.exit_reason == "completed" and log.error_m.min() > 4
 
 
@@ -126,7 +126,7 @@ def test_lost_by_tilt():
 @pytest.mark.parametrize("part", ["positions", "velocities"])
 def test_lost_by_a_state_that_is_not_finite(number, part, monkeypatch):
     scenario = Scenario(settle_s=0, duration=1)
-    flight = Flight(scenario)
+    flight = FlightSimulation(scenario)
     contexts = []
 
     def make_context(*arguments):
@@ -163,7 +163,7 @@ def raising(error: BaseException, after_s: float):
 
 def test_an_interrupt_keeps_what_was_flown(short_flight):
     scenario, whole = short_flight
-    log = Flight(scenario).fly(progress=raising(KeyboardInterrupt(), 0.3))
+    log = FlightSimulation(scenario).fly(progress=raising(KeyboardInterrupt(), 0.3))
     assert (log.exit_reason, log.exit_cause) == ("interrupted", "at 0.20 s")
     assert len(log.time_s) == 31 and len(log["tick_ms"]) == 15
     for key in set(whole.signals) - {"tick_ms"}:
@@ -172,12 +172,12 @@ def test_an_interrupt_keeps_what_was_flown(short_flight):
 
 def test_a_bug_is_not_taken_for_a_lost_flight(short_flight):
     with pytest.raises(RuntimeError, match="^a bug$"):
-        Flight(short_flight[0]).fly(progress=raising(RuntimeError("a bug"), 0.1))
+        FlightSimulation(short_flight[0]).fly(progress=raising(RuntimeError("a bug"), 0.1))
 
 
 def test_a_flight_can_be_flown_again_after_an_interrupt(short_flight):
     scenario, whole = short_flight
-    flight = Flight(scenario)
+    flight = FlightSimulation(scenario)
     flight.fly(progress=raising(KeyboardInterrupt(), 0.2))
     again = flight.fly()
     np.testing.assert_array_equal(again["p_E_m"], whole["p_E_m"])
@@ -201,7 +201,7 @@ def test_an_interrupt_while_samples_are_moved_neither_loses_nor_doubles_any(
 
     monkeypatch.setattr(Recording, "append", interrupted)
     monkeypatch.setattr("aerodrake.flight.simulate.LOG_SAMPLES", 50)
-    log = Flight(scenario).fly()
+    log = FlightSimulation(scenario).fly()
     assert log.exit_reason == "interrupted"
     np.testing.assert_array_equal(log.time_s, whole.time_s[: len(log.time_s)])
     np.testing.assert_array_equal(log["p_B_m"], whole["p_B_m"][: len(log.time_s)])
@@ -217,9 +217,10 @@ def test_a_flight_without_network_needs_no_torch():
         "import sys; from aerodrake.scenario import Scenario\n"
         "import aerodrake.sweeps.trial, aerodrake.learning.collection\n"
         "assert not {'torch', 'matplotlib'} & set(sys.modules)\n"
-        "from aerodrake.flight.simulate import Flight\n"
+        "from aerodrake.flight.simulate import FlightSimulation\n"
         "import aerodrake.reports.flight_folder, aerodrake.reports.replay\n"
-        "Flight(Scenario(settle_s=0, duration=0.02)).fly(); assert 'torch' not in sys.modules"
+        "FlightSimulation(Scenario(settle_s=0, duration=0.02)).fly()\n"
+        "assert 'torch' not in sys.modules"
     )
     root = Path(aerodrake.__file__).parents[1]
     environment = os.environ | {"PYTHONPATH": str(root)}
@@ -230,7 +231,7 @@ def test_a_flight_without_network_needs_no_torch():
 def test_what_stops_a_flight_is_logged_once(start_s):
     """Whether or not the monitor looks at that very instant."""
     fault = SampleStale(group="attitude", start_s=start_s, duration_s=9.0)
-    log = Flight(Scenario(settle_s=0.5, duration=2.0, faults=(fault,))).fly()
+    log = FlightSimulation(Scenario(settle_s=0.5, duration=2.0, faults=(fault,))).fly()
     assert (log.exit_reason, log.exit_cause.split()[0]) == ("stopped", "attitude_lost")
     assert log.time_s[-1] == pytest.approx(start_s + 0.4)
     np.testing.assert_allclose(np.diff(log.time_s), 0.01)

@@ -8,7 +8,7 @@ from pydrake.systems.primitives import Adder, ConstantVectorSource, Gain
 
 from aerodrake.gallery.graph import systems_by_name, to_dot, to_mermaid
 from aerodrake.scenario import Scenario
-from aerodrake.station import SEAM, make_closed_loop
+from aerodrake.station import STATION_INTERFACE, make_closed_loop
 
 DEPTH = 2
 
@@ -148,7 +148,7 @@ def test_mermaid_depth(closed_loop):
     shallow = to_mermaid(closed_loop, 1)
     assert nodes(shallow) == {"station", "coordinator"}
     assert arrows(shallow) == {
-        ("station", "coordinator"): "<br/>".join(sorted(SEAM)),
+        ("station", "coordinator"): "<br/>".join(sorted(STATION_INTERFACE)),
         ("coordinator", "station"): "base_setpoint<br/>joint_setpoint",
     }
     assert to_mermaid(closed_loop, 9) == to_mermaid(closed_loop, DEPTH + 1)

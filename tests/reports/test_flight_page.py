@@ -8,7 +8,7 @@ import yaml
 
 from aerodrake.cli import main
 from aerodrake.flight.log import FlightLog
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.reports.flight_page import report_page
 from aerodrake.reports.flight_table import table_rows
 from aerodrake.scenario.load import load_scenario
@@ -143,7 +143,7 @@ def test_it_says_how_to_fly_it_again(desktop, folder, summary):
 def test_the_same_flight_gives_the_same_page(folder, summary):
     scenario = load_scenario(str(folder / "scenario.yaml"))
     log = FlightLog.read(folder / "log.npz", summary)
-    page = report_page(Flight(scenario), summary, log, "<p>replay</p>", folder, folder)
+    page = report_page(FlightSimulation(scenario), summary, log, "<p>replay</p>", folder, folder)
     again = (folder / "report.html").read_text()
     packed = re.compile(r'(<script type="application/gzip" id="packed">)[^<]*')
     assert packed.sub(r"\1", page) == packed.sub(r"\1", again)
@@ -156,6 +156,6 @@ def test_flights_that_ended_early_have_one(samples, folder, summary):
     log = FlightLog.read(folder / "log.npz", summary)
     lost = lost_early(log, samples, "tilt & <b>")
     ended = summary | {"exit_reason": "lost", "exit_cause": "tilt & <b>"}
-    flight = Flight(load_scenario(str(folder / "scenario.yaml")))
+    flight = FlightSimulation(load_scenario(str(folder / "scenario.yaml")))
     page = report_page(flight, ended, lost, "", folder, folder)
     assert "tilt &amp; &lt;b&gt;" in page and "<iframe" not in page

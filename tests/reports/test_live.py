@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from aerodrake.cli import main
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.vehicle.rotation import rotation_matrix
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.reports.live import LiveView
 
 RATE = 3.0
@@ -21,7 +21,9 @@ def watched(short_flight):
     scenario, _ = short_flight
     with LiveView(scenario, RATE) as view:
         lines = []
-        log = Flight(scenario).fly(lambda simulated_s: lines.append(view.line()), RATE, view.attach)
+        log = FlightSimulation(scenario).fly(
+            lambda simulated_s: lines.append(view.line()), RATE, view.attach
+        )
         yield view, lines, log
 
 
@@ -48,7 +50,7 @@ def test_the_learning_space_goes_with_the_base(watched, short_flight):
     """At the last frame, which is less than one before the end."""
     view, _, log = watched
     placed = numbers(view._scene.meshcat._GetPackedTransform("/learning_space"))
-    p_O = Vehicle.load(short_flight[0]).p_O
+    p_O = VehicleModel.load(short_flight[0]).p_O
     expected = log["p_B_m"][-1] + rotation_matrix(log["quaternion"][-1]) @ p_O
     np.testing.assert_allclose(placed[12:15], expected, atol=5e-3)  # By columns.
 

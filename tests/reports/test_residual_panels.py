@@ -4,7 +4,7 @@ import numpy as np
 
 from aerodrake.model.equivalent.initial_state import Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.reports.residual_panels import residuals
 
 STATE = ("quaternion", "p_B_m", "q_rad", "omega_W_rad_s", "v_B_m_s", "qdot_rad_s")
@@ -26,7 +26,7 @@ def test_true_delta_is_what_the_model_lacked(short_flight):
             np.concatenate([log["p_Bd_m"][i], log["v_Bd_m_s"][i], log["a_Bd_m_s2"][i]]),
             np.concatenate([log["q_d_rad"][i], log["qdot_d_rad_s"][i], log["qddot_d_rad_s2"][i]]),
             Thrust.make(
-                VehicleState.from_vector(state),
+                split_state(state),
                 log["specific_thrust_m_s2"][i],
                 log["external_acceleration_m_s2"][i + 1],
                 log["disturbance_m_s2"][i],

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Residual, Scenario
 from aerodrake.scenario import Vehicle as Section
 from aerodrake.scenario.fingerprint import plant_hash
@@ -53,7 +53,7 @@ def test_files_named_alike_and_meshes_are_all_there(own, tmp_path):
     assert Path(copies.orientation.file).read_text().startswith("t,ax")
     assert Path(copies.reference.file).read_text() == CSV
     assert copies.vehicle.robot == str(tmp_path / "copies" / "mine.urdf")
-    assert Vehicle.load(copies).joint_names == Vehicle.load(own).joint_names
+    assert VehicleModel.load(copies).joint_names == VehicleModel.load(own).joint_names
 
 
 def test_what_is_saved_needs_nothing_else_and_is_the_same_again(own, tmp_path):
@@ -67,7 +67,7 @@ def test_what_is_saved_needs_nothing_else_and_is_the_same_again(own, tmp_path):
     for name in files(folders[0]):
         assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes(), name
     assert plant_hash(first) == plant_hash(second)
-    Vehicle.load(second)
+    VehicleModel.load(second)
 
 
 def test_changes_come_too_late(own):
@@ -75,7 +75,7 @@ def test_changes_come_too_late(own):
         for file in (own.reference.file, own.vehicle.robot):
             Path(file).write_text("spoilt")
         assert Path(flown.reference.file).read_text() == CSV
-        Vehicle.load(flown)
+        VehicleModel.load(flown)
         home = Path(flown.reference.file).parent
     assert not home.exists()
 
@@ -83,7 +83,7 @@ def test_changes_come_too_late(own):
 def test_errors_name_the_file_itself(own):
     Path(own.vehicle.robot).write_text("<robot name='x'><link name='base'/></robot>")
     with pytest.raises(ScenarioError) as caught, frozen(own) as flown:
-        Vehicle.load(flown)
+        VehicleModel.load(flown)
     assert caught.value.key == "vehicle.robot"
     assert str(caught.value).startswith(f"flight.yaml: vehicle.robot: {own.vehicle.robot}: ")
 

@@ -8,8 +8,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.flight.simulate import Flight
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.flight.simulate import FlightSimulation
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import TOOL_FRAME, add_robot
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.world import Mismatch, Payload, Sensors, Wind
@@ -20,7 +20,7 @@ from tests.trim import hovering
 def test_noise_does_not_lift_the_base():
     """Rotors that rise faster than they fall give more thrust than a noisy command asks for."""
     noisy = Sensors(attitude_noise_rad=0.005)
-    log = Flight(Scenario(settle_s=0.0, duration=8.0, sensors=noisy)).fly()
+    log = FlightSimulation(Scenario(settle_s=0.0, duration=8.0, sensors=noisy)).fly()
     offset = log["p_B_m"][300:, 2] - log["p_Bd_m"][300:, 2]
     assert abs(offset.mean()) < 0.003
 
@@ -41,7 +41,7 @@ def test_a_steady_wind_is_leant_into(scenario, vehicle):
         return station.GetOutputPort(port).Eval(context)
 
     held = -drag - [0, 0, -9.81 * vehicle.mass]
-    state = VehicleState.from_vector(output("true_state"))
+    state = split_state(output("true_state"))
     np.testing.assert_allclose(output("wind_force"), drag, atol=1e-4)
     assert output("thrust").sum() == pytest.approx(np.linalg.norm(held), abs=1e-4)
     np.testing.assert_allclose(state.R_B[:, 2], held / np.linalg.norm(held), atol=1e-5)
@@ -69,7 +69,7 @@ def test_the_plant_of_a_default_context_is_off_by_the_mismatch(scenario, vehicle
 
 def test_a_heavier_plant_is_lifted_and_the_controllers_call_it_a_disturbance(vehicle):
     heavy = Mismatch(mass_scale=1.05, inertia_scale=1.05, rotor_lag_scale=1.2, thrust_scale=1.1)
-    log = Flight(Scenario(settle_s=0.0, duration=8.0, mismatch=heavy)).fly()
+    log = FlightSimulation(Scenario(settle_s=0.0, duration=8.0, mismatch=heavy)).fly()
     assert log["thrust_n"][-1].sum() == pytest.approx(1.05 * vehicle.mass * 9.81, abs=1e-3)
     commanded = (1 + 0.05 / 1.1) * vehicle.mass * 9.81
     assert log["thrust_command_n"][-1].sum() == pytest.approx(commanded, abs=1e-3)
@@ -80,7 +80,9 @@ def test_a_heavier_plant_is_lifted_and_the_controllers_call_it_a_disturbance(veh
 @pytest.fixture(scope="module")
 def loaded_hover():
     """A payload of 0.2 kg from the first moment on, flown to rest by the closed loop."""
-    return Flight(Scenario(settle_s=0.0, duration=10.0, payload=Payload(mass_kg=0.2))).fly()
+    return FlightSimulation(
+        Scenario(settle_s=0.0, duration=10.0, payload=Payload(mass_kg=0.2))
+    ).fly()
 
 
 def test_a_payload_is_lifted_and_the_tool_returns(loaded_hover, vehicle):

@@ -83,7 +83,7 @@ def test_an_error_is_a_row_that_tells_it(error, monkeypatch):
     def fail(_):
         raise error
 
-    monkeypatch.setattr(module, "Flight", fail)
+    monkeypatch.setattr(module, "FlightSimulation", fail)
     row, _ = fly_trial(make().trial(0))
     assert row["exit_reason"] == "failed"
     assert row["exit_cause"] == f"{type(error).__name__}: no such"
@@ -106,7 +106,7 @@ def test_what_the_machine_refuses_is_no_row(error, monkeypatch):
             raise BadInput("/tmp", "", "cannot be written") from None
 
     for flight, kind in ((fail, type(error)), (told, BadInput)):
-        monkeypatch.setattr(module, "Flight", flight)
+        monkeypatch.setattr(module, "FlightSimulation", flight)
         with pytest.raises(kind):
             fly_trial(make().trial(0))
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from pydrake.common.value import Value
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.clik import InverseKinematics
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Clik, Mpc
 from aerodrake.scenario.references import Lissajous
 from aerodrake.systems.clik import ClikSystem
@@ -37,7 +37,7 @@ def clik(parts) -> ClikSystem:
 def values(vehicle, parts):
     """At rest in trim, 5 cm from its target."""
     state, n = vehicle.trim_state, vehicle.joints
-    end_effector = Kinematics(vehicle.robot).end_effector(VehicleState.from_vector(state))
+    end_effector = Kinematics(vehicle.robot).end_effector(split_state(state))
     target = np.concatenate([end_effector.p_E + [0.05, 0, 0], np.zeros(3)])
     base = np.concatenate([vehicle.p_B, np.zeros(6)])
     arm = np.concatenate([vehicle.working, np.zeros(2 * n)])
@@ -117,7 +117,7 @@ def test_flies_in_the_mpcs_place(scenario):
     flown = replace(
         scenario, controller="clik", mpc=mpc, settle_s=0.1, duration=3.0, reference=path
     )
-    log = Flight(flown).fly()
+    log = FlightSimulation(flown).fly()
     assert log.exit_reason == "completed" and len(log["tick_ms"]) == 155
     assert np.ptp(log["p_Ed_m"], axis=0).max() > 0.1
     assert log.error_m.max() < 0.01

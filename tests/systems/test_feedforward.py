@@ -10,8 +10,8 @@ from pydrake.trajectories import Trajectory
 
 from aerodrake.flight.open_loop import make_open_loop
 from aerodrake.model.setpoint.motion import held_acceleration_motion
-from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.model.vehicle.whole_body import WholeBody
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
@@ -21,7 +21,7 @@ WAYS = np.array([1.0, 0.8, -1.0, 1.0, 0.8, 1.0])
 """Of each joint, towards the middle of its range."""
 
 
-def motion(vehicle: Vehicle, base_speed, joint_speed) -> tuple[Trajectory, Trajectory]:
+def motion(vehicle: VehicleModel, base_speed, joint_speed) -> tuple[Trajectory, Trajectory]:
     """Of base and joints, from their velocities each `PERIOD`."""
     return (
         held_acceleration_motion(vehicle.p_B, base_speed, PERIOD),
@@ -29,14 +29,14 @@ def motion(vehicle: Vehicle, base_speed, joint_speed) -> tuple[Trajectory, Traje
     )
 
 
-def swing(vehicle: Vehicle) -> tuple[Trajectory, Trajectory]:
+def swing(vehicle: VehicleModel) -> tuple[Trajectory, Trajectory]:
     """All joints by about 1 rad in 1 s, and a second of rest; the base is to stay."""
     s = np.clip(PERIOD * np.arange(201), 0, 1)
     speed = 30 * s**2 - 60 * s**3 + 30 * s**4
     return motion(vehicle, np.zeros((201, 3)), speed[:, None] * WAYS)
 
 
-def wave(vehicle: Vehicle) -> tuple[Trajectory, Trajectory]:
+def wave(vehicle: VehicleModel) -> tuple[Trajectory, Trajectory]:
     """Base and joints together, smoothly from rest and around for 4 s."""
     t = PERIOD * np.arange(401)
     ramp = (np.minimum(t, 1) ** 2 * (3 - 2 * np.minimum(t, 1)))[:, None]
@@ -71,7 +71,7 @@ class Flown:
 
     @property
     def state(self) -> VehicleState:
-        return VehicleState.from_vector(self.output("true_state"))
+        return split_state(self.output("true_state"))
 
 
 @pytest.mark.parametrize("feedforward", ["whole_body", "none"])
@@ -149,8 +149,8 @@ def test_the_disturbance_is_not_what_the_arm_is_known_to_take(scenario, vehicle)
     misses, sizes = [], []
     for time in flown.advance():
         q, qdot, qddot = (order.value(time - PERIOD / 2).ravel() for order in orders)
-        state = VehicleState.from_vector(vehicle.trim_state.copy())
-        x = replace(state, q=q, qdot=qdot).to_vector()
+        state = split_state(vehicle.trim_state.copy())
+        x = state._replace(q=q, qdot=qdot).to_vector()
         force = whole_body.effort(x, np.concatenate([np.zeros(6), qddot]))[3:6]
         expected = -(force / vehicle.mass - [0, 0, 9.81])
         misses.append(np.abs(flown.output("disturbance")[:3] - expected).max())

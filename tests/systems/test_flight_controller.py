@@ -8,7 +8,7 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import GRAVITY, add_robot
 from aerodrake.station import make_context, make_station
 from aerodrake.systems.flight_controller import FlightController
@@ -58,7 +58,7 @@ def tick(controller, context, state, setpoint) -> np.ndarray:
     controller.GetInputPort("state").FixValue(context, state)
     controller.GetInputPort("base_setpoint").FixValue(context, setpoint)
     # The arm is told to stay where it is.
-    q = VehicleState.from_vector(state).q
+    q = split_state(state).q
     folded = np.concatenate([q, np.zeros(2 * len(q))])
     controller.GetInputPort("joint_setpoint").FixValue(context, folded)
     context.SetDiscreteState(controller.EvalUniquePeriodicDiscreteUpdate(context))
@@ -185,7 +185,7 @@ def test_the_limits_of_the_rotors_are_flagged_while_they_bind(scenario, vehicle,
     saturated = controller.GetOutputPort("saturated")
     assert saturated.Eval(context) == 0  # There was no command yet.
     for much, expected in ((0.02, 0), (10.0, 1), (0.0, 0)):
-        state, setpoint = VehicleState.from_vector(vehicle.trim_state.copy()), hover.copy()
+        state, setpoint = split_state(vehicle.trim_state.copy()), hover.copy()
         if axis == "thrust":
             setpoint[2] += much
         else:

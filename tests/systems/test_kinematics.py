@@ -5,7 +5,7 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import BASE_FRAME, TOOL_FRAME, add_robot
 from aerodrake.systems.kinematics import KinematicsSystem
 
@@ -89,7 +89,7 @@ def test_end_effector_moves_as_the_free_flying_plant_does(system, plant, vehicle
         plant.SetPositionsAndVelocities(plant_context, x)
         v_E = tool.CalcSpatialVelocityInWorld(plant_context).translational()
         end_effector = evaluate(system, fixed(system, x, np.zeros(6)), "end_effector")
-        state = VehicleState.from_vector(x)
+        state = split_state(x)
         rates = np.concatenate([state.v_B, state.rpy_rates[2:], state.qdot])
         moved = end_effector.J_c @ rates + end_effector.J_u @ state.rpy_rates[:2]
         np.testing.assert_allclose(moved, v_E, atol=1e-12)

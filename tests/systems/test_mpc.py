@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydrake.common.value import Value
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.fault import MpcFault
 from aerodrake.model.mpc.formulation import MpcFormulation
@@ -14,9 +14,8 @@ from aerodrake.model.mpc.inputs import MpcInputs
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.scenario import Flight as FlightGains
-from aerodrake.scenario import Model, Mpc
+from aerodrake.model.vehicle.state import split_state
+from aerodrake.scenario import Flight, Model, Mpc
 from aerodrake.scenario.references import Lissajous
 from aerodrake.systems.mpc import MpcSystem
 
@@ -68,7 +67,7 @@ def values(vehicle, kinematics):
     """Of the input ports: near trim, and no two numbers alike."""
     rng = np.random.default_rng(0)
     state = vehicle.trim_state + 1e-2 * rng.normal(size=len(vehicle.trim_state))
-    end_effector = kinematics.end_effector(VehicleState.from_vector(state))
+    end_effector = kinematics.end_effector(split_state(state))
     horizon = 1e-2 * rng.normal(size=(N + 1, 6))
     horizon[:, :3] += end_effector.p_E
     n = vehicle.joints
@@ -107,7 +106,7 @@ def plan(mpc, formulation, context) -> np.ndarray:
 
 def by_hand(formulation, values) -> np.ndarray:
     """(N, 3 + n), the unconstrained optimum, each quantity taken from its port's layout."""
-    rates = VehicleState.from_vector(values["state"]).rpy_rates
+    rates = split_state(values["state"]).rpy_rates
     program = formulation.form(
         MpcInputs(
             x_0=values["x_0"],
@@ -240,7 +239,7 @@ def test_the_flown_loop_arrives_where_stage_1_predicts(scenario):
         settle_s=0.1,
         duration=2.4,
         reference=Lissajous(amplitude_m=(0.2, 0.15, 0.1), period_s=(10.0, 8.0, 12.0), start_s=1.0),
-        flight=FlightGains(
+        flight=Flight(
             interface="trajectory",
             position_gain=(9.0, 9.0, 9.0),
             velocity_gain=(5.0, 5.0, 5.0),
@@ -260,7 +259,7 @@ def test_the_flown_loop_arrives_where_stage_1_predicts(scenario):
             tilt="none",
         ),
     )
-    log = Flight(calm).fly()
+    log = FlightSimulation(calm).fly()
     assert log.exit_reason == "completed"
     # Logs see the state before the update: the tick at sample i shows at i + 1.
     i = np.arange(150, 240, 2)

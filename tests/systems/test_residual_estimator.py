@@ -13,7 +13,7 @@ from pydrake.systems.analysis import Simulator
 from aerodrake.model.equivalent.axis_models import AXIS_MODELS
 from aerodrake.model.residual.features import features
 from aerodrake.model.residual.network import ResidualNetwork
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from tests.estimator_flights import (
     DT,
@@ -45,7 +45,7 @@ def straightforward(network, model, mode, learning_rate, batch, flight):
     pending, window = None, []
     log, error, nominal_error = {name: [] for name in OUTPUTS}, np.zeros(3), np.zeros(3)
     for tick in flight:
-        state = VehicleState.from_vector(tick["state"])
+        state = split_state(tick["state"])
         u = np.concatenate([tick["base_setpoint"][6:9], tick["joint_setpoint"][12:18]])
         delta, valid = np.zeros(3), all(np.isfinite(value).all() for value in tick.values())
         if valid:
@@ -141,7 +141,7 @@ def test_delta_is_bounded_however_badly_it_learns(seed, size):
     context, rng = estimator.CreateDefaultContext(), np.random.default_rng(seed)
     for tick in inputs(25, seed):
         # What is measured of the velocity decides what is learned.
-        VehicleState.from_vector(tick["state"]).v_B[:] *= size ** rng.uniform()
+        split_state(tick["state"]).v_B[:] *= size ** rng.uniform()
         delta = drive(estimator, context, [tick])["delta"][0]
         u = np.concatenate([tick["base_setpoint"][6:], tick["joint_setpoint"][2 * JOINTS :]])
         phi = network.phi(features(tick["state"], u))
@@ -198,7 +198,7 @@ def test_learns_a_constant_residual(kind):
     tick |= {"base_setpoint": np.zeros(9), "joint_setpoint": np.zeros(3 * JOINTS)}
     tick |= {"saturated": np.zeros(1), "x_0": np.zeros(len(model.A))}
     # At rest on its setpoint, the model alone predicts no motion.
-    state = VehicleState.from_vector(tick["state"])
+    state = split_state(tick["state"])
     state.quaternion[0] = 1
     state.v_B[:] = model.C[model.base_velocity] @ residual
     tick["x_0"][model.base_velocity] = state.v_B

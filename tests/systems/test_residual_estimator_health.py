@@ -6,7 +6,7 @@ from pydrake.systems.framework import Context
 
 from aerodrake.model.residual.judge import Cause
 from aerodrake.model.residual.network import ResidualNetwork
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Residual
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from tests.estimator_flights import (
@@ -26,13 +26,13 @@ from tests.estimator_flights import (
 def steady(ticks: int) -> list[dict[str, np.ndarray]]:
     """At rest on its setpoint, but for a residual that the untrained network can learn."""
     flight = inputs(1)[0] | {"saturated": np.zeros(1), "x_0": np.zeros(12 + 2 * JOINTS)}
-    velocity = VehicleState.from_vector(flight["state"]).v_B
+    velocity = split_state(flight["state"]).v_B
     velocity[:] = 0.10, -0.05, 0.02
     flight["base_setpoint"] *= 0
     found = []
     for k in range(ticks):  # The base goes where its velocity takes it.
         state = flight["state"].copy()
-        VehicleState.from_vector(state).p_B[:] = k * DT * velocity
+        split_state(state).p_B[:] = k * DT * velocity
         found.append(flight | {"state": state})
     return found
 

@@ -17,12 +17,12 @@ from scipy.spatial.transform import Rotation
 from aerodrake.flight.excitation import excite
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.open_loop import make_open_loop
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.sensing.sample import GROUPS, group_columns
 from aerodrake.model.sensing.sample_check import SampleCheck, Verdict
 from aerodrake.model.sensing.state_filter import StateFilter
-from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Filter, Rates, Rotor
 from aerodrake.scenario.faults import SampleNan
 from aerodrake.scenario.load import load_scenario
@@ -46,7 +46,7 @@ def make_filter(config: Filter, trim_acceleration: np.ndarray) -> StateFilterSys
     return StateFilterSystem(equations, bounds, False, JOINTS, TRIM, trim_acceleration)
 
 
-def held(vehicle: Vehicle, duration: float) -> tuple[Trajectory, Trajectory]:
+def held(vehicle: VehicleModel, duration: float) -> tuple[Trajectory, Trajectory]:
     """Motions of base and joints that stay in trim."""
     return tuple(
         PiecewisePolynomial.ZeroOrderHold([0, duration], np.column_stack([x, x]))
@@ -97,9 +97,8 @@ def test_known_motion_is_told_as_of_now_however_late_its_samples(steps):
 
     def truth(k: int) -> np.ndarray:
         v, p = (speed(times[k]), way(times[k])) if k > 0 else np.zeros((2, 4))
-        state = VehicleState.from_vector(TRIM)
-        return replace(
-            state,
+        state = split_state(TRIM)
+        return state._replace(
             quaternion=Rotation.from_rotvec(p[3] * e).as_quat(scalar_first=True),
             p_B=state.p_B + p[:3],
             omega_W=v[3] * e,
@@ -164,7 +163,7 @@ def test_health_tells_how_long_which_group_has_been_missing(config, group):
     context = make_context(diagram, 0)
     for port, size in (("acceleration", 6), ("reaction", 3)):
         diagram.GetInputPort(port).FixValue(context, np.zeros(size))
-    setpoint = np.append(VehicleState.from_vector(TRIM).q, np.zeros(2 * JOINTS))
+    setpoint = np.append(split_state(TRIM).q, np.zeros(2 * JOINTS))
     diagram.GetInputPort("joint_setpoint").FixValue(context, setpoint)
     diagram.GetInputPort("true_state").FixValue(context, TRIM)
     simulator = Simulator(diagram, context)
@@ -266,7 +265,9 @@ def test_what_moving_the_arm_takes_is_told_with_the_command(scenario, vehicle):
 @pytest.fixture(scope="module")
 def realistic() -> FlightLog:
     """4 s of noise, lateness, gusts and a plant that is off its model."""
-    return Flight(replace(load_scenario("clover_realistic"), settle_s=0.0, duration=4.0)).fly()
+    return FlightSimulation(
+        replace(load_scenario("clover_realistic"), settle_s=0.0, duration=4.0)
+    ).fly()
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pydrake.systems.analysis import Simulator, SimulatorStatus
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.scenario import Supervisor as Config
-from aerodrake.systems.supervisor import Supervisor
+from aerodrake.systems.supervisor import SupervisorSystem
 
 PERIOD, TICK = 0.01, 0.02
 CONFIG = Config()
@@ -18,7 +18,7 @@ class Watch:
     """A supervisor in a Simulator; all is well at first."""
 
     def __init__(self, vehicle):
-        self.system = Supervisor(conditions(CONFIG), vehicle, PERIOD, TICK)
+        self.system = SupervisorSystem(conditions(CONFIG), vehicle, PERIOD, TICK)
         self.simulator = Simulator(self.system)
         self.context = self.simulator.get_mutable_context()
         self.set(
@@ -123,7 +123,7 @@ def test_a_landing_is_over_once_the_ground_carries(watch, vehicle):
 
 
 def test_who_has_nothing_to_tell_may_be_absent(vehicle):
-    system = Supervisor(conditions(CONFIG), vehicle, PERIOD, TICK)
+    system = SupervisorSystem(conditions(CONFIG), vehicle, PERIOD, TICK)
     simulator = Simulator(system)
     context = simulator.get_mutable_context()
     for port, value in (

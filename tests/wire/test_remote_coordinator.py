@@ -7,7 +7,7 @@ import pytest
 from pydrake.lcm import DrakeLcm
 
 from aerodrake.coordinator import make_coordinator
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.supervision.safe_mode import SafeMode
@@ -33,7 +33,7 @@ def clover():
 
 @pytest.fixture(scope="module")
 def here(clover):
-    return Flight(clover).fly()
+    return FlightSimulation(clover).fly()
 
 
 def names(diagram, count, port):
@@ -55,7 +55,7 @@ def test_it_has_the_ports_of_the_coordinator(scenario):
 @pytest.mark.parametrize("name", ["clover", "clover_paper"])
 def test_without_latency_it_is_the_same_flight_bit_for_bit(name):
     scenario = load_scenario(name, SHORT)
-    here, over = Flight(scenario).fly(), fly_over(Lockstep(), scenario)
+    here, over = FlightSimulation(scenario).fly(), fly_over(Lockstep(), scenario)
     assert over.exit_reason == here.exit_reason == "completed"
     assert set(over.signals) == set(here.signals)
     for key in set(here.signals) - {"tick_ms"}:
@@ -69,7 +69,7 @@ def test_without_latency_it_is_the_same_flight_bit_for_bit(name):
 def test_latency_costs_next_to_nothing():
     """Without the plan in each message the 3 ms would cost half as much again."""
     scenario = load_scenario("clover", [("--set", "settle_s=0.5"), ("--set", "duration=9")])
-    here, over = Flight(scenario).fly(), fly_over(Lockstep(late=3), scenario)
+    here, over = FlightSimulation(scenario).fly(), fly_over(Lockstep(late=3), scenario)
     assert summarize(scenario, over)["mpc"]["missed"] == 0
     started = here.time_s > 3
     assert over.error_m[started].mean() < 1.2 * here.error_m[started].mean()
@@ -167,7 +167,7 @@ def test_a_coordinator_that_is_started_again_takes_the_flight_over(clover):
         return channel == COORDINATOR and i > 60 and lcm.companion is first
 
     lcm.is_lost = is_lost
-    flight = Flight(clover, link=make_station_link(clover, lcm))
+    flight = FlightSimulation(clover, link=make_station_link(clover, lcm))
     first = lcm.companion = Companion(clover, lcm)
     over = flight.fly()
     assert SafeMode.HOLD in over["supervisor_mode"]
@@ -181,7 +181,7 @@ def test_a_tick_that_the_mpc_misses_is_missed_over_the_wire_too():
     scenario = load_scenario("clover", [*SHORT, ("--set", f"faults={faults}")])
     figures = [
         summarize(scenario, log)["mpc"]
-        for log in (Flight(scenario).fly(), fly_over(Lockstep(3), scenario))
+        for log in (FlightSimulation(scenario).fly(), fly_over(Lockstep(3), scenario))
     ]
     assert [f["missed"] for f in figures] == [3, 3]
 
@@ -194,4 +194,4 @@ def test_a_refusal_counts_as_soon_as_it_is_heard(scenario):
     coordinator.station, coordinator.phase = link.station, Phase.OVER
     coordinator.tell(0.0, {})
     with pytest.raises(BadInput, match=r"expected a coordinator .* that differs in settle_s$"):
-        Flight(scenario, link=link)
+        FlightSimulation(scenario, link=link)

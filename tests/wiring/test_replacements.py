@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, LeafSystem
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.gallery.graph import systems_by_name
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.scenario import Residual, Scenario
@@ -36,7 +36,7 @@ class Fixed(LeafSystem):
 
 
 def flown(scenario: Scenario, **by_name):
-    return Flight(scenario, Replacements(by_name)).fly()
+    return FlightSimulation(scenario, Replacements(by_name)).fly()
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, DiscreteTimeIntegrator, RandomSource
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.scenario import Filter, Rates, Scenario
 from aerodrake.scenario.faults import Push, SampleJump, SampleNan
 from aerodrake.scenario.world import Payload, Sensors
@@ -120,7 +120,7 @@ def test_noise_is_the_same_at_any_delay(vehicle):
 def dropped():
     """A load from the first moment on, which base and arm give way to, measured 20 ms late."""
     scenario = Scenario(duration=0.5, settle_s=0.0, payload=Payload(mass_kg=0.5))
-    return Flight(replace(scenario, sensors=Sensors(base_delay_s=0.02))).fly()
+    return FlightSimulation(replace(scenario, sensors=Sensors(base_delay_s=0.02))).fly()
 
 
 @pytest.mark.parametrize(

@@ -18,8 +18,8 @@ from aerodrake.model.low_level.flight_memory import memory_parts
 from aerodrake.model.low_level.rotor_lag import RotorLag, advance
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle.rotation import UP, cross, rotation_matrix, turn
-from aerodrake.model.vehicle.state import parts
-from aerodrake.model.vehicle.vehicle import GRAVITY, Vehicle
+from aerodrake.model.vehicle.state import split_state
+from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
 from aerodrake.scenario import Flight, Rotor
 from aerodrake.support.compiled import compiled
 
@@ -53,7 +53,7 @@ class InnerLoop(NamedTuple):
     smoothing: float
 
     @classmethod
-    def make(cls, config: Flight, rotor: Rotor, vehicle: Vehicle, period: float) -> InnerLoop:
+    def make(cls, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: float) -> InnerLoop:
         """Of the scenario's gains and this vehicle; `period` in s.
 
         Raises:
@@ -98,7 +98,7 @@ def inner_loop(
         disturbance (6,), saturated (1,).
     """
     _, observer, integral, R_d_last, omega_d, thrust = memory_parts(x)
-    quaternion, _, _, omega_W, _, _ = parts(state)
+    quaternion, _, _, omega_W, _, _ = split_state(state)
     R = rotation_matrix(quaternion)
     omega = R.T @ omega_W
     observer = observe(loop.eso, observer, believed[3:], omega)

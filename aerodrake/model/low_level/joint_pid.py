@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from aerodrake.model.vehicle.state import parts
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.state import split_state
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Arm
 from aerodrake.support.compiled import compiled
 
@@ -40,7 +40,7 @@ class JointPid(NamedTuple):
     dt: float
 
     @classmethod
-    def make(cls, arm: Arm, vehicle: Vehicle, dt: float) -> JointPid:
+    def make(cls, arm: Arm, vehicle: VehicleModel, dt: float) -> JointPid:
         """Gains that give each joint's inertia the bandwidth and damping of `arm`; dt in s."""
         k_p = vehicle.joint_inertia * arm.bandwidth_rad_s**2
         k_d = vehicle.joint_inertia * 2 * arm.damping * arm.bandwidth_rad_s
@@ -68,7 +68,7 @@ def control(
     Returns:
         (n,) N m each.
     """
-    _, _, q, _, _, qdot = parts(state)
+    _, _, q, _, _, qdot = split_state(state)
     n = len(q)
     torque, moved = np.empty(n), np.empty(n)
     for i in range(n):

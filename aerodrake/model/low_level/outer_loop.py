@@ -10,8 +10,8 @@ from aerodrake.model.low_level.eso import ExtendedStateObserver, observe
 from aerodrake.model.low_level.flight_law import PositionGains, desired_thrust, position_law
 from aerodrake.model.low_level.flight_memory import memory_parts
 from aerodrake.model.vehicle.rotation import UP
-from aerodrake.model.vehicle.state import parts
-from aerodrake.model.vehicle.vehicle import GRAVITY, Vehicle
+from aerodrake.model.vehicle.state import split_state
+from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
 from aerodrake.scenario import Flight, Rotor
 from aerodrake.support.compiled import compiled
 
@@ -36,7 +36,7 @@ class OuterLoop(NamedTuple):
     dt: float
 
     @classmethod
-    def make(cls, config: Flight, rotor: Rotor, vehicle: Vehicle, period: float) -> OuterLoop:
+    def make(cls, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: float) -> OuterLoop:
         """Of the scenario's gains and this vehicle; `period` in s."""
         return cls(
             gains=PositionGains.make(config),
@@ -67,7 +67,7 @@ def outer_loop(
         m/s^2, wanted; a_B (3,) m/s^2, as much of it as tilt and thrust allow.
     """
     observer, _, integral, _, _, _ = memory_parts(x)
-    _, p_B, _, _, v_B, _ = parts(state)
+    _, p_B, _, _, v_B, _ = split_state(state)
     p_d, v_d, a_d = setpoint[:3], setpoint[3:6], setpoint[6:]
     if not loop.is_trajectory:
         v_d = a_d = np.zeros(3)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Rotor, Scenario
 from aerodrake.support.compiled import compiled
 from aerodrake.support.errors import ScenarioError
@@ -34,7 +34,7 @@ class ThrustAllocation(NamedTuple):
         return cls(mixer, np.ascontiguousarray(np.linalg.pinv(mixer).T), minimum, maximum)
 
     @classmethod
-    def make(cls, vehicle: Vehicle, rotor: Rotor) -> ThrustAllocation:
+    def make(cls, vehicle: VehicleModel, rotor: Rotor) -> ThrustAllocation:
         """For the rotors of `vehicle`.
 
         Raises:
@@ -53,7 +53,7 @@ class ThrustAllocation(NamedTuple):
 
 def thrust_notes(scenario: Scenario) -> list[str]:
     """What should be known of rotors that do not hold the vehicle up within their limits."""
-    rotor, vehicle = scenario.vehicle.rotor, Vehicle.load(scenario)
+    rotor, vehicle = scenario.vehicle.rotor, VehicleModel.load(scenario)
     trim = vehicle.trim_wrench @ ThrustAllocation.make(vehicle, rotor).inverse
     found = []
     if trim.max() >= rotor.max_thrust_n:

@@ -11,7 +11,7 @@ from aerodrake.model.mpc.horizon import stage_times
 from aerodrake.model.mpc.inputs import MpcInputs
 from aerodrake.model.mpc.tracking import limited_gain
 from aerodrake.model.setpoint.integration import SetpointLimits
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Clik, Mpc
 
 
@@ -63,7 +63,7 @@ class InverseKinematics:
         mpc: Mpc,
         model: EquivalentModel,
         limits: SetpointLimits,
-        vehicle: Vehicle,
+        vehicle: VehicleModel,
     ):
         self.mpc, self.model = mpc, model
         self._config, self._limits, self._p_O = config, limits, vehicle.p_O

@@ -18,8 +18,8 @@ from aerodrake.model.mpc.stage_outputs import StageOutputs
 from aerodrake.model.mpc.tracking import add_tracking, carried_along, limited_gain
 from aerodrake.model.setpoint.braking import braking
 from aerodrake.model.setpoint.integration import SetpointLimits
-from aerodrake.model.vehicle.kinematics import Carried
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.kinematics import TaskVector
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
 
 SLACK = 1e-6
@@ -37,7 +37,7 @@ class MpcProgram:
         lower, upper: (rows,).
         free: (F, N), the stages' outputs under zero input.
         C: (F, F), the cost of a stage's outputs y is y' C y, beside what is linear in y.
-        carried: (k, n), how the joints move what the cost has wishes for.
+        task_jacobian: (k, n), how the joints move what the cost has wishes for.
         condensing: What makes H of C.
         v_d: (m,) of the setpoints now, m/s and rad/s.
     """
@@ -47,7 +47,7 @@ class MpcProgram:
     upper: np.ndarray
     free: np.ndarray
     C: np.ndarray
-    carried: np.ndarray
+    task_jacobian: np.ndarray
     condensing: Condensing
     v_d: np.ndarray
 
@@ -100,7 +100,7 @@ class MpcFormulation:
         config: Mpc,
         model: EquivalentModel,
         limits: SetpointLimits,
-        vehicle: Vehicle,
+        vehicle: VehicleModel,
     ):
         self.config, self.model, self.limits = config, model, limits
         self.stage_ticks = ticks = stage_ticks(config)
@@ -190,12 +190,12 @@ class MpcFormulation:
             )
         g = gradient(self.condensing, C, c, free)
         g[:: config.horizon] -= self._w_5 * tick.u_last
-        carried = end_effector.J_B
+        task_jacobian = end_effector.J_B
         if tick.pointing is not None:
-            carried = np.vstack([carried, tick.pointing.axis.J_c[:, 4:]])
+            task_jacobian = np.vstack([task_jacobian, tick.pointing.axis.J_c[:, 4:]])
         v_d = tick.x_0[self._setpoint_rates]
         return MpcProgram(
-            g, self._lower - rows, self._upper - rows, free, C, carried, self.condensing, v_d
+            g, self._lower - rows, self._upper - rows, free, C, task_jacobian, self.condensing, v_d
         )
 
     def relaxed(self, program: MpcProgram) -> MpcProgram:
@@ -224,7 +224,7 @@ class MpcFormulation:
 
     def _targets(
         self, tick: MpcInputs
-    ) -> Iterator[tuple[Carried, np.ndarray, np.ndarray, np.ndarray]]:
+    ) -> Iterator[tuple[TaskVector, np.ndarray, np.ndarray, np.ndarray]]:
         """What is to follow, its reference, K and W: of J_1, and of J_6 where there is one."""
         config, pointing = self.config, tick.pointing
         error = tick.end_effector.p_E - tick.reference[0, :3]

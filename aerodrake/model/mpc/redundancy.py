@@ -44,17 +44,19 @@ class Redundancy:
         self._H_speed = condensing.products[speed, speed]
         self._H_input = condensing.H_input[3]
 
-    def minimiser(self, C: np.ndarray, g: np.ndarray, carried: np.ndarray) -> np.ndarray | None:
+    def minimiser(
+        self, C: np.ndarray, g: np.ndarray, task_jacobian: np.ndarray
+    ) -> np.ndarray | None:
         """(m N,) z; None where the joints differ, or the program does not fall apart.
 
         Args:
             C: (F, F), of the program.
             g: (m N,), of the program.
-            carried: (k, n), how the joints move what the cost has wishes for.
+            task_jacobian: (k, n), how the joints move what the cost has wishes for.
         """
         if not self._is_alike:
             return None
-        Q, r = motions(carried)
+        Q, r = motions(task_jacobian)
         if r == self._joints:
             return None
         C = turned_cost(C, Q)
@@ -81,18 +83,18 @@ class Redundancy:
 
 
 @compiled
-def motions(carried: np.ndarray) -> tuple[np.ndarray, int]:
+def motions(task_jacobian: np.ndarray) -> tuple[np.ndarray, int]:
     """(Q (n, n), r): orthonormal motions of the arm, of which the first r span the rows.
 
     Args:
-        carried: (k, n), of any rank.
+        task_jacobian: (k, n), of any rank.
     """
-    k, n = carried.shape
+    k, n = task_jacobian.shape
     Q, v = np.empty((n, n)), np.empty(n)
     found = r = 0
     for i in range(k + n):
         for j in range(n):  # The rows first, and then the joints one by one.
-            v[j] = carried[i, j] if i < k else (1.0 if j == i - k else 0.0)
+            v[j] = task_jacobian[i, j] if i < k else (1.0 if j == i - k else 0.0)
         whole = np.sqrt(v @ v)
         for _ in range(2):  # Once is not enough where little is left of it.
             for j in range(found):

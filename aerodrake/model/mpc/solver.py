@@ -38,7 +38,7 @@ class MpcSolver:
         g, lower, upper = program.g, program.lower, program.upper
         # Where bounds held the last program, some most likely hold this one.
         if active is None and budget is None:
-            z = self._redundancy.minimiser(program.C, g, program.carried)
+            z = self._redundancy.minimiser(program.C, g, program.task_jacobian)
             if z is not None and (result := self._qp.accepted(z, lower, upper)) is not None:
                 return result
         result = self._qp.solve(program.H, g, lower, upper, active, budget)

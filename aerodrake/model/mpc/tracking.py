@@ -32,7 +32,7 @@ def add_tracking(
         C: (F, F), of the outputs y as `StageOutputs` has them.
         c: (F, N).
         value: (3,) what the tool carries, now: its place, or its axis' direction.
-        r, J_c, J_u: As in `Carried`.
+        r, J_c, J_u: As in `TaskVector`.
         rpy_rates: (3,) rad/s, roll', pitch' and yaw', held.
         reference: (N + 1, 6), r_d and r_d' now and at each stage.
         gain: (3,) 1/s, K.

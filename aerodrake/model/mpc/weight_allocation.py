@@ -30,7 +30,7 @@ class Mode(IntEnum):
 
 
 @dataclass(frozen=True)
-class Weights:
+class AllocatedWeights:
     """What the allocator says.
 
     Attributes:
@@ -76,7 +76,9 @@ def next_mode(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float
     return Mode.COORDINATED
 
 
-def allocate(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float) -> Weights:
+def allocate(
+    config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float
+) -> AllocatedWeights:
     """gamma and the weights, from the distances in m, as in `next_mode` (paper, eq. 10, 11).
 
     With `config.kind` fixed the mode is told as ever, but nothing follows it:
@@ -98,8 +100,10 @@ def allocate(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float)
     return _weights(config, mode, gamma, d_o, floor)
 
 
-def _weights(config: Allocation, mode: Mode, gamma: float, d_o: float, floor: float) -> Weights:
-    return Weights(
+def _weights(
+    config: Allocation, mode: Mode, gamma: float, d_o: float, floor: float
+) -> AllocatedWeights:
+    return AllocatedWeights(
         gamma=gamma,
         mode=mode,
         w_q=config.k_q * (gamma**2 + 0.1),

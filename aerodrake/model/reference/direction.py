@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from aerodrake.model.reference.waypoints import interpolate_waypoints, read_waypoints
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario.references import AxisAlong, FixedAxis, Orientation, OrientationOff
 from aerodrake.scenario.rules import SHORTEST_AXIS
 from aerodrake.support.errors import BadInput, ScenarioError
@@ -106,7 +106,7 @@ def make_direction(config: Orientation) -> Direction | None:
     return FixedDirection(config) if isinstance(config, FixedAxis) else DirectionPath(config)
 
 
-def check_start(direction: Direction, vehicle: Vehicle) -> None:
+def check_start(direction: Direction, vehicle: VehicleModel) -> None:
     """Refuses a direction that the tool, as it is in the working configuration, would not turn to.
 
     Straight away from where it points, nothing tells it which way to turn.

@@ -10,7 +10,7 @@ from pydrake.trajectories import PiecewisePolynomial
 from aerodrake.model.reference.curves import Motion
 from aerodrake.model.setpoint.motion import held_acceleration_motion
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 
 CORRECTION = 2.0
 """1/s, with which the joints take out the tool's distance from its path."""
@@ -38,7 +38,7 @@ def turn_about(centre: np.ndarray, motion: Motion, times: np.ndarray, turn_s: fl
     return centre + offset, np.einsum("tij,tj->ti", R, v) + swept
 
 
-def joint_motion(path: Motion, vehicle: Vehicle, period: float) -> PiecewisePolynomial:
+def joint_motion(path: Motion, vehicle: VehicleModel, period: float) -> PiecewisePolynomial:
     """q_d from the working configuration with which the tool follows a path in the base frame.
 
     Of all joint velocities that move the tool as asked, those nearest to a
@@ -77,7 +77,7 @@ def joint_motion(path: Motion, vehicle: Vehicle, period: float) -> PiecewisePoly
 
 
 def _check_limits(
-    motion: PiecewisePolynomial, velocity: np.ndarray, vehicle: Vehicle, period: float
+    motion: PiecewisePolynomial, velocity: np.ndarray, vehicle: VehicleModel, period: float
 ) -> None:
     position = motion.vector_values(period * np.arange(len(velocity))).T
     acceleration = np.diff(velocity, axis=0) / period

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from aerodrake.model.vehicle.rotation import roll_pitch_yaw, rotation_matrix
-from aerodrake.model.vehicle.state import parts
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.support.compiled import compiled
 
 HIDDEN = (32, 32)
@@ -43,7 +43,7 @@ def features(x: np.ndarray, u: np.ndarray) -> np.ndarray:
     Returns:
         (12 + 3 n,) unscaled; v_B in the world frame, omega_B in the base frame.
     """
-    quaternion, _, q, omega_W, v_B, qdot = parts(x)
+    quaternion, _, q, omega_W, v_B, qdot = split_state(x)
     R_B = rotation_matrix(quaternion)
     omega_B = np.zeros(3)
     for i in range(3):

@@ -7,7 +7,7 @@ import numpy as np
 from aerodrake.model.equivalent.initial_state import Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.features import feature_names, features
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 
 Samples = tuple[np.ndarray, np.ndarray]
 """(T, 12 + 3 n) features and (T, 3) m/s targets of one flight."""
@@ -48,7 +48,7 @@ def residual_samples(
     seen, targets = np.empty((samples, len(feature_names(n)))), np.empty((samples, 3))
     x = None  # At the first tick, which therefore asks for no u_{k-1}.
     for k in range(samples + 1):
-        now, after = (VehicleState.from_vector(row) for row in state[k : k + 2])
+        now, after = (split_state(row) for row in state[k : k + 2])
         x = model.initial_state(
             now.p_B,
             now.v_B,

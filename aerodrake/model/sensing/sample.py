@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from aerodrake.model.vehicle.rotation import length, product, quaternion_of
-from aerodrake.model.vehicle.state import VehicleState, parts
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario.world import Sensors
 from aerodrake.support.compiled import compiled
 
@@ -54,7 +54,7 @@ def group_columns(group: str, joints: int) -> np.ndarray:
         group: As a `SampleFault` names it.
         joints: n.
     """
-    at = VehicleState.from_vector(np.arange(float(VehicleState.size(joints))))
+    at = split_state(np.arange(float(VehicleState.size(joints))))
     groups = {
         "position": (at.p_B, at.v_B),
         "attitude": (at.quaternion, at.omega_W),
@@ -73,8 +73,8 @@ def noise_size(joints: int) -> int:
 def sampled(arm: np.ndarray, base: np.ndarray) -> np.ndarray:
     """(13 + 2 n,) the arm of the state `arm` and the base of the state `base`, (13 + 2 n,) each."""
     found = base.copy()
-    _, _, q, _, _, qdot = parts(found)
-    _, _, q[:], _, _, qdot[:] = parts(arm)
+    _, _, q, _, _, qdot = split_state(found)
+    _, _, q[:], _, _, qdot[:] = split_state(arm)
     return found
 
 
@@ -92,7 +92,7 @@ def disturbed(sigma: Deviations, x: np.ndarray, noise: np.ndarray) -> np.ndarray
         (13 + 2 n,), the quaternion's w at least 0.
     """
     found = x.copy()
-    quaternion, p_B, q, omega_W, v_B, _ = parts(found)
+    quaternion, p_B, q, omega_W, v_B, _ = split_state(found)
     p_B += sigma.position * noise[:3]
     v_B += sigma.velocity * noise[3:6]
     omega_W += sigma.rate * noise[9:12]
@@ -105,7 +105,7 @@ def disturbed(sigma: Deviations, x: np.ndarray, noise: np.ndarray) -> np.ndarray
 @compiled
 def group_of(g: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Values and velocities of a group, by its number, of a sample x (13 + 2 n,); views."""
-    quaternion, p_B, q, omega_W, v_B, qdot = parts(x)
+    quaternion, p_B, q, omega_W, v_B, qdot = split_state(x)
     if g == POSITION:
         return p_B, v_B
     if g == ATTITUDE:

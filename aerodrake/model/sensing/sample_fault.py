@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from aerodrake.model.sensing.sample import GROUPS, group_columns
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario.faults import SampleFault, SampleFrozen, SampleJump, SampleNan, SampleStale
 
 DIAGONAL = np.ones(3) / np.sqrt(3)
@@ -52,7 +52,7 @@ def faulty(
 def _stepped(fault: SampleJump, sample: np.ndarray) -> np.ndarray:
     """(13 + 2 n,) a sample with each group off by its step."""
     found = sample.copy()
-    state = VehicleState.from_vector(found)
+    state = split_state(found)
     state.p_B[:] += fault.position_m * DIAGONAL
     state.q[:] += fault.angle_rad
     turn = Rotation.from_rotvec(fault.angle_rad * DIAGONAL)

@@ -18,7 +18,7 @@ from aerodrake.model.vehicle.rotation import (
     rotation_vector,
     turned,
 )
-from aerodrake.model.vehicle.state import parts
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Filter
 from aerodrake.support.compiled import compiled
 
@@ -160,7 +160,7 @@ def follow(gains: StateFilter, estimate: np.ndarray, acceleration: np.ndarray) -
     """
     dt, later = gains.dt, estimate.copy()
     d, delta = estimate[:3], estimate[3:6]
-    quaternion, p_B, _, omega_W, v_B, _ = parts(later[6:])
+    quaternion, p_B, _, omega_W, v_B, _ = split_state(later[6:])
     turn, omega = np.empty(3), apply(rotation_matrix(quaternion).T, omega_W)
     for i in range(3):
         a, alpha = acceleration[i] + d[i], acceleration[3 + i] + delta[i]
@@ -185,7 +185,7 @@ def arm_follows(gains: StateFilter, estimate: np.ndarray, setpoint: np.ndarray) 
         setpoint: (3 n,) q_d, q_d', q_d'' at this sample.
     """
     dt, later = gains.dt, estimate.copy()
-    _, _, q, _, _, qdot = parts(later[6:])
+    _, _, q, _, _, qdot = split_state(later[6:])
     n, decay = len(q), np.exp(-dt / ARM_DECAY_S)
     for i in range(n):
         q_d, qdot_d, qddot_d = setpoint[i], setpoint[n + i], setpoint[2 * n + i]
@@ -204,8 +204,8 @@ def correct_motion(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray)
         sample: (13 + 2 n,)
     """
     d, L = estimate[:3], gains.motion
-    _, p_B, _, _, v_B, _ = parts(estimate[6:])
-    _, p_m, _, _, v_m, _ = parts(sample)
+    _, p_B, _, _, v_B, _ = split_state(estimate[6:])
+    _, p_m, _, _, v_m, _ = split_state(sample)
     for i in range(3):
         p, v = p_m[i] - p_B[i], v_m[i] - v_B[i]
         p_B[i] += L[0, 0] * p + L[0, 1] * v
@@ -223,8 +223,8 @@ def correct_rotation(gains: StateFilter, estimate: np.ndarray, sample: np.ndarra
         sample: (13 + 2 n,)
     """
     delta, M = estimate[3:6], gains.rotation
-    quaternion, _, _, omega_W, _, _ = parts(estimate[6:])
-    quaternion_m, _, _, omega_m, _, _ = parts(sample)
+    quaternion, _, _, omega_W, _, _ = split_state(estimate[6:])
+    quaternion_m, _, _, omega_m, _, _ = split_state(sample)
     R = rotation_matrix(quaternion)
     turn = rotation_vector(product(conjugate(quaternion), quaternion_m))
     omega, omega_m = apply(R.T, omega_W), apply(R.T, omega_m)
@@ -243,8 +243,8 @@ def correct_joints(gains: StateFilter, estimate: np.ndarray, sample: np.ndarray)
 
     They have moved at the mean of both measured rates.
     """
-    _, _, q, _, _, qdot = parts(estimate[6:])
-    _, _, q_m, _, _, qdot_m = parts(sample)
+    _, _, q, _, _, qdot = split_state(estimate[6:])
+    _, _, q_m, _, _, qdot_m = split_state(sample)
     for i in range(len(q)):
         q[i] += gains.dt / 2 * (qdot[i] + qdot_m[i])
         q[i] += gains.joint * (q_m[i] - q[i])

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
 from aerodrake.support.compiled import compiled
 
@@ -26,7 +26,7 @@ class SetpointLimits(NamedTuple):
     acceleration: np.ndarray
 
     @classmethod
-    def make(cls, config: Mpc, vehicle: Vehicle) -> SetpointLimits:
+    def make(cls, config: Mpc, vehicle: VehicleModel) -> SetpointLimits:
         """For [p_B, q]: the base's from the scenario, the joints' from the URDF."""
         unbounded = np.full(3, np.inf)
         return cls(

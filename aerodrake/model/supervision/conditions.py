@@ -10,7 +10,7 @@ import numpy as np
 from aerodrake.model.residual.judge import Cause
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.rotation import rotation_matrix
-from aerodrake.model.vehicle.state import parts
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Supervisor
 from aerodrake.support.compiled import compiled
 
@@ -207,7 +207,7 @@ def signals(
         verdict: A `ReferenceVerdict`.
         learner: A `Cause` for which what was learned is not used.
     """
-    quaternion, p_B, _, _, _, _ = parts(state)
+    quaternion, p_B, _, _, _, _ = split_state(state)
     is_finite = np.all(np.isfinite(state))
     tilt = np.arccos(min(1.0, max(-1.0, rotation_matrix(quaternion)[2, 2])))
     height = p_B[2] + feet if is_finite else np.inf

@@ -8,7 +8,7 @@ import numpy as np
 
 from aerodrake.model.low_level.rotor_lag import RotorLag, advance
 from aerodrake.model.vehicle.rotation import rotation_matrix
-from aerodrake.model.vehicle.vehicle import GRAVITY, Vehicle
+from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
 from aerodrake.scenario import Rotor
 from aerodrake.support.compiled import compiled
 
@@ -65,7 +65,7 @@ class RotorMonitor(NamedTuple):
 
     @classmethod
     def make(
-        cls, vehicle: Vehicle, rotor: Rotor, trim: np.ndarray, delay_s: float, dt: float
+        cls, vehicle: VehicleModel, rotor: Rotor, trim: np.ndarray, delay_s: float, dt: float
     ) -> RotorMonitor:
         """For a vehicle.
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Supervisor
 from aerodrake.support.compiled import compiled
 
@@ -48,7 +48,7 @@ class SafeMotion(NamedTuple):
     tucked: np.ndarray
 
     @classmethod
-    def make(cls, config: Supervisor, vehicle: Vehicle) -> SafeMotion:
+    def make(cls, config: Supervisor, vehicle: VehicleModel) -> SafeMotion:
         """Of the scenario and its robot."""
         velocity = np.zeros(3 + vehicle.joints)
         velocity[2] = -config.descend_m_s

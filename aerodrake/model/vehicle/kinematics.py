@@ -17,7 +17,7 @@ from aerodrake.support.compiled import compiled
 
 
 @dataclass(frozen=True)
-class Carried:
+class TaskVector:
     """A vector in the world that the tool carries, and how it moves with base and joints.
 
     Attributes:
@@ -47,12 +47,12 @@ class Carried:
 
 
 @dataclass(frozen=True)
-class ToolAxis(Carried):
+class ToolAxis(TaskVector):
     """The direction of the tool's axis, a unit vector; r is the whole of it."""
 
 
 @dataclass(frozen=True)
-class EndEffector(Carried):
+class EndEffector(TaskVector):
     """The position of the end-effector; r, in m, is R_B p_EB, from the base to it.
 
     Attributes:
@@ -116,21 +116,21 @@ class Kinematics:
     def end_effector(self, state: VehicleState) -> EndEffector:
         """Position of the end-effector at `state`."""
         p_EB, J_B = self.arm(state.q)
-        r, J_c, J_u = carried(state.R_B, p_EB, J_B, moves=True)
+        r, J_c, J_u = task_vector(state.R_B, p_EB, J_B, moves=True)
         return EndEffector(r=r, J_c=J_c, J_u=J_u, p_E=state.p_B + r, p_EB=p_EB, J_B=J_B)
 
     def tool_axis(self, state: VehicleState) -> ToolAxis:
         """Direction of the tool's axis at `state`."""
         t_B, J_B = self.arm_axis(state.q)
-        t, J_c, J_u = carried(state.R_B, t_B, J_B, moves=False)
+        t, J_c, J_u = task_vector(state.R_B, t_B, J_B, moves=False)
         return ToolAxis(r=t, J_c=J_c, J_u=J_u)
 
 
 @compiled
-def carried(
+def task_vector(
     R_B: np.ndarray, p: np.ndarray, J_B: np.ndarray, moves: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(r (3,), J_c (3, 4 + n), J_u (3, 2)) as `Carried` has them, of what the arm carries.
+    """(r (3,), J_c (3, 4 + n), J_u (3, 2)) as `TaskVector` has them, of what the arm carries.
 
     Args:
         R_B: (3, 3).

@@ -6,13 +6,13 @@ import numpy as np
 from scipy.optimize import minimize
 
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 
 STARTS = 32
 """Configurations from which the farthest one is searched."""
 
 
-def farthest_reach(vehicle: Vehicle) -> float:
+def farthest_reach(vehicle: VehicleModel) -> float:
     """The farthest that joint limits let the end-effector get from p_O, in m.
 
     The URDF's own answer to what the paper's d_edge stands for. Searched from

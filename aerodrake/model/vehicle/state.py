@@ -1,9 +1,8 @@
-"""The measured state of base and arm, by its parts."""
+"""The state vector of base and arm and its named parts."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,19 +15,7 @@ BASE_VELOCITIES = 6
 """And in v: omega_W and v_B."""
 
 
-@compiled
-def parts(x: np.ndarray) -> tuple[np.ndarray, ...]:
-    """(quaternion, p_B, q, omega_W, v_B, qdot) of x (13 + 2 n,), as `VehicleState` has them.
-
-    For compiled equations; views, not copies.
-    """
-    n = (len(x) - BASE_POSITIONS - BASE_VELOCITIES) // 2
-    v = BASE_POSITIONS + n
-    return x[:4], x[4:7], x[7:v], x[v : v + 3], x[v + 3 : v + 6], x[v + 6 :]
-
-
-@dataclass(frozen=True)
-class VehicleState:
+class VehicleState(NamedTuple):
     """State of the vehicle, in the order in which `MultibodyPlant` has it.
 
     Attributes:
@@ -52,18 +39,13 @@ class VehicleState:
         """Length of the state vector of a vehicle whose arm has `joints` joints."""
         return BASE_POSITIONS + BASE_VELOCITIES + 2 * joints
 
-    @classmethod
-    def from_vector(cls, x: np.ndarray) -> VehicleState:
-        """Takes apart x (13 + 2 n,) = [quaternion, p_B, q, omega_W, v_B, qdot]."""
-        return cls(*parts(x))
-
     def to_vector(self) -> np.ndarray:
-        """(13 + 2 n,), the reverse of `from_vector`."""
+        """Returns the state vector (13 + 2 n,), the inverse of `split_state`."""
         return np.concatenate(
             [self.quaternion, self.p_B, self.q, self.omega_W, self.v_B, self.qdot]
         )
 
-    @cached_property
+    @property
     def R_B(self) -> np.ndarray:
         """(3, 3) rotation from the base to the world frame."""
         return rotation_matrix(self.quaternion)
@@ -77,3 +59,11 @@ class VehicleState:
     def rpy_rates(self) -> np.ndarray:
         """(3,) rad/s, time derivative of Theta_B."""
         return rpy_rates(self.R_B, self.omega_W)
+
+
+@compiled
+def split_state(x: np.ndarray) -> VehicleState:
+    """Returns the parts of a state vector x (13 + 2 n,) as views, not copies."""
+    n = (len(x) - BASE_POSITIONS - BASE_VELOCITIES) // 2
+    v = BASE_POSITIONS + n
+    return VehicleState(x[:4], x[4:7], x[7:v], x[v : v + 3], x[v + 3 : v + 6], x[v + 6 :])

@@ -73,7 +73,7 @@ def add_ground(plant: MultibodyPlant) -> None:
 
 
 @dataclass(frozen=True)
-class Vehicle:
+class VehicleModel:
     """Facts about the robot, all read from its URDF, and its trim.
 
     Attributes:
@@ -156,7 +156,7 @@ class Vehicle:
         return np.broadcast_to(np.array(values, dtype=float), self.joints)
 
     @classmethod
-    def load(cls, scenario: Scenario) -> Vehicle:
+    def load(cls, scenario: Scenario) -> VehicleModel:
         """Reads the scenario's robot and computes its trim.
 
         Raises:

@@ -7,7 +7,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import MultibodyForces
 
 from aerodrake.model.vehicle.rotation import UP, cross, rotation_matrix
-from aerodrake.model.vehicle.state import parts
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import GRAVITY, add_robot
 from aerodrake.support.compiled import compiled
 
@@ -53,7 +53,7 @@ class WholeBody:
         plant.SetPositionsAndVelocities(context, x)
         p_C = plant.CalcCenterOfMassPositionInWorld(context)
         momentum = plant.CalcSpatialMomentumInWorldAboutPoint(context, p_C)
-        r_BC = p_C - parts(x)[1]
+        r_BC = p_C - split_state(x)[1]
         return np.concatenate([momentum.rotational(), momentum.translational(), r_BC])
 
 
@@ -72,7 +72,7 @@ def commanded_motion(
     """
     n = len(joint_setpoint) // 3
     q_d, qdot_d, qddot_d = joint_setpoint[:n], joint_setpoint[n : 2 * n], joint_setpoint[2 * n :]
-    quaternion, p_B, _, omega_W, v_B, _ = parts(state)
+    quaternion, p_B, _, omega_W, v_B, _ = split_state(state)
     x = np.concatenate((quaternion, p_B, q_d, omega_W, v_B, qdot_d))
     return x, np.concatenate((np.zeros(3), a_B, qddot_d))
 
@@ -89,7 +89,7 @@ def rigid_body_effort(
         state: (13 + 2 n,) measured.
         a_B: (3,) m/s^2, of the base's origin in the world.
     """
-    quaternion, _, _, omega_W, _, _ = parts(state)
+    quaternion, _, _, omega_W, _, _ = split_state(state)
     R = rotation_matrix(quaternion)
     omega = R.T @ omega_W
     torque = cross(omega, inertia @ omega)

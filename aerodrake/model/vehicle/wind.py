@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from aerodrake.model.vehicle.rotation import length
-from aerodrake.model.vehicle.state import parts
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario.world import Wind
 from aerodrake.support.compiled import compiled
 
@@ -57,5 +57,5 @@ def drag_on_base(quadratic: float, linear: float, air: np.ndarray, x: np.ndarray
         air: (3,) m/s, its velocity in the world.
         x: (13 + 2 n,) the vehicle's state, as `VehicleState` has it.
     """
-    _, _, _, _, v_B, _ = parts(x)
+    _, _, _, _, v_B, _ = split_state(x)
     return drag(quadratic, linear, air - v_B)

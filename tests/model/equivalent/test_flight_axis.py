@@ -12,7 +12,7 @@ from aerodrake.model.equivalent.flight_axis import HIDDEN_STATES, flight_axis
 from aerodrake.model.equivalent.initial_state import Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.setpoint.motion import held_acceleration_motion
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Flight, Rotor, Scenario
 
 FLIGHT = Flight(
@@ -160,7 +160,7 @@ class Flown:
     def __init__(self, scenario: Scenario, vehicle):
         self.n = vehicle.joints
         self.record = excite(scenario, *chirp(vehicle, scenario.rates.mpc_period_s))
-        self.states = [VehicleState.from_vector(row) for row in self.record.state]
+        self.states = [split_state(row) for row in self.record.state]
         self.u = np.hstack(
             [self.record.base_setpoint[:, 6:], self.record.joint_setpoint[:, 2 * self.n :]]
         )

@@ -9,7 +9,7 @@ from aerodrake.model.equivalent.axis_models import AXIS_MODELS
 from aerodrake.model.equivalent.flight_axis import flight_axis
 from aerodrake.model.equivalent.initial_state import Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Flight, Model, Rates, Scenario
 
 K_B = np.array([6.67, 1.8, 2.38])
@@ -139,7 +139,7 @@ def test_joints_are_double_integrators_beside_the_flight_model(flight):
 
 def test_thrust_is_along_the_bases_axis_and_turns_with_it():
     """b by the attitude, r by how it goes on when the base turns for a moment."""
-    state = VehicleState.from_vector(np.zeros(13 + 2 * JOINTS))
+    state = split_state(np.zeros(13 + 2 * JOINTS))
     turned = Rotation.from_euler("zyx", [0.4, 0.2, -0.3])
     state.quaternion[:] = np.roll(turned.as_quat(), 1)
     state.omega_W[:] = 0.5, -0.7, 0.9

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from aerodrake.model.low_level.flight_memory import initial_memory, memory_parts
 from aerodrake.model.low_level.inner_loop import InnerLoop, inner_loop
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.model.vehicle.whole_body import rigid_body_effort
 
@@ -30,7 +30,7 @@ def test_the_believed_acceleration_solves_the_equations_of_the_rotors_lag(
 ):
     """Angular: of mean torque, the gyroscopic one off. Linear: along an axis that turns."""
     rng = np.random.default_rng(seed)
-    state = VehicleState.from_vector(vehicle.trim_state.copy())
+    state = split_state(vehicle.trim_state.copy())
     state.omega_W[:] = 0.05 * rng.normal(size=3)
     u_v, a_B = 0.05 * rng.normal(size=(2, 3))
     x, position = state.to_vector(), np.zeros(12)

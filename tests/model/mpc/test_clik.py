@@ -10,18 +10,18 @@ from aerodrake.model.mpc.clik import InverseKinematics
 from aerodrake.model.mpc.horizon import stage_ticks
 from aerodrake.model.mpc.inputs import MpcInputs
 from aerodrake.model.setpoint.integration import SetpointLimits
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Clik, Mpc
 
 MPC = Mpc(k_e=(3.0, 2.0, 4.0), horizon=15, span_ticks=40)
 SLOW = Clik(damping=0.3, centring_1_s=0.0, bandwidth_1_s=2.0)
 
 
-def velocity_aware(vehicle: Vehicle) -> EquivalentModel:
+def velocity_aware(vehicle: VehicleModel) -> EquivalentModel:
     return EquivalentModel.make("velocity_aware", np.ones(3), 0.02, vehicle.joints)
 
 
-def inverse(vehicle: Vehicle, config: Clik) -> InverseKinematics:
+def inverse(vehicle: VehicleModel, config: Clik) -> InverseKinematics:
     limits = SetpointLimits.make(MPC, vehicle)
     return InverseKinematics(config, MPC, velocity_aware(vehicle), limits, vehicle)
 

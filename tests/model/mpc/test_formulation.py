@@ -13,7 +13,7 @@ from aerodrake.model.mpc.inputs import MpcInputs
 from aerodrake.model.mpc.tracking import tilt_matrix
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpStatus
 from aerodrake.model.setpoint.integration import SetpointLimits
-from aerodrake.model.vehicle.vehicle import Vehicle
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Model, Mpc, Scenario
 from tests.written_out import K_B, UP, G, WrittenOut, acceleration, displaced
 
@@ -31,12 +31,12 @@ OPTIONS = [
 ]
 
 
-def make_model(kind: str, vehicle: Vehicle) -> EquivalentModel:
+def make_model(kind: str, vehicle: VehicleModel) -> EquivalentModel:
     return EquivalentModel.of(Scenario(model=Model(kind=kind, k_b=tuple(K_B))), vehicle.joints)
 
 
 def formulation(
-    config: Mpc, vehicle: Vehicle, kind: str, error: str, tilt: str, span: int
+    config: Mpc, vehicle: VehicleModel, kind: str, error: str, tilt: str, span: int
 ) -> MpcFormulation:
     """The formulation under test, with weights that tell all axes and joints apart."""
     config = dataclasses.replace(

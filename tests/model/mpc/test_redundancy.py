@@ -13,7 +13,7 @@ from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpStatus
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Mpc, Scenario
 
 CONFIG = Mpc(horizon=7, span_ticks=20, w_6=70.0, k_o=4.0)
@@ -29,7 +29,7 @@ def make_tick(vehicle, model, pointing: bool, seed: int = 0) -> MpcInputs:
     rng = np.random.default_rng(seed)
     kinematics = Kinematics(vehicle.robot)
     x = vehicle.trim_state + 0.1 * rng.normal(size=len(vehicle.trim_state))
-    state = VehicleState.from_vector(x)
+    state = split_state(x)
     axis = kinematics.tool_axis(state)
     d = axis.value + 0.05 * rng.normal(size=(CONFIG.horizon + 1, 3))
     return MpcInputs(
@@ -47,7 +47,9 @@ def make_tick(vehicle, model, pointing: bool, seed: int = 0) -> MpcInputs:
 
 
 def minimiser(ours: MpcFormulation, program) -> np.ndarray | None:
-    return Redundancy(ours.condensing, ours.W_2).minimiser(program.C, program.g, program.carried)
+    return Redundancy(ours.condensing, ours.W_2).minimiser(
+        program.C, program.g, program.task_jacobian
+    )
 
 
 @pytest.mark.parametrize("pointing", [False, True])
@@ -82,7 +84,7 @@ def test_a_singular_arm_has_more_motions_that_leave_the_tool(vehicle):
     J_c[:, 4:] = flat @ at.J_B
     at = dataclasses.replace(at, J_B=flat @ at.J_B, J_c=J_c)
     program = ours.form(dataclasses.replace(tick, end_effector=at))
-    assert motions(program.carried)[1] == 2
+    assert motions(program.task_jacobian)[1] == 2
     best = -np.linalg.solve(program.H, program.g)
     np.testing.assert_allclose(minimiser(ours, program), best, atol=1e-9 * np.abs(best).max())
 
@@ -90,13 +92,13 @@ def test_a_singular_arm_has_more_motions_that_leave_the_tool(vehicle):
 @pytest.mark.parametrize(("rows", "rank"), [(0, 0), (1, 1), (3, 3), (4, 3), (6, 6), (8, 6)])
 def test_motions_are_orthonormal_and_those_that_carry_come_first(rows, rank):
     rng = np.random.default_rng(rows)
-    carried = rng.normal(size=(rows, 6))
+    task_jacobian = rng.normal(size=(rows, 6))
     if rows == 4:
-        carried[2] = carried[0] - 2 * carried[1]
-    Q, r = motions(carried)
+        task_jacobian[2] = task_jacobian[0] - 2 * task_jacobian[1]
+    Q, r = motions(task_jacobian)
     assert r == rank
     np.testing.assert_allclose(Q.T @ Q, np.eye(6), atol=1e-12)
-    np.testing.assert_allclose(carried @ Q[:, r:], 0, atol=1e-10)
+    np.testing.assert_allclose(task_jacobian @ Q[:, r:], 0, atol=1e-10)
 
 
 def test_the_solver_takes_it_where_no_bound_holds_it(vehicle):

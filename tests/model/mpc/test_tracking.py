@@ -12,7 +12,7 @@ from aerodrake.model.mpc.inputs import MpcInputs, Pointing
 from aerodrake.model.mpc.tracking import limited_gain
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Mpc, Scenario
 
 UP, G = np.array([0.0, 0.0, 1.0]), 9.81
@@ -35,7 +35,7 @@ def state(vehicle) -> VehicleState:
     """Near trim, tilted and yawed."""
     x = vehicle.trim_state + 0.1 * np.random.default_rng(1).normal(size=len(vehicle.trim_state))
     x[:4] /= np.linalg.norm(x[:4])
-    return VehicleState.from_vector(x)
+    return split_state(x)
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.model.residual.online_learner import OnlineLearner
 from aerodrake.model.residual.samples import residual_samples
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Model, Residual, Scenario
 from aerodrake.systems.equivalent_state import EquivalentState
 from aerodrake.systems.residual_estimator import ResidualEstimator
@@ -100,7 +100,7 @@ def test_a_recorded_flight_is_that_of_the_estimator_in_a_diagram(kind):
 def test_features_are_the_state_now_and_the_input_before():
     state, base, joints, *_ = flight = recorded(9)
     features, _ = residual_samples(equivalent_model(), *flight)
-    now = [VehicleState.from_vector(x) for x in state[1:-1]]
+    now = [split_state(x) for x in state[1:-1]]
     np.testing.assert_array_equal(features[:, 3:6], [x.v_B for x in now])
     np.testing.assert_array_equal(features[:, 9:15], [x.q for x in now])
     np.testing.assert_array_equal(features[:, 21:24], base[:-2, 6:])
@@ -116,7 +116,7 @@ def test_a_flight_of_the_model_with_a_known_residual(kind):
     x = 0.1 * rng.normal(size=len(model.A))
     state, base, joints, *_ = flight = recorded(ticks)
     for k in range(ticks):
-        measured = VehicleState.from_vector(state[k])
+        measured = split_state(state[k])
         measured.p_B[:], measured.v_B[:] = x[model.base_position], x[model.base_velocity]
         base[k] = np.concatenate([x[model.setpoint_position], x[model.setpoint_velocity], u[k, :3]])
         joints[k] = np.concatenate([x[model.joint_position], x[model.joint_velocity], u[k, 3:]])

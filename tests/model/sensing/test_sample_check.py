@@ -1,7 +1,5 @@
 """What is believed of samples: whatever a vehicle may do, and nothing that it cannot."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -20,7 +18,7 @@ from aerodrake.model.sensing.sample_check import (
     check,
     initial_memory,
 )
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Filter
 from aerodrake.scenario.world import Sensors
 
@@ -35,14 +33,14 @@ unit = arrays(float, 3, elements=st.floats(-1, 1)).filter(lambda v: np.linalg.no
 def moved(g: int, along: np.ndarray, value: float = 0.0, rate: float = 0.0) -> np.ndarray:
     """(13 + 2 n,) a sample, at rest but for a group that has moved, and moves, along a vector."""
     e = along / np.linalg.norm(along)
-    still = VehicleState.from_vector(np.zeros(VehicleState.size(JOINTS)))
-    still = replace(still, quaternion=np.array([1.0, 0, 0, 0]))
+    still = split_state(np.zeros(VehicleState.size(JOINTS)))
+    still = still._replace(quaternion=np.array([1.0, 0, 0, 0]))
     joints = np.append(e, np.zeros(JOINTS - 3))
     turn = Rotation.from_rotvec(value * e).as_quat(scalar_first=True)
     return (
-        replace(still, p_B=value * e, v_B=rate * e),
-        replace(still, quaternion=turn, omega_W=rate * e),
-        replace(still, q=value * joints, qdot=rate * joints),
+        still._replace(p_B=value * e, v_B=rate * e),
+        still._replace(quaternion=turn, omega_W=rate * e),
+        still._replace(q=value * joints, qdot=rate * joints),
     )[g].to_vector()
 
 

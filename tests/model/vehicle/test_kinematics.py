@@ -7,7 +7,7 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from scipy.spatial.transform import Rotation
 
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import TOOL_FRAME, add_robot
 
 SEEDS = range(10)
@@ -29,7 +29,7 @@ def floating(scenario) -> MultibodyPlant:
 def state_at(xi: np.ndarray, velocity: np.ndarray) -> VehicleState:
     """The state at xi = [p_B, roll, pitch, yaw, q] and velocity [omega_W, v_B, q']."""
     quaternion = Rotation.from_euler("xyz", xi[3:6]).as_quat(scalar_first=True)
-    return VehicleState.from_vector(np.concatenate([quaternion, xi[:3], xi[6:], velocity]))
+    return split_state(np.concatenate([quaternion, xi[:3], xi[6:], velocity]))
 
 
 def random_coordinates(seed: int) -> tuple[np.ndarray, np.ndarray]:

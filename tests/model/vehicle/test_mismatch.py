@@ -10,7 +10,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
 from aerodrake.model.vehicle.mismatch import mismatched_urdf
-from aerodrake.model.vehicle.vehicle import Vehicle, add_robot
+from aerodrake.model.vehicle.vehicle import VehicleModel, add_robot
 from aerodrake.scenario.world import Mismatch
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import locate
@@ -185,7 +185,7 @@ def test_numbers_that_are_none_cannot_be_scaled(tmp_path, mass):
 
 
 def test_no_controller_knows_of_it(scenario, vehicle):
-    told = Vehicle.load(replace(scenario, mismatch=OFF))
-    for field in fields(Vehicle):
+    told = VehicleModel.load(replace(scenario, mismatch=OFF))
+    for field in fields(VehicleModel):
         if field.name != "rotors":
             np.testing.assert_array_equal(getattr(told, field.name), getattr(vehicle, field.name))

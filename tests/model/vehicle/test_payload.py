@@ -9,7 +9,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
 from aerodrake.model.vehicle.payload import PAYLOAD_BODY, STEEL_KG_M3, add_payload
-from aerodrake.model.vehicle.vehicle import TOOL_FRAME, Vehicle, add_robot
+from aerodrake.model.vehicle.vehicle import TOOL_FRAME, VehicleModel, add_robot
 from aerodrake.scenario.world import Payload
 
 MASS = 0.2
@@ -124,7 +124,7 @@ def test_a_plant_that_nobody_looks_at_has_it_too(vehicle):
 
 def test_no_controller_knows_of_it(scenario, vehicle):
     """Mass, inertia, trim and kinematics of the vehicle are those without."""
-    told = Vehicle.load(replace(scenario, payload=Payload(mass_kg=MASS)))
-    for field in fields(Vehicle):
+    told = VehicleModel.load(replace(scenario, payload=Payload(mass_kg=MASS)))
+    for field in fields(VehicleModel):
         if field.name != "rotors":
             np.testing.assert_array_equal(getattr(told, field.name), getattr(vehicle, field.name))

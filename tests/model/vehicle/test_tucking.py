@@ -15,7 +15,7 @@ from pydrake.systems.framework import DiagramBuilder
 from aerodrake.bench.arms import with_joints
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation
 from aerodrake.model.vehicle.tucking import CLEARANCE_M, TOLERANCE_M, GroundGeometry, tuck
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, Vehicle, add_ground, add_robot
+from aerodrake.model.vehicle.vehicle import BASE_FRAME, VehicleModel, add_ground, add_robot
 from aerodrake.scenario import Scenario
 from aerodrake.support.files import locate
 
@@ -92,7 +92,7 @@ def test_the_vehicles_own(geometry, vehicle):
 def test_it_can_be_held_and_flown(scenario, vehicle):
     """Loaded as a working configuration: torques, trim and ground are checked there."""
     changed = replace(scenario.vehicle, working_rad=tuple(vehicle.tucked))
-    tucked = Vehicle.load(replace(scenario, vehicle=changed))
+    tucked = VehicleModel.load(replace(scenario, vehicle=changed))
     assert np.all(np.abs(tucked.trim_torque) < vehicle.effort / 2)
     ThrustAllocation.make(tucked, scenario.vehicle.rotor)
 
@@ -100,11 +100,11 @@ def test_it_can_be_held_and_flown(scenario, vehicle):
 @pytest.mark.parametrize("joints", [2, 3, 4, 5, 7, 8, 9])
 def test_other_arms(tmp_path, joints):
     changed = with_joints(Scenario(), joints, tmp_path / "arm.urdf")
-    other = Vehicle.load(changed)
+    other = VehicleModel.load(changed)
     geometry = geometry_of(other.robot)
     assert other.tucked.shape == (joints,)
     assert geometry.heights(other.tucked).min() >= other.feet_m + CLEARANCE_M - TOLERANCE_M
-    np.testing.assert_array_equal(other.tucked, Vehicle.load(changed).tucked)
+    np.testing.assert_array_equal(other.tucked, VehicleModel.load(changed).tucked)
 
 
 @settings(max_examples=20)
@@ -123,7 +123,7 @@ def test_from_anywhere_high_enough_or_as_high_as_can_be(scenario, vehicle, seed)
 
 def test_where_it_cannot_be_high_enough_it_is_as_high_as_it_can(tmp_path):
     """One joint, that yaws: no way to lift anything."""
-    other = Vehicle.load(with_joints(Scenario(), 1, tmp_path / "arm.urdf"))
+    other = VehicleModel.load(with_joints(Scenario(), 1, tmp_path / "arm.urdf"))
     geometry = geometry_of(other.robot)
     highest = max(geometry.heights(np.array([q])).min() for q in np.linspace(-3, 3, 601))
     found = geometry.heights(other.tucked).min()
@@ -136,6 +136,8 @@ def test_an_arm_that_collides_with_nothing_stays(tmp_path, scenario, vehicle):
     text = re.sub(r"<collision>.*?</collision>", "", text, flags=re.DOTALL)
     robot = tmp_path / "robot.urdf"
     robot.write_text(text)
-    other = Vehicle.load(replace(scenario, vehicle=replace(scenario.vehicle, robot=str(robot))))
+    other = VehicleModel.load(
+        replace(scenario, vehicle=replace(scenario.vehicle, robot=str(robot)))
+    )
     assert other.feet_m == 0
     np.testing.assert_array_equal(other.tucked, other.working)

@@ -12,7 +12,7 @@ from pydrake.multibody.tree import RevoluteJoint
 
 import aerodrake.model.vehicle.vehicle as module
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, TOOL_FRAME, Vehicle, add_robot
+from aerodrake.model.vehicle.vehicle import BASE_FRAME, TOOL_FRAME, VehicleModel, add_robot
 from aerodrake.scenario import Rotor, Scenario
 from aerodrake.support.errors import BadInput
 
@@ -194,7 +194,7 @@ def with_robot(scenario: Scenario, robot: object, **changes) -> Scenario:
 
 
 def test_reads_a_urdf_by_its_path(scenario, vehicle):
-    other = Vehicle.load(with_robot(scenario, URDF))
+    other = VehicleModel.load(with_robot(scenario, URDF))
     assert other.joint_names == vehicle.joint_names
     np.testing.assert_array_equal(other.inertia, vehicle.inertia)
 
@@ -226,7 +226,7 @@ def test_defects_of_the_robot_are_named_with_its_file(scenario, tmp_path, old, n
     robot = tmp_path / "robot.urdf"
     robot.write_text(before + new + after)
     with pytest.raises(BadInput, match=expected) as caught:
-        Vehicle.load(with_robot(scenario, robot))
+        VehicleModel.load(with_robot(scenario, robot))
     assert str(caught.value).startswith(f"flight.yaml: vehicle.robot: {robot}: ")
     assert "\n" not in str(caught.value)
 
@@ -246,7 +246,7 @@ def test_defects_of_the_robot_are_named_with_its_file(scenario, tmp_path, old, n
 )
 def test_no_such_robot(scenario, robot):
     with pytest.raises(BadInput) as caught:
-        Vehicle.load(with_robot(scenario, robot))
+        VehicleModel.load(with_robot(scenario, robot))
     assert robot.partition("\0")[0] in str(caught.value)
 
 
@@ -256,7 +256,7 @@ def test_not_a_robot(scenario, tmp_path, name, text):
     robot = tmp_path / name
     robot.write_text(text)
     with pytest.raises(BadInput, match=name):
-        Vehicle.load(with_robot(scenario, robot))
+        VehicleModel.load(with_robot(scenario, robot))
 
 
 @pytest.mark.parametrize(
@@ -272,7 +272,7 @@ def test_not_a_robot(scenario, tmp_path, name, text):
 )
 def test_working_configuration_that_does_not_fit(scenario, working, expected):
     with pytest.raises(BadInput, match="^flight.yaml: " + expected):
-        Vehicle.load(with_robot(scenario, scenario.vehicle.robot, working_rad=working))
+        VehicleModel.load(with_robot(scenario, scenario.vehicle.robot, working_rad=working))
 
 
 def test_tool_frame_is_where_the_working_configuration_is_told(scenario, vehicle):

@@ -1,7 +1,5 @@
 """The effort of a motion: closed forms, Drake's forward dynamics, and the power it takes."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from pydrake.common.value import Value
@@ -12,7 +10,7 @@ from pydrake.multibody.plant import (
 )
 from scipy.spatial.transform import Rotation
 
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import BASE_FRAME, add_robot
 from aerodrake.model.vehicle.whole_body import WholeBody, commanded_motion, rigid_body_effort
 
@@ -42,13 +40,13 @@ def effort_of(whole_body, state: VehicleState, a_B, qddot) -> tuple[np.ndarray, 
 
 
 def still(vehicle) -> VehicleState:
-    return VehicleState.from_vector(vehicle.trim_state.copy())
+    return split_state(vehicle.trim_state.copy())
 
 
 def moving(vehicle, seed: int, scale: float = 1.0) -> VehicleState:
     """Anywhere, at any attitude, with everything in motion."""
     rng = np.random.default_rng(seed)
-    state = VehicleState.from_vector(scale * rng.normal(size=len(vehicle.trim_state)))
+    state = split_state(scale * rng.normal(size=len(vehicle.trim_state)))
     state.quaternion[:] = np.roll(Rotation.random(rng=rng).as_quat(), 1)
     state.q[:] = rng.uniform(vehicle.lower, vehicle.upper)
     return state
@@ -72,7 +70,7 @@ def test_hovering_takes_the_trim(whole_body, vehicle):
 @pytest.mark.parametrize("seed", range(3))
 def test_a_still_arm_is_a_point_mass_where_its_centre_of_mass_is(whole_body, plant, vehicle, seed):
     """At any attitude: m (a + g), and its moment about the base's origin."""
-    state = replace(moving(vehicle, seed, scale=0.0), p_B=np.array([1.0, 2, 3]))
+    state = moving(vehicle, seed, scale=0.0)._replace(p_B=np.array([1.0, 2, 3]))
     a_B = np.random.default_rng(seed).normal(size=3)
     force, torque, _ = effort_of(whole_body, state, a_B, np.zeros(vehicle.joints))
     np.testing.assert_allclose(force, vehicle.mass * (a_B + [0, 0, G]), atol=1e-9)
@@ -94,8 +92,8 @@ def test_force_is_the_change_of_momentum_and_gravity(whole_body, plant, vehicle,
     def momenta(t: float) -> np.ndarray:
         """(6,) angular about the base's origin and linear, in the world."""
         context = plant.CreateDefaultContext()
-        at = replace(
-            state, q=state.q + t * state.qdot + t**2 / 2 * qddot, qdot=state.qdot + t * qddot
+        at = state._replace(
+            q=state.q + t * state.qdot + t**2 / 2 * qddot, qdot=state.qdot + t * qddot
         )
         plant.SetPositionsAndVelocities(context, at.to_vector())
         return plant.CalcSpatialMomentumInWorldAboutPoint(context, state.p_B).get_coeffs()
@@ -191,7 +189,7 @@ def test_commanded_motion_has_the_base_as_measured_and_the_arm_as_commanded(vehi
     x, vdot = commanded_motion(
         state.to_vector(), np.concatenate([q_d, qdot_d, qddot_d]), np.array([1.0, 2.0, 3.0])
     )
-    found = VehicleState.from_vector(x)
+    found = split_state(x)
     for part in ("quaternion", "p_B", "omega_W", "v_B"):
         np.testing.assert_array_equal(getattr(found, part), getattr(state, part))
     np.testing.assert_array_equal(found.q, q_d)

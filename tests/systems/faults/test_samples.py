@@ -9,7 +9,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from aerodrake.flight.simulate import Flight
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario.faults import (
     SAMPLE_GROUPS,
@@ -96,7 +96,7 @@ def test_nobody_sees_a_fault_that_the_flight_rides_out(kind, group):
         if kind is SampleJump
         else (kind(group=group, start_s=0.5, duration_s=0.1),),
     )
-    log = Flight(scenario).fly()
+    log = FlightSimulation(scenario).fly()
     assert log.exit_reason == "completed"
     for key, values in log.signals.items():
         assert np.isfinite(values).all(), key
