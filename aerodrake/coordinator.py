@@ -24,8 +24,7 @@ from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMotion
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import MPC_FAULTS
+from aerodrake.scenario import MPC_FAULTS, Scenario
 from aerodrake.support.errors import file_at
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.equivalent_state import EquivalentState

@@ -15,9 +15,8 @@ from scipy.stats import qmc
 from aerodrake.comparison.compare import make_variants
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
-from aerodrake.scenario import Scenario
+from aerodrake.scenario import FigureEight, Lissajous, Scenario
 from aerodrake.scenario.load import load_scenario
-from aerodrake.scenario.references import FigureEight, Lissajous
 from aerodrake.support.processes import run_parallel
 
 START = {"w_2_base": 1e-3, "w_2_joints": 10.0, "w_3_base": 30.0, "w_3_joints": 30.0, "w_4": 300.0}

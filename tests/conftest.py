@@ -90,8 +90,7 @@ def vehicle(scenario) -> VehicleModel:
 def short_flight():
     """A scenario that has something of everything, and the log of its flight of 0.6 s."""
     from aerodrake.flight.simulate import FlightSimulation
-    from aerodrake.scenario import Residual, Scenario
-    from aerodrake.scenario.references import Clover
+    from aerodrake.scenario import Clover, Residual, Scenario
 
     scenario = Scenario(
         name="short",

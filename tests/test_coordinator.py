@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.scenario.references import MovingTarget
+from aerodrake.scenario import MovingTarget
 from aerodrake.station import make_context, make_coordinator
 from tests.trim import hovering
 

@@ -11,9 +11,7 @@ from pydrake.systems.analysis import Simulator
 
 import aerodrake
 from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.scenario import Mpc, Residual, Scenario
-from aerodrake.scenario.references import Clover
-from aerodrake.scenario.world import Mismatch, Payload, Sensors, Wind
+from aerodrake.scenario import Clover, Mismatch, Mpc, Payload, Residual, Scenario, Sensors, Wind
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.threads import single_thread
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from aerodrake.scenario.references import FigureEight
+from aerodrake.scenario import FigureEight
 
 DIAGRAMS = Path(__file__).parents[1] / "diagrams"
 SCRIPTS = sorted(DIAGRAMS.glob("*.py"))

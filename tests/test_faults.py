@@ -15,8 +15,7 @@ from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.supervision.conditions import NEVER, Condition, conditions
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import AnyFault
+from aerodrake.scenario import AnyFault, Scenario
 from aerodrake.scenario.load import load_scenario
 
 PAGE = (Path(__file__).parents[1] / "diagrams" / "faults.md").read_text()

@@ -7,7 +7,7 @@ import pytest
 
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.residual.judge import FADE, Cause
-from aerodrake.scenario.faults import LearnerDiverged, LearnerNan, LearnerPoisoned
+from aerodrake.scenario import LearnerDiverged, LearnerNan, LearnerPoisoned
 from aerodrake.scenario.load import load_scenario
 
 SCENARIO = load_scenario(

@@ -7,9 +7,7 @@ from pydrake.systems.analysis import Simulator
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.residual.features import features
 from aerodrake.model.residual.network import ResidualNetwork
-from aerodrake.scenario import Residual, Rotor, Scenario, Vehicle
-from aerodrake.scenario.references import Clover, MovingTarget
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import Clover, MovingTarget, Residual, Rotor, Scenario, Sensors, Vehicle
 from aerodrake.station import make_closed_loop, make_context
 
 

@@ -10,10 +10,8 @@ from pydrake.trajectories import PiecewisePolynomial
 from aerodrake.flight.open_loop import make_open_loop
 from aerodrake.model.vehicle.rotation import rotation_matrix
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import JointDegraded, Push, RotorDegraded
+from aerodrake.scenario import Clover, JointDegraded, Push, RotorDegraded, Scenario
 from aerodrake.scenario.load import load_scenario
-from aerodrake.scenario.references import Clover
 from aerodrake.station import make_closed_loop, make_context
 
 SETTLE_S, FAULT_S = 0.3, 0.5

@@ -18,8 +18,8 @@ from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.scenario import Hover
 from aerodrake.scenario.load import load_scenario, packaged_scenarios
-from aerodrake.scenario.references import Hover
 
 PACKAGE = Path(aerodrake.__file__).parent
 

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.scenario import Rates
-from aerodrake.scenario.references import MovingTarget
-from aerodrake.scenario.world import Wind
+from aerodrake.scenario import MovingTarget, Rates, Wind
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.flight_controller import FlightController

@@ -13,8 +13,7 @@ from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import failure
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.reports.flight_folder import fly_into
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.references import OrientationOff
+from aerodrake.scenario import OrientationOff, Scenario
 from aerodrake.scenario.rules import check
 from aerodrake.station import make_closed_loop
 from aerodrake.support.errors import BadInput, nearest

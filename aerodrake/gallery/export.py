@@ -11,17 +11,18 @@ from pydrake.systems.framework import System
 
 from aerodrake.gallery.graph import systems_by_name, to_dot, to_mermaid
 from aerodrake.gallery.system_page import system_page
-from aerodrake.scenario import Residual, Scenario
-from aerodrake.scenario.faults import (
+from aerodrake.scenario import (
+    FixedAxis,
     JointDegraded,
     LearnerPoisoned,
     MpcMissed,
     Push,
     ReferenceNan,
+    Residual,
     RotorDegraded,
     SampleNan,
+    Scenario,
 )
-from aerodrake.scenario.references import FixedAxis
 from aerodrake.station import make_closed_loop
 from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.files import write_whole

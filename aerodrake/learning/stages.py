@@ -21,9 +21,7 @@ from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.residual.collection_motion import joint_motion, turn_about
 from aerodrake.model.setpoint.motion import held_acceleration_motion
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.references import FigureEight, Hover, Lissajous
-from aerodrake.scenario.world import Payload, Wind
+from aerodrake.scenario import FigureEight, Hover, Lissajous, Payload, Scenario, Wind
 
 SETTLE_S = 5.0
 """s of hover before a stage's motion; nothing is recorded of it."""

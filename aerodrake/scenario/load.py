@@ -12,6 +12,7 @@ from typing import Any
 
 from aerodrake.scenario.inputs import copy_inputs
 from aerodrake.scenario.plain_yaml import dump, parse
+from aerodrake.scenario.renamed import successor
 from aerodrake.scenario.rules import MAX_NAME_BYTES, check
 from aerodrake.scenario.schema import as_mapping, build, map_files
 from aerodrake.scenario.sections import Scenario
@@ -142,11 +143,9 @@ def set_key(scenario: Scenario, option: str, assignment: str) -> Scenario:
     for depth, name in enumerate(parents):
         sections = _sections(node)
         if name not in sections:
-            raise ScenarioError(
-                option,
-                ".".join(parents[: depth + 1]),
-                f"unknown section; {nearest(name, sections)}",
-            )
+            section = ".".join(parents[: depth + 1])
+            advice = successor(section) or f"unknown section; {nearest(name, sections)}"
+            raise ScenarioError(option, section, advice)
         node = sections[name]
     is_union = key.partition(".")[0].partition("[")[0] in UNIONS
     if is_union and leaf == "kind" and node.get("kind") != value:

@@ -21,6 +21,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from aerodrake.scenario.renamed import successor
 from aerodrake.support.errors import ScenarioError, nearest
 from aerodrake.support.files import PACKAGE, is_packaged, leaves_package
 
@@ -98,7 +99,8 @@ def build(cls: type, data: object, source: object, key: str = "") -> Any:
     for name, value in data.items():
         dotted = f"{key}.{name}" if key else str(name)
         if name not in fields:
-            raise ScenarioError(source, dotted, f"unknown key; {nearest(name, fields)}")
+            advice = successor(dotted) or f"unknown key; {nearest(name, fields)}"
+            raise ScenarioError(source, dotted, advice)
         values[name] = _convert(hints[name], fields[name].metadata, value, source, dotted)
     return cls(**values)
 

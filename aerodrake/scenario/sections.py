@@ -10,10 +10,10 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+from aerodrake.scenario.environment import Mismatch, Payload, Sensors, Wind
 from aerodrake.scenario.faults import AnyFault
 from aerodrake.scenario.references import Hover, Orientation, OrientationOff, Reference
 from aerodrake.scenario.schema import choice, file, provenance, quantity, several
-from aerodrake.scenario.world import Mismatch, Payload, Sensors, Wind
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,7 @@ from pydrake.symbolic import Variable, exp, if_then_else, max, min
 from pydrake.systems.primitives import SymbolicVectorSystem
 
 from aerodrake.model.vehicle.rotors import Rotors
-from aerodrake.scenario import Rotor
-from aerodrake.scenario.world import Mismatch
+from aerodrake.scenario import Mismatch, Rotor
 
 
 def make_rotors(

@@ -9,7 +9,7 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.sensing.sample import Deviations, disturbed, noise_size, sampled
 from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import Sensors
 
 SAMPLE, STAMPS = 0, 1
 """Groups of the state."""

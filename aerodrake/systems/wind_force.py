@@ -7,7 +7,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.model.vehicle.wind import drag_on_base
-from aerodrake.scenario.world import Wind
+from aerodrake.scenario import Wind
 
 
 class WindForce(LeafSystem):

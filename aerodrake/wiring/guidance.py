@@ -8,8 +8,7 @@ from aerodrake.model.mpc.horizon import stage_times
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.reference.envelope import Envelope
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import REFERENCE_FAULTS
+from aerodrake.scenario import REFERENCE_FAULTS, Scenario
 from aerodrake.support.errors import file_at
 from aerodrake.systems.faults.reference import ReferenceFaultSystem
 from aerodrake.systems.reference import ReferenceSystem

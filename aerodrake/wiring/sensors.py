@@ -13,9 +13,7 @@ from aerodrake.model.sensing.sample import noise_size
 from aerodrake.model.sensing.sample_check import SampleCheck
 from aerodrake.model.sensing.state_filter import StateFilter
 from aerodrake.model.vehicle.state import split_state
-from aerodrake.scenario import Filter, Rates
-from aerodrake.scenario.faults import AnyFault, SampleFault
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import AnyFault, Filter, Rates, SampleFault, Sensors
 from aerodrake.systems.faults.samples import SampleFaultSystem
 from aerodrake.systems.sensors import SensorSystem, is_exact
 from aerodrake.systems.state_filter import StateFilterSystem

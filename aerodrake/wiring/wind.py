@@ -8,7 +8,7 @@ from pydrake.systems.framework import Diagram
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.model.vehicle.wind import discrete_gusts, is_at_rest
-from aerodrake.scenario.world import Wind
+from aerodrake.scenario import Wind
 from aerodrake.systems.wind_force import WindForce
 from aerodrake.wiring.replacements import Replacements
 

@@ -10,8 +10,7 @@ from aerodrake.bench.solvers import judge
 from aerodrake.bench.ticks import OWN, record_ticks, replay
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.qp.condensed_qp import QpStatus
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.references import MovingTarget
+from aerodrake.scenario import MovingTarget, Scenario
 
 INPUTS = 9
 

@@ -14,10 +14,9 @@ from aerodrake.comparison import compare as compare_module
 from aerodrake.comparison import margins as module
 from aerodrake.comparison.margins import DISTURBANCES, R40, Disturbance, find_margins
 from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.scenario import Rates, Scenario
+from aerodrake.scenario import Mismatch, Payload, Rates, Scenario, Sensors
 from aerodrake.scenario.load import load_scenario
 from aerodrake.scenario.rules import check
-from aerodrake.scenario.world import Mismatch, Payload, Sensors
 
 TINY = ["--set", "duration=0.2", "--set", "settle_s=0"]
 

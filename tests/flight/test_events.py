@@ -7,8 +7,7 @@ from aerodrake.flight.events import Span, events, safe_modes, spans
 from aerodrake.flight.log import FlightLog
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMode
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import MpcMissed, Push
+from aerodrake.scenario import MpcMissed, Push, Scenario
 
 NAMES = [condition.name for condition in conditions(Scenario().supervisor)]
 TIME_S = np.round(np.arange(-1.0, 3.0, 0.01), 9)

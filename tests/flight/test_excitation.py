@@ -9,8 +9,7 @@ from pydrake.systems.analysis import Simulator
 from aerodrake.flight.excitation import excite
 from aerodrake.flight.open_loop import make_open_loop
 from aerodrake.model.setpoint.motion import held_acceleration_motion
-from aerodrake.scenario import Filter, Rates, Scenario
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import Filter, Rates, Scenario, Sensors
 from aerodrake.station import make_context
 
 FLOWN_S = 0.4

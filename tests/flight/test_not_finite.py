@@ -16,10 +16,8 @@ from pydrake.systems.framework import (
 from aerodrake.flight.not_finite import not_finite
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize, to_json
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import SampleNan
+from aerodrake.scenario import Clover, SampleNan, Scenario
 from aerodrake.scenario.load import load_scenario
-from aerodrake.scenario.references import Clover
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.errors import BadInput
 from aerodrake.wiring.replacements import Replacements

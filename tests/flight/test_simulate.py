@@ -14,10 +14,17 @@ from aerodrake.flight.recording import Recording
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize, to_json
 from aerodrake.model.supervision.safe_mode import SafeMode
-from aerodrake.scenario import Filter, Rates, Rotor, Scenario, Vehicle
-from aerodrake.scenario.faults import SampleStale
-from aerodrake.scenario.references import Hover, MovingTarget
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import (
+    Filter,
+    Hover,
+    MovingTarget,
+    Rates,
+    Rotor,
+    SampleStale,
+    Scenario,
+    Sensors,
+    Vehicle,
+)
 
 WEAK = Vehicle(rotor=Rotor(max_thrust_n=2.0))
 """Four rotors that give 8 N, where it weighs 37 N."""

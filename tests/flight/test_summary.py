@@ -11,8 +11,7 @@ from aerodrake.flight.summary import headline, millimetres, summarize, to_json
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.supervision.conditions import conditions
-from aerodrake.scenario import Rates, Scenario, Supervisor
-from aerodrake.scenario.references import Clover, Hover, MovingTarget
+from aerodrake.scenario import Clover, Hover, MovingTarget, Rates, Scenario, Supervisor
 
 PERIOD_S = 0.01
 TICK_S = 0.02

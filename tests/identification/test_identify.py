@@ -23,9 +23,8 @@ from aerodrake.identification.identify import (
     identify_axis,
 )
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.scenario import Flight, Model, Rates, Scenario
+from aerodrake.scenario import Flight, Model, Rates, Scenario, Sensors
 from aerodrake.scenario.load import load_scenario
-from aerodrake.scenario.world import Sensors
 from aerodrake.support.errors import BadInput
 from aerodrake.support.processes import run_parallel
 from tests.in_this_process import in_this_process

@@ -7,8 +7,7 @@ import pytest
 
 from aerodrake.learning.collection import describe, place
 from aerodrake.learning.stages import quick_stages
-from aerodrake.scenario import Mpc
-from aerodrake.scenario.world import Mismatch, Sensors
+from aerodrake.scenario import Mismatch, Mpc, Sensors
 
 
 @pytest.mark.parametrize(

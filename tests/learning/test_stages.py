@@ -7,8 +7,7 @@ import pytest
 from aerodrake.learning.stages import Stage, circle, fly_stage, paper_stages, quick_stages, weathers
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.scenario.references import Hover
-from aerodrake.scenario.world import Payload, Wind
+from aerodrake.scenario import Hover, Payload, Wind
 
 STAGES = paper_stages()
 

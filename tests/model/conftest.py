@@ -9,8 +9,7 @@ from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.inputs import MpcInputs
-from aerodrake.scenario import Mpc, Scenario
-from aerodrake.scenario.references import Clover
+from aerodrake.scenario import Clover, Mpc, Scenario
 from aerodrake.station import make_closed_loop, make_context
 
 FLOWN_S = 2.6

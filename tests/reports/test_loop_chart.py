@@ -7,8 +7,7 @@ import pytest
 
 from aerodrake.gallery.graph import to_mermaid
 from aerodrake.reports.loop_chart import SIDES, loop_chart
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import RotorDegraded, SampleNan
+from aerodrake.scenario import RotorDegraded, SampleNan, Scenario
 from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop
 

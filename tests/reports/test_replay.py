@@ -10,7 +10,7 @@ import pytest
 from aerodrake.flight.log import FlightLog
 from aerodrake.reports.replay import replay_page
 from aerodrake.reports.scene import DOT_SPACING_M
-from aerodrake.scenario.world import Payload
+from aerodrake.scenario import Payload
 
 
 @pytest.fixture(scope="module")

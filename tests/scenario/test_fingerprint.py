@@ -3,11 +3,20 @@ import dataclasses
 import pytest
 from pydrake.lcm import DrakeLcm
 
-from aerodrake.scenario import Model, Mpc, Rates, Residual, Scenario
-from aerodrake.scenario.faults import LearnerNan, MpcMissed, Push, ReferenceNan
+from aerodrake.scenario import (
+    LearnerNan,
+    Model,
+    Mpc,
+    MpcMissed,
+    Push,
+    Rates,
+    ReferenceNan,
+    Residual,
+    Scenario,
+    Waypoints,
+    Wind,
+)
 from aerodrake.scenario.fingerprint import COORDINATED, coordinated, plant_hash, scenario_hash
-from aerodrake.scenario.references import Waypoints
-from aerodrake.scenario.world import Wind
 from aerodrake.support.errors import ScenarioError
 from aerodrake.support.files import locate
 from aerodrake.wire.companion import Companion

@@ -12,10 +12,9 @@ import hypothesis.strategies as st
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from aerodrake.scenario import Flight, Residual, Scenario, Vehicle
+from aerodrake.scenario import AxisAlong, Flight, Residual, Scenario, Vehicle, Waypoints
 from aerodrake.scenario.load import load_scenario, packaged_scenarios
 from aerodrake.scenario.plain_yaml import dump, parse
-from aerodrake.scenario.references import AxisAlong, Waypoints
 from aerodrake.scenario.schema import as_mapping, build
 from aerodrake.station import make_closed_loop
 from aerodrake.support.errors import ScenarioError

@@ -6,12 +6,11 @@ from pathlib import Path
 import pytest
 
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Residual, Scenario
+from aerodrake.scenario import AxisAlong, Residual, Scenario, Waypoints
 from aerodrake.scenario import Vehicle as Section
 from aerodrake.scenario.fingerprint import plant_hash
 from aerodrake.scenario.inputs import copy_inputs, frozen
 from aerodrake.scenario.load import load_scenario, save_scenario
-from aerodrake.scenario.references import AxisAlong, Waypoints
 from aerodrake.support.errors import BadInput, ScenarioError
 from aerodrake.support.files import locate
 

@@ -8,14 +8,13 @@ from pathlib import Path
 import pytest
 
 from aerodrake.model.reference.waypoints import read_waypoints
-from aerodrake.scenario import Scenario
+from aerodrake.scenario import Clover, Scenario, Waypoints
 from aerodrake.scenario.load import (
     MAX_FILE_BYTES,
     load_scenario,
     packaged_scenarios,
     save_scenario,
 )
-from aerodrake.scenario.references import Clover, Waypoints
 from aerodrake.scenario.schema import as_mapping, build
 from tests.refusals import refuses
 

@@ -2,10 +2,8 @@
 
 import pytest
 
-from aerodrake.scenario import Model, Mpc
-from aerodrake.scenario.faults import Push, SampleNan
+from aerodrake.scenario import Clover, FixedAxis, Model, Mpc, OrientationOff, Push, SampleNan
 from aerodrake.scenario.load import load_scenario
-from aerodrake.scenario.references import Clover, FixedAxis, OrientationOff
 from tests.refusals import refuses
 
 

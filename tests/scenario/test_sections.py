@@ -6,9 +6,7 @@ import typing
 
 import pytest
 
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import AnyFault, Push
-from aerodrake.scenario.references import Hover, Orientation, Reference
+from aerodrake.scenario import AnyFault, Hover, Orientation, Push, Reference, Scenario
 from aerodrake.scenario.schema import as_mapping, build
 from aerodrake.support.errors import BadInput
 

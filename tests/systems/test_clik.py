@@ -14,8 +14,7 @@ from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
-from aerodrake.scenario import Clik, Mpc
-from aerodrake.scenario.references import Lissajous
+from aerodrake.scenario import Clik, Lissajous, Mpc
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.mpc import MpcSystem
 

@@ -15,8 +15,7 @@ from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
-from aerodrake.scenario import Flight, Model, Mpc
-from aerodrake.scenario.references import Lissajous
+from aerodrake.scenario import Flight, Lissajous, Model, Mpc
 from aerodrake.systems.mpc import MpcSystem
 
 N, DT = 6, 0.02

@@ -8,8 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from aerodrake.model.reference.direction import make_direction
 from aerodrake.model.vehicle.vehicle import TOOL_FRAME, add_robot
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.references import AxisAlong, FixedAxis
+from aerodrake.scenario import AxisAlong, FixedAxis, Scenario
 from aerodrake.station import make_coordinator
 from aerodrake.support.errors import BadInput
 from aerodrake.systems.pointing import PointingSystem

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aerodrake.model.reference.curves import make_reference
-from aerodrake.scenario.references import Clover, Hover, MovingTarget
+from aerodrake.scenario import Clover, Hover, MovingTarget
 from aerodrake.systems.reference import ReferenceSystem
 
 START = np.array([0.0, 0.2, 1.2])

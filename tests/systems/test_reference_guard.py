@@ -7,9 +7,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.reference.envelope import Envelope, ReferenceVerdict
-from aerodrake.scenario import Supervisor
-from aerodrake.scenario.faults import ReferenceJump, ReferenceNan
-from aerodrake.scenario.references import Lissajous
+from aerodrake.scenario import Lissajous, ReferenceJump, ReferenceNan, Supervisor
 from aerodrake.systems.faults.reference import ReferenceFaultSystem
 from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.reference_guard import ReferenceGuard

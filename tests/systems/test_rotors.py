@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.scenario import Rotor
-from aerodrake.scenario.world import Mismatch
+from aerodrake.scenario import Mismatch, Rotor
 from aerodrake.systems.rotors import make_rotors
 
 CONFIG = Rotor(min_thrust_n=1.0, max_thrust_n=18.0, lag_up_s=0.0125, lag_down_s=0.025)

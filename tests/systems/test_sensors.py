@@ -21,7 +21,7 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from aerodrake.model.sensing.sample import noise_size
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import Sensors
 from aerodrake.station import make_context, make_station
 from aerodrake.systems.sensors import SensorSystem
 

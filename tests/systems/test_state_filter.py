@@ -23,10 +23,8 @@ from aerodrake.model.sensing.sample_check import SampleCheck, Verdict
 from aerodrake.model.sensing.state_filter import StateFilter
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Filter, Rates, Rotor
-from aerodrake.scenario.faults import SampleNan
+from aerodrake.scenario import Filter, Rates, Rotor, SampleNan, Sensors, Wind
 from aerodrake.scenario.load import load_scenario
-from aerodrake.scenario.world import Sensors, Wind
 from aerodrake.station import make_context
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.state_filter import StateFilterSystem

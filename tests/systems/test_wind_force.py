@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.scenario.world import Wind
+from aerodrake.scenario import Wind
 from aerodrake.systems.wind_force import WindForce
 
 JOINTS, PERIOD = 6, 0.01

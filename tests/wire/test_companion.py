@@ -8,8 +8,7 @@ from pydrake.lcm import DrakeLcm
 
 from aerodrake.coordinator import make_coordinator
 from aerodrake.model.vehicle.vehicle import GRAVITY
-from aerodrake.scenario import Mpc, Rates, Scenario, Supervisor
-from aerodrake.scenario.references import Clover
+from aerodrake.scenario import Clover, Mpc, Rates, Scenario, Supervisor
 from aerodrake.station import make_context
 from aerodrake.support.errors import BadInput
 from aerodrake.wire.companion import Companion

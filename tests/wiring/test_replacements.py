@@ -9,10 +9,7 @@ from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, Leaf
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.gallery.graph import systems_by_name
 from aerodrake.model.mpc.weight_allocation import Mode
-from aerodrake.scenario import Residual, Scenario
-from aerodrake.scenario.faults import LearnerPoisoned, RotorDegraded
-from aerodrake.scenario.references import Clover
-from aerodrake.scenario.world import Wind
+from aerodrake.scenario import Clover, LearnerPoisoned, Residual, RotorDegraded, Scenario, Wind
 from aerodrake.station import make_closed_loop, make_coordinator, make_station
 from aerodrake.support.errors import BadInput
 from aerodrake.wiring.replacements import FIXED, Replacements

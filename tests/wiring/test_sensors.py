@@ -11,9 +11,16 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, DiscreteTimeIntegrator, RandomSource
 
 from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.scenario import Filter, Rates, Scenario
-from aerodrake.scenario.faults import Push, SampleJump, SampleNan
-from aerodrake.scenario.world import Payload, Sensors
+from aerodrake.scenario import (
+    Filter,
+    Payload,
+    Push,
+    Rates,
+    SampleJump,
+    SampleNan,
+    Scenario,
+    Sensors,
+)
 from aerodrake.station import make_context
 from aerodrake.wiring.sensors import make_sensors
 

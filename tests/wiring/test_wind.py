@@ -6,7 +6,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput
 
-from aerodrake.scenario.world import Wind
+from aerodrake.scenario import Wind
 from aerodrake.station import make_context
 from aerodrake.wiring.wind import make_wind
 

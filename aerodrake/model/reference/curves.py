@@ -17,7 +17,7 @@ import numpy as np
 from aerodrake.model.reference.diameter import path_diameter
 from aerodrake.model.reference.pace import smooth_start
 from aerodrake.model.reference.waypoints import interpolate_waypoints, read_waypoints
-from aerodrake.scenario.references import (
+from aerodrake.scenario import (
     Clover,
     FigureEight,
     Hover,

@@ -12,7 +12,7 @@ import numpy as np
 
 from aerodrake.model.reference.waypoints import interpolate_waypoints, read_waypoints
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario.references import AxisAlong, FixedAxis, Orientation, OrientationOff
+from aerodrake.scenario import AxisAlong, FixedAxis, Orientation, OrientationOff
 from aerodrake.scenario.rules import SHORTEST_AXIS
 from aerodrake.support.errors import BadInput, ScenarioError
 from aerodrake.support.files import locate

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from aerodrake.model.reference.curves import Motion
-from aerodrake.scenario.faults import AnyFault, ReferenceDrift, ReferenceJump, ReferenceNan
+from aerodrake.scenario import AnyFault, ReferenceDrift, ReferenceJump, ReferenceNan
 
 
 def faulty(

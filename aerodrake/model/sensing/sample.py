@@ -8,7 +8,7 @@ import numpy as np
 
 from aerodrake.model.vehicle.rotation import length, product, quaternion_of
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import Sensors
 from aerodrake.support.compiled import compiled
 
 GROUPS = ("position", "attitude", "joints")

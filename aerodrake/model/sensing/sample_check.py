@@ -18,8 +18,7 @@ from aerodrake.model.vehicle.rotation import (
     product,
     rotation_vector,
 )
-from aerodrake.scenario import Filter
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import Filter, Sensors
 from aerodrake.support.compiled import compiled
 
 

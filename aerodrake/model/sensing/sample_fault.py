@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from aerodrake.model.sensing.sample import GROUPS, group_columns
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.scenario.faults import SampleFault, SampleFrozen, SampleJump, SampleNan, SampleStale
+from aerodrake.scenario import SampleFault, SampleFrozen, SampleJump, SampleNan, SampleStale
 
 DIAGONAL = np.ones(3) / np.sqrt(3)
 """(3,), of length 1: the direction in which positions and attitudes are off."""

@@ -6,7 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 from xml.dom.minidom import Element
 
-from aerodrake.scenario.world import Mismatch
+from aerodrake.scenario import Mismatch
 from aerodrake.support.errors import BadInput
 from aerodrake.support.urdf import parse_urdf, urdf_content
 

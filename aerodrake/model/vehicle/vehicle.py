@@ -18,8 +18,7 @@ from aerodrake.model.vehicle.mismatch import EXACT, mismatched_urdf
 from aerodrake.model.vehicle.rotors import Rotors
 from aerodrake.model.vehicle.state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
 from aerodrake.model.vehicle.tucking import GroundGeometry, tuck
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.world import Mismatch
+from aerodrake.scenario import Mismatch, Scenario
 from aerodrake.support.errors import BadInput, ScenarioError, file_at
 from aerodrake.support.files import locate
 from aerodrake.support.urdf import SUFFIX

@@ -8,7 +8,7 @@ import numpy as np
 
 from aerodrake.model.vehicle.rotation import length
 from aerodrake.model.vehicle.state import split_state
-from aerodrake.scenario.world import Wind
+from aerodrake.scenario import Wind
 from aerodrake.support.compiled import compiled
 
 

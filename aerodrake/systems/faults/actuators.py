@@ -8,8 +8,7 @@ import numpy as np
 from pydrake.symbolic import Expression, Variable, if_then_else, logical_and
 from pydrake.systems.primitives import SymbolicVectorSystem
 
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import Fault, JointDegraded, Push, RotorDegraded
+from aerodrake.scenario import Fault, JointDegraded, Push, RotorDegraded, Scenario
 from aerodrake.support.errors import ScenarioError
 
 ROUNDING_S = 1e-9

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import LearnerDiverged, LearnerFault, LearnerNan, LearnerPoisoned
+from aerodrake.scenario import LearnerDiverged, LearnerFault, LearnerNan, LearnerPoisoned, Scenario
 
 
 class LearnerFaultSystem(LeafSystem):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from aerodrake.model.mpc.fault import MpcFault
-from aerodrake.scenario.faults import (
+from aerodrake.scenario import (
     MPC_FAULTS,
     AnyFault,
     MpcInfeasible,

@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from aerodrake.model.reference.fault import faulty
-from aerodrake.scenario.faults import AnyFault
+from aerodrake.scenario import AnyFault
 
 
 class ReferenceFaultSystem(LeafSystem):

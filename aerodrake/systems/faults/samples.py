@@ -6,7 +6,7 @@ import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.sensing.sample_fault import faulty
-from aerodrake.scenario.faults import SampleFault
+from aerodrake.scenario import SampleFault
 
 SAMPLE, STAMPS = 0, 1
 """Groups of the state."""

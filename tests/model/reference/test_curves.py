@@ -15,7 +15,7 @@ from aerodrake.model.reference.curves import (
     make_reference,
 )
 from aerodrake.model.reference.diameter import farthest_pair, path_diameter
-from aerodrake.scenario.references import (
+from aerodrake.scenario import (
     Clover,
     FigureEight,
     Hover,

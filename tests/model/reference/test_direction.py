@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aerodrake.model.reference.direction import check_start, make_direction
-from aerodrake.scenario.references import AxisAlong, FixedAxis, OrientationOff
+from aerodrake.scenario import AxisAlong, FixedAxis, OrientationOff
 from aerodrake.support.errors import BadInput
 
 HEADER = "t,ax,ay,az\n"

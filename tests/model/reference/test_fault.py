@@ -3,7 +3,7 @@
 import numpy as np
 
 from aerodrake.model.reference.fault import faulty
-from aerodrake.scenario.faults import Push, ReferenceDrift, ReferenceJump, ReferenceNan
+from aerodrake.scenario import Push, ReferenceDrift, ReferenceJump, ReferenceNan
 
 TIMES = np.arange(0.0, 4.0, 0.5)
 MOTION = np.outer(TIMES, [1.0, 2.0, 3.0]), np.tile([1.0, 2.0, 3.0], (len(TIMES), 1))

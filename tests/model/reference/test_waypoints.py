@@ -16,7 +16,7 @@ from aerodrake.model.reference.waypoints import (
     interpolate_waypoints,
     read_waypoints,
 )
-from aerodrake.scenario.references import Waypoints
+from aerodrake.scenario import Waypoints
 from aerodrake.support.errors import BadInput
 
 START = np.array([0.0, 0.2, 1.2])

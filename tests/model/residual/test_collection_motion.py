@@ -6,7 +6,7 @@ import pytest
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.residual.collection_motion import joint_motion, turn_about
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.scenario.references import FigureEight
+from aerodrake.scenario import FigureEight
 
 PERIOD = 0.02
 

@@ -9,7 +9,7 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 
 from aerodrake.model.sensing.sample import Deviations, disturbed, noise_size, sampled
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import Sensors
 
 JOINTS = 6
 SIZE = VehicleState.size(JOINTS)

@@ -19,8 +19,7 @@ from aerodrake.model.sensing.sample_check import (
     initial_memory,
 )
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.scenario import Filter
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import Filter, Sensors
 
 DT = 0.01
 JOINTS = 6

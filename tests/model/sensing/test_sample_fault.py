@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from aerodrake.model.sensing.sample import GROUPS, group_columns
 from aerodrake.model.sensing.sample_fault import faulty
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.scenario.faults import SampleFrozen, SampleJump, SampleNan, SampleStale
+from aerodrake.scenario import SampleFrozen, SampleJump, SampleNan, SampleStale
 
 JOINTS = 6
 SAMPLE = np.linspace(0.1, 2.0, VehicleState.size(JOINTS))

@@ -20,8 +20,7 @@ from aerodrake.model.sensing.state_filter import (
     passed,
     update,
 )
-from aerodrake.scenario import Filter
-from aerodrake.scenario.world import Sensors
+from aerodrake.scenario import Filter, Sensors
 from tests.estimates import CONFIG, DT, JOINTS, correct, estimate, rest, state_of
 
 

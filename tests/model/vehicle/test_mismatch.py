@@ -11,7 +11,7 @@ from pydrake.multibody.tree import JacobianWrtVariable
 
 from aerodrake.model.vehicle.mismatch import mismatched_urdf
 from aerodrake.model.vehicle.vehicle import VehicleModel, add_robot
-from aerodrake.scenario.world import Mismatch
+from aerodrake.scenario import Mismatch
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import locate
 

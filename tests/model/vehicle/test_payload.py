@@ -10,7 +10,7 @@ from pydrake.multibody.tree import JacobianWrtVariable
 
 from aerodrake.model.vehicle.payload import PAYLOAD_BODY, STEEL_KG_M3, add_payload
 from aerodrake.model.vehicle.vehicle import TOOL_FRAME, VehicleModel, add_robot
-from aerodrake.scenario.world import Payload
+from aerodrake.scenario import Payload
 
 MASS = 0.2
 

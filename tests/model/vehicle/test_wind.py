@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.model.vehicle.wind import discrete_gusts, drag, drag_on_base, is_at_rest
-from aerodrake.scenario.world import Wind
+from aerodrake.scenario import Wind
 
 JOINTS = 6
 SPEEDS = st.tuples(*[st.floats(-30, 30)] * 3).map(np.array)

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.faults import JointDegraded, Push, RotorDegraded
+from aerodrake.scenario import JointDegraded, Push, RotorDegraded, Scenario
 from aerodrake.support.errors import BadInput
 from aerodrake.systems.faults.actuators import make_joint_faults, make_pushes, make_rotor_faults
 

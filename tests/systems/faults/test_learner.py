@@ -3,8 +3,14 @@
 import numpy as np
 import pytest
 
-from aerodrake.scenario import Residual, Scenario
-from aerodrake.scenario.faults import LearnerDiverged, LearnerNan, LearnerPoisoned, Push
+from aerodrake.scenario import (
+    LearnerDiverged,
+    LearnerNan,
+    LearnerPoisoned,
+    Push,
+    Residual,
+    Scenario,
+)
 from aerodrake.systems.faults.learner import LearnerFaultSystem, make_learner_fault
 
 SETTLE_S = 3.0

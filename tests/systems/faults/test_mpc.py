@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aerodrake.model.mpc.fault import MpcFault
-from aerodrake.scenario.faults import MpcInfeasible, MpcMissed, MpcNonFinite, MpcStarved, Push
+from aerodrake.scenario import MpcInfeasible, MpcMissed, MpcNonFinite, MpcStarved, Push
 from aerodrake.systems.faults.mpc import MpcFaultSystem
 
 SETTLE_S = 3.0

@@ -11,7 +11,7 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.scenario.faults import (
+from aerodrake.scenario import (
     SAMPLE_GROUPS,
     SampleFault,
     SampleFrozen,

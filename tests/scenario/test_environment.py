@@ -11,8 +11,7 @@ from pydrake.systems.analysis import Simulator
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import TOOL_FRAME, add_robot
-from aerodrake.scenario import Scenario
-from aerodrake.scenario.world import Mismatch, Payload, Sensors, Wind
+from aerodrake.scenario import Mismatch, Payload, Scenario, Sensors, Wind
 from aerodrake.station import make_context, make_station
 from tests.trim import hovering
 

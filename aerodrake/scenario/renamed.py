@@ -1,0 +1,21 @@
+"""Scenario keys of earlier versions, which are refused with their new name."""
+
+from __future__ import annotations
+
+import re
+
+RENAMED: dict[str, str] = {}
+"""Old dotted key -> new dotted key. A section counts as a key; keys of faults have no index."""
+
+REMOVED: dict[str, str] = {}
+"""Old dotted key -> what replaces it, as a clause."""
+
+
+def successor(key: str) -> str:
+    """Returns a clause that names what replaces a dotted key; empty if it never existed."""
+    plain = re.sub(r"\[\d+\]", "", key)
+    if plain in RENAMED:
+        return f"renamed to {RENAMED[plain]}"
+    if plain in REMOVED:
+        return f"removed; {REMOVED[plain]}"
+    return ""
