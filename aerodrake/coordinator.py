@@ -51,7 +51,8 @@ def make_coordinator(scenario: Scenario, replacements: Replacements | None = Non
     is followed; `weights` (5), `u` (3 + n) and `plan` (P (3 + n)), what it is to be from the last
     tick on; `prediction` (3 (N + 1)), `status` (3), `delta` (3),
     `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2); `mode` (1),
-    `cause` (1) and `conditions` (K), of the supervisor.
+    `cause` (1) and `conditions` (K), of the supervisor; with an orientation task `tool_axis_d`
+    (3), the desired direction of the tool's axis.
 
     Args:
         scenario: What is flown.
@@ -137,6 +138,7 @@ def make_coordinator(scenario: Scenario, replacements: Replacements | None = Non
         )
         connect(pointing, "pointing", controller)
         builder.ConnectInput("state", pointing.GetInputPort("state"))
+        builder.ExportOutput(pointing.GetOutputPort("tool_axis_d"), "tool_axis_d")
     for port in ("external_acceleration", "specific_thrust", "disturbance"):
         builder.ExportInput(equivalent_state.GetInputPort(port), port)
     builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")

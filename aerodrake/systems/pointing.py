@@ -1,10 +1,10 @@
-"""The orientation task as a system: where the tool points, and where it is to."""
+"""The orientation task as a system."""
 
 from __future__ import annotations
 
 import numpy as np
 from pydrake.common.value import AbstractValue, Value
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from aerodrake.model.mpc.inputs import Pointing
 from aerodrake.model.reference.direction import Direction, check_start
@@ -14,19 +14,21 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 
 
 class PointingSystem(LeafSystem):
-    """The tool's axis at the measured state, and its wanted direction over the horizon.
+    """Measured direction of the tool's axis, and its desired direction over the horizon.
 
-    Reference time is the context's time less `settle_s`.
+    Directions are unit vectors in the world frame. Reference time is the context's time minus
+    `settle_s`, rounded to 1 ns.
 
     Ports:
         in `state` (13 + 2 n): measured state.
-        out `pointing` (abstract): `Pointing`.
+        out `pointing` (abstract): `Pointing`, input of the MPC.
+        out `tool_axis_d` (3): desired direction of the tool's axis, now.
     State, rate:
         none; a function of state and time.
 
     Args:
-        vehicle: The robot, and where its tool points at first.
-        direction: Over reference time.
+        vehicle: The robot and its working configuration.
+        direction: Desired direction over reference time.
         settle_s: s, hover before reference time 0.
         stages_s: (N + 1,) s, from now to each stage, 0 first.
 
@@ -48,10 +50,18 @@ class PointingSystem(LeafSystem):
             self._calc_pointing,
             {self.all_input_ports_ticket(), self.time_ticket()},
         )
+        self.DeclareVectorOutputPort("tool_axis_d", 3, self._calc_tool_axis_d, {self.time_ticket()})
 
     def _calc_pointing(self, context: Context, output: AbstractValue) -> None:
         state = split_state(self._state.Eval(context))
-        times = context.get_time() - self._settle_s + self._stages
+        times = self._reference_time(context) + self._stages
         output.set_value(
             Pointing(self._kinematics.tool_axis(state), np.hstack(self._direction.evaluate(times)))
         )
+
+    def _calc_tool_axis_d(self, context: Context, output: BasicVector) -> None:
+        directions, _ = self._direction.evaluate(np.array([self._reference_time(context)]))
+        output.SetFromVector(directions[0])
+
+    def _reference_time(self, context: Context) -> float:
+        return round(context.get_time() - self._settle_s, 9)  # 0 is exactly 0.

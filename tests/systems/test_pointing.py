@@ -1,4 +1,4 @@
-"""The orientation task as a system, and where the coordinator has it."""
+"""Tests of the orientation task as a system and in the coordinator."""
 
 import math
 
@@ -28,7 +28,7 @@ def system(vehicle, direction) -> PointingSystem:
     return PointingSystem(vehicle, direction, SETTLE_S, STAGES_S)
 
 
-def test_both_are_those_of_now(system, vehicle, direction):
+def test_outputs_are_of_the_current_state_and_time(system, vehicle, direction):
     plant = MultibodyPlant(0.0)
     add_robot(plant, vehicle.robot)
     plant.Finalize()
@@ -40,26 +40,36 @@ def test_both_are_those_of_now(system, vehicle, direction):
         system.GetInputPort("state").FixValue(context, x)
         plant.SetPositionsAndVelocities(plant_context, x)
         R_WE = plant.GetFrameByName(TOOL_FRAME).CalcPoseInWorld(plant_context).rotation()
-        for later in (time, time + 0.3):  # Of a state that stays.
+        for later in (time, time + 0.3):  # At the same state.
             context.SetTime(later)
             pointing = system.GetOutputPort("pointing").Eval(context)
             np.testing.assert_allclose(pointing.axis.value, -R_WE.matrix()[:, 2], atol=1e-12)
-            d, rate = direction.evaluate(later - SETTLE_S + STAGES_S)
+            d, rate = direction.evaluate(round(later - SETTLE_S, 9) + STAGES_S)
             np.testing.assert_array_equal(pointing.reference, np.hstack([d, rate]))
+            tool_axis_d = system.GetOutputPort("tool_axis_d").Eval(context)
+            np.testing.assert_array_equal(tool_axis_d, d[0])
 
 
-def test_feedthrough_and_no_state(system):
-    assert system.HasAnyDirectFeedthrough()
+def test_pointing_feeds_through_and_the_system_has_no_state(system):
+    feedthrough = [
+        system.HasDirectFeedthrough(0, system.GetOutputPort(port).get_index())
+        for port in ("pointing", "tool_axis_d")
+    ]
+    assert feedthrough == [True, False]
     assert system.CreateDefaultContext().is_stateless()
 
 
-def test_it_is_there_where_the_task_is():
-    assert not make_coordinator(Scenario()).HasSubsystemNamed("pointing")
-    assert make_coordinator(Scenario(orientation=FixedAxis())).HasSubsystemNamed("pointing")
+def test_the_coordinator_has_it_only_with_an_orientation_task():
+    without = make_coordinator(Scenario())
+    assert not without.HasSubsystemNamed("pointing")
+    assert not without.HasOutputPort("tool_axis_d")
+    coordinator = make_coordinator(Scenario(orientation=FixedAxis()))
+    assert coordinator.HasSubsystemNamed("pointing")
+    assert coordinator.GetOutputPort("tool_axis_d").size() == 3
 
 
-def test_the_mpc_turns_the_tool_as_asked(vehicle):
-    """From the same state, a direction to either side makes for opposite turns of the arm."""
+def test_the_mpc_turns_the_tool_towards_the_desired_direction(vehicle):
+    """Desired directions to either side of the tool give opposite joint accelerations."""
     moves = []
     for side in (1.0, -1.0):
         scenario = Scenario(settle_s=0.0, orientation=FixedAxis(axis=(0.0, side * 0.1, -1.0)))
@@ -81,6 +91,6 @@ def test_the_mpc_turns_the_tool_as_asked(vehicle):
     assert math.isclose(moves[0], -moves[1], rel_tol=0.3)
 
 
-def test_a_direction_behind_the_tool_is_refused(vehicle):
+def test_refuses_a_direction_behind_the_tool(vehicle):
     with pytest.raises(BadInput, match="180.0 deg"):
         PointingSystem(vehicle, make_direction(FixedAxis(axis=(0.0, 0.0, 1.0))), 0.0, STAGES_S)

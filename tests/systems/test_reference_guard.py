@@ -49,7 +49,7 @@ class Follower:
 
 def asked(time: float) -> np.ndarray:
     """(6,) of the curve, as at the instant that `Follower.at` looks at it."""
-    return np.hstack(CURVE.evaluate(np.array([time + 1e-6])))[0]
+    return np.hstack(CURVE.evaluate(np.array([round(time + 1e-6, 9)])))[0]
 
 
 def test_without_faults_it_is_the_reference():
@@ -86,6 +86,20 @@ def test_a_jump_is_followed_and_told_at_both_its_ends():
         if verdict is not ReferenceVerdict.OK:
             told.append((k, verdict))
     assert told == [(50, ReferenceVerdict.JUMPED), (75, ReferenceVerdict.JUMPED)]
+
+
+def test_between_ticks_it_follows_and_holds_alike():
+    """The log evaluates it at 100 Hz; a refused reference stays at that of the last good tick."""
+    follower = Follower(ReferenceNan(start_s=1.0, duration_s=0.5))
+    for time in (0.49, 0.5, 0.51, 0.99):
+        reference, horizon, _ = follower.at(time)
+        np.testing.assert_array_equal(reference, asked(time))
+        np.testing.assert_array_equal(horizon[0], reference)
+    last = np.hstack(CURVE.evaluate(np.array([0.98])))[0, :3]
+    for time in (1.0, 1.01, 1.25, 1.49):
+        reference, horizon, _ = follower.at(time)
+        np.testing.assert_array_equal(reference, [*last, 0, 0, 0])
+        np.testing.assert_array_equal(horizon, np.tile(reference, (STAGES + 1, 1)))
 
 
 @pytest.mark.parametrize("port", ["horizon", "reference"])
