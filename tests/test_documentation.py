@@ -51,7 +51,7 @@ def lines(shell: str) -> Iterator[str]:
 def test_there_is_something_to_check():
     assert len(PAGES) > 5 and len(GENERATED) > 20
     languages = {language for page in PAGES for language, _ in blocks(page)}
-    assert languages == {"sh", "python", "yaml", "mermaid"}  # Each block has its language.
+    assert languages == {"sh", "python", "yaml", "mermaid", "text"}  # Each block has its language.
 
 
 @pages

@@ -88,6 +88,15 @@ def test_rooms_are_folders():
     assert inner == set(MODEL_ROOMS)
 
 
+def test_the_readme_shows_the_rooms_from_the_top_down():
+    readme = (PACKAGE.parent / "README.md").read_text()
+    tree = re.search(r"^```text\naerodrake/\n(.*?)^diagrams/", readme, re.MULTILINE | re.DOTALL)[1]
+    shown = [name for line in tree.splitlines() for name in line.strip().split("  ")[0].split()]
+    data = {"scenarios/", "robots/", "networks/"}
+    rooms = [name.removesuffix("/").removesuffix(".py") for name in shown if name not in data]
+    assert tuple(reversed(rooms)) == ROOMS
+
+
 @everywhere
 def test_imports_go_strictly_downward(path):
     """Within a room modules import each other, but see `test_no_import_cycle`."""
