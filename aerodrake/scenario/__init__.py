@@ -59,12 +59,11 @@ from aerodrake.scenario.sections import (
     Mpc,
     Rates,
     Residual,
-    Rotor,
     Scenario,
     Supervisor,
-    Vehicle,
     Weights,
 )
+from aerodrake.scenario.vehicle import Rotor, Vehicle
 
 __all__ = [
     "Allocation", "AnyFault", "Arm", "AxisAlong", "Baseline", "Clik", "Clover", "Fault",

@@ -1,4 +1,4 @@
-"""The references a scenario can name: what the end-effector is to follow, where it is to point."""
+"""Reference sections of a scenario: the end-effector's path and the tool's direction."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from aerodrake.scenario.schema import file, quantity
 
 @dataclass(frozen=True)
 class Hover:
-    """The end-effector stays where it starts."""
+    """The end-effector's initial position."""
 
     kind: ClassVar[str] = "hover"
 
 
 @dataclass(frozen=True)
 class Clover:
-    """Four-leaf clover r = a cos(2 theta) in the horizontal plane, from a petal's tip."""
+    """Four-leaf clover r = a cos(2 theta) in the horizontal plane, starting at a petal's tip."""
 
     kind: ClassVar[str] = "clover"
     amplitude_m: float = quantity(0.5, "m", 0.01, 10.0)
     lap_s: float = quantity(24.0, "s", 1.0, 1000.0)
-    # Smooth start: the angular rate rises from 0 to 2 pi / lap_s in this time.
+    # Smooth start: time in which the angular rate rises from 0 to 2 pi / lap_s.
     start_s: float = quantity(3.0, "s", 0.1, 100.0)
 
 
@@ -40,7 +40,7 @@ class FigureEight:
 
 @dataclass(frozen=True)
 class Lissajous:
-    """A_i [sin(2 pi t / T_i + phi_i) - sin(phi_i)] on each world axis i."""
+    """Lissajous curve A_i [sin(2 pi t / T_i + phi_i) - sin(phi_i)] on each world axis i."""
 
     kind: ClassVar[str] = "lissajous"
     amplitude_m: tuple[float, ...] = quantity((0.4, 0.3, 0.15), "m", 0.0, 10.0, length=3)
@@ -61,7 +61,7 @@ class MovingTarget:
 
 @dataclass(frozen=True)
 class Waypoints:
-    """A CSV with the header `t,x,y,z` (s and m, world frame), interpolated smoothly."""
+    """Smooth interpolation of a CSV with the header `t,x,y,z` (s and m, world frame)."""
 
     kind: ClassVar[str] = "waypoints"
     file: str = file()
@@ -69,14 +69,14 @@ class Waypoints:
 
 @dataclass(frozen=True)
 class OrientationOff:
-    """No orientation task: the tool points where the position task leaves it."""
+    """No orientation task: the position task alone determines the tool's direction."""
 
     kind: ClassVar[str] = "off"
 
 
 @dataclass(frozen=True)
 class FixedAxis:
-    """The tool's axis keeps a direction in the world, by default down; its length is free."""
+    """A constant direction of the tool's axis in the world frame, of any length."""
 
     kind: ClassVar[str] = "fixed"
     axis: tuple[float, ...] = quantity((0.0, 0.0, -1.0), "1", -1000.0, 1000.0, length=3)
@@ -84,9 +84,9 @@ class FixedAxis:
 
 @dataclass(frozen=True)
 class AxisAlong:
-    """The tool's axis follows directions from a CSV with the header `t,ax,ay,az`.
+    """Smooth interpolation of directions of the tool's axis, from a CSV with header `t,ax,ay,az`.
 
-    s, and vectors of any length in the world frame, interpolated smoothly.
+    Times are in s, directions are vectors of any length in the world frame.
     """
 
     kind: ClassVar[str] = "along"
