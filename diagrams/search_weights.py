@@ -1,7 +1,8 @@
-"""Searches each model's best weights on paths other than the clover: SCENARIO SETS [k_e].
+"""Searches the best weights of each model on paths other than the clover: SCENARIO SETS [k_e].
 
-Both try as many: those of START, the scenario's, some about START (Sobol), the others downhill
-(Nelder-Mead). All else stays, K_e too unless asked for. A set costs the mean error over a lap.
+Each model gets as many sets: START, the scenario's, some near START (Sobol), then Nelder-Mead.
+The cost is the mean error over a lap. K_e is searched if named. Prints a baseline file of
+`aerodrake compare` (integral model) and a section `mpc` (modified model).
 """
 
 import sys
@@ -20,11 +21,11 @@ from aerodrake.scenario.load import load_scenario
 from aerodrake.support.processes import run_parallel
 
 START = {"w_2_base": 1e-3, "w_2_joints": 10.0, "w_3_base": 30.0, "w_3_joints": 30.0, "w_4": 300.0}
-PATHS = ((FigureEight(), 15.0), (Lissajous(), 19.0))  # And how long a lap takes, s.
+PATHS = ((FigureEight(), 15.0), (Lissajous(), 19.0))  # With the duration of a lap, s.
 
 
 def weighted(scenario: Scenario, start: dict, decades: np.ndarray) -> Scenario:
-    """The scenario with the weights of `start`, each changed by so many decades."""
+    """Returns the scenario with the weights `start`, each scaled by 10 to its `decades`."""
     weights = [w * 10**d for w, d in zip(start.values(), decades, strict=True)]
     rounded = {name: float(f"{w:.3g}") for name, w in zip(start, weights, strict=True)}
     per = {name: (w,) * (1 if name.endswith("joints") else 3) for name, w in rounded.items()}
@@ -32,7 +33,7 @@ def weighted(scenario: Scenario, start: dict, decades: np.ndarray) -> Scenario:
 
 
 def cost(scenarios: list[Scenario], start: dict, decades: np.ndarray) -> float:
-    """m, the mean error of all scenarios on all paths."""
+    """Returns the mean error of all scenarios on all paths, in m."""
     errors = []
     for scenario in scenarios:
         for path, duration in PATHS:
@@ -42,7 +43,7 @@ def cost(scenarios: list[Scenario], start: dict, decades: np.ndarray) -> float:
 
 
 def search(item: tuple[list[Scenario], dict, int]) -> tuple[float, Scenario]:
-    """The lowest cost, and the scenario that has it, of so many sets of weights."""
+    """Returns the lowest cost of a number of sets of weights, and the scenario with that cost."""
     scenarios, start, sets = item
     spread = qmc.Sobol(len(start), seed=0).random(8) - 0.5
     own = np.log10([getattr(scenarios[0].mpc, key)[0] / w for key, w in start.items()])
@@ -57,12 +58,12 @@ def search(item: tuple[list[Scenario], dict, int]) -> tuple[float, Scenario]:
 def main(name: str = "clover_paper", sets: str = "40", gain: str = "") -> None:
     variants = make_variants(scenario := load_scenario(name))
     own = ["modified+offline", "modified+online"] if scenario.residual.checkpoint else ["modified"]
-    models = {"integral": ["integral"], "modified": own}
     start = START | ({gain: 4.0} if gain else {})
-    items = [([variants[v] for v in chosen], start, int(sets)) for chosen in models.values()]
+    items = [([variants[v] for v in names], start, int(sets)) for names in (["integral"], own)]
     for index, (error, best) in run_parallel(search, items, len(items)):
-        print(f"{list(models)[index]}, {1e3 * error:.2f} mm:")
-        print(*(f"  {w}: {list(getattr(best.mpc, w))}" for w in start), sep="\n")
+        head, indent = [("# integral", ""), ("# modified\nmpc:", "  ")][index]
+        print(f"# {1e3 * error:.2f} mm", head, sep="\n")
+        print(*(f"{indent}{w}: {list(getattr(best.mpc, w))}" for w in start), sep="\n")
 
 
 if __name__ == "__main__":

@@ -27,6 +27,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         action="store_true",
         help="find the delay, loop gain and payload at which each doubles its error and is lost",
     )
+    command.add_argument(
+        "--baseline",
+        type=Path,
+        metavar="FILE",
+        help="YAML with the weights of integral_best; default: packaged for SCENARIO's name, or "
+        "the default weights",
+    )
     add_jobs(command)
     add_output(
         command, "runs/SCENARIO-comparison-TIME; an earlier one there is replaced as a whole"
@@ -42,6 +49,7 @@ def main(arguments: argparse.Namespace) -> int:
     given = load_scenario(arguments.scenario, overrides(arguments))
     target = arguments.out or new_folder(f"{given.name}-comparison")
 
+    from aerodrake.comparison.baseline import load_baseline
     from aerodrake.comparison.compare import (
         FILES,
         OWN_VARIANT,
@@ -71,7 +79,8 @@ def main(arguments: argparse.Namespace) -> int:
     say = (lambda line: None) if arguments.quiet else print
     jobs, margins, written = arguments.jobs, None, FILES
     with frozen(given) as scenario:
-        variants = make_variants(scenario, arguments.variant)
+        baseline = load_baseline(scenario, arguments.baseline)
+        variants = make_variants(scenario, arguments.variant, baseline)
         joints = len(scenario.vehicle.working_rad)
         known = (*provenance_notes(scenario, joints), *thrust_notes(scenario), *notes(scenario))
         for note in (*warnings(scenario), *known):
@@ -94,7 +103,11 @@ def main(arguments: argparse.Namespace) -> int:
                 own = OWN_VARIANT[scenario.residual.mode]
                 title = f"{scenario.name}, seed {scenario.seed}"
                 plot_comparison(
-                    logs, own, make_variant(scenario, own), title, folder / "comparison.png"
+                    logs,
+                    own,
+                    make_variant(scenario, own, baseline),
+                    title,
+                    folder / "comparison.png",
                 )
             if arguments.margins:
                 title = f"{scenario.name} margins"
@@ -123,6 +136,8 @@ def _commands(arguments: argparse.Namespace, target: Path, names: Iterable[str])
     """What compares the same again, and what flies each variant."""
     options = [f"--set={assignment}" for assignment in arguments.set]
     options += [f"--variant={name}" for name in arguments.variant]
+    if arguments.baseline:
+        options += [f"--baseline={arguments.baseline}"]
     options += ["--margins"] * arguments.margins
     again = ["aerodrake", "compare", arguments.scenario, *options]
     flights = [["aerodrake", "run", str(target / name / "scenario.yaml")] for name in names]

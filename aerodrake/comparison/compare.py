@@ -1,4 +1,4 @@
-"""The same flight by the paper's method, without parts of it, and by other methods."""
+"""Variants of one flight: the paper's method, the method without one part, other methods."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from aerodrake.comparison.baseline import load_baseline
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import failure
-from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.reports.flight_folder import fly_into
-from aerodrake.scenario import OrientationOff, Scenario
+from aerodrake.scenario import OrientationOff, Scenario, Weights
 from aerodrake.scenario.rules import check
 from aerodrake.station import make_closed_loop
 from aerodrake.support.errors import BadInput, nearest
@@ -21,27 +21,27 @@ from aerodrake.support.processes import run_parallel
 from aerodrake.systems.sensors import is_exact
 
 FILES = ("comparison.json", "comparison.png", "report.html")
-"""What a comparison leaves behind, beside a folder for each variant."""
+"""Files that a comparison writes, beside one folder for each variant."""
 
-CLIK_MOST_K_E = 4.0
-"""1/s. At 12 closed-loop inverse kinematics throws the tool about."""
+CLIK_MAX_K_E = 4.0
+"""1/s, largest K_e of closed-loop inverse kinematics, which oscillates at 12."""
 
 K_B_MODELS = {"position": "paper", "trajectory": "velocity_aware"}
-"""The modified model of each flight interface that knows K_B alone."""
+"""Modified model with K_B alone, by flight interface."""
 
 INTERFACE_MODELS = {"position": "paper", "trajectory": "flight"}
-"""The modified model of each flight interface, where the scenario names none."""
+"""Modified model of a scenario whose own model is the integral one, by flight interface."""
 
 
 def _with(section: str, **keys: Any) -> Callable[[Scenario], Scenario]:
-    """Changes keys of one section."""
+    """Returns a function that changes keys of one section."""
     return lambda scenario: replace(
         scenario, **{section: replace(getattr(scenario, section), **keys)}
     )
 
 
 def _proposed(scenario: Scenario) -> Scenario:
-    """The scenario by the paper's method: MPC, modified model, weights by gamma."""
+    """Returns the scenario with the paper's method: MPC, modified model, weights by gamma."""
     model = scenario.model
     if model.kind == "integral":
         model = replace(model, kind=INTERFACE_MODELS[scenario.flight.interface])
@@ -61,17 +61,11 @@ def _integral(scenario: Scenario) -> Scenario:
     return _with("model", kind="integral")(_with_residual(scenario, "off"))
 
 
-def _integral_best(scenario: Scenario) -> Scenario:
-    integral, own = _integral(scenario), scenario.baseline
-    weights = {field.name: getattr(own, field.name) for field in dataclasses.fields(own)}
-    return replace(integral, mpc=replace(integral.mpc, **weights))
-
-
 def _clik(scenario: Scenario) -> Scenario:
-    """With a K_e that CLIK stands, since it believes the command."""
-    k_e = tuple(min(gain, CLIK_MOST_K_E) for gain in scenario.mpc.k_e)
-    own = _with("mpc", k_e=k_e)(_with_residual(scenario, "off"))
-    return replace(own, controller="clik", orientation=OrientationOff())
+    """Bounds K_e: CLIK has no model of the base's lag, and becomes unstable at a large one."""
+    k_e = tuple(min(gain, CLIK_MAX_K_E) for gain in scenario.mpc.k_e)
+    without_residual = _with("mpc", k_e=k_e)(_with_residual(scenario, "off"))
+    return replace(without_residual, controller="clik", orientation=OrientationOff())
 
 
 PARTS: dict[str, Callable[[Scenario], Scenario]] = {
@@ -83,14 +77,11 @@ PARTS: dict[str, Callable[[Scenario], Scenario]] = {
     "short_horizon": _with("mpc", span_ticks=1),
     "no_filter": _with("filter", kind="none"),
 }
-"""The scenario without one of the parts that are not the paper's.
-
-Which of them a scenario has, `parts` tells.
-"""
+"""Variants without one of the parts that this package adds to the paper's method, see `parts`."""
 
 VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
     "integral": _integral,
-    "integral_best": _integral_best,
+    "integral_best": _integral,  # With the weights of the baseline, see `make_variant`.
     "modified": lambda scenario: _with_residual(scenario, "off"),
     "modified+offline": lambda scenario: _with_residual(scenario, "offline"),
     "modified+online": lambda scenario: _with_residual(scenario, "online"),
@@ -98,68 +89,75 @@ VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
     "fixed_weights": _with("allocation", kind="fixed"),
     **PARTS,
 }
-"""What each variant makes of the scenario by the paper's method.
+"""Functions that change the scenario with the paper's method into each variant.
 
-`integral` believes the command, `integral_best` does with the weights of the
-section `baseline`. `modified` has the scenario's own model without a residual,
-`+offline` with its network as it is, `+online` with one that learns. `clik` is
-closed-loop inverse kinematics, with K_e bounded and without orientation task;
-`fixed_weights` the scenario without allocation. The rest is the scenario without one of `PARTS`.
+`integral` has the integral model, for which the base is where it is commanded to be;
+`integral_best` has it with the weights of a baseline. `modified` has the scenario's own model
+without a residual, `modified+offline` with a fixed network, `modified+online` with online
+learning. `clik` is closed-loop inverse kinematics, with K_e bounded and without orientation
+task. `fixed_weights` has no weight allocation. Each of the others lacks one of `PARTS`.
 """
 
 OWN_VARIANT = {"off": "modified", "offline": "modified+offline", "online": "modified+online"}
-"""Which variant is the scenario by the paper's method, by its residual's mode."""
+"""Variant that equals the scenario with the paper's method, by its `residual.mode`."""
 
 
-def make_variant(scenario: Scenario, name: str) -> Scenario:
-    """One variant of a scenario, unchecked."""
-    return VARIANTS[name](_proposed(scenario))
+def make_variant(scenario: Scenario, name: str, baseline: Weights) -> Scenario:
+    """Returns one variant of a scenario, unchecked; `baseline` is used by `integral_best`."""
+    variant = VARIANTS[name](_proposed(scenario))
+    if name != "integral_best":
+        return variant
+    return _with("mpc", **dataclasses.asdict(baseline))(variant)
 
 
-def make_variants(scenario: Scenario, names: Sequence[str] = ()) -> dict[str, Scenario]:
-    """Variants of a scenario, by name, in the order of `VARIANTS`.
+def make_variants(
+    scenario: Scenario, names: Sequence[str] = (), baseline: Weights | None = None
+) -> dict[str, Scenario]:
+    """Returns variants of a scenario, by name, in the order of `VARIANTS`.
 
     Args:
-        scenario: Whose variants they are.
-        names: Which of them; none for all, but those without parts that it has not.
+        scenario: Any scenario.
+        names: Names of the variants; empty for all but those that lack a part which the
+            scenario does not have.
+        baseline: Weights of `integral_best`; None for those of `load_baseline`.
 
     Raises:
-        BadInput: if one is unknown, or cannot be flown.
+        BadInput: if a name is unknown, or a variant cannot be flown.
     """
     for name in names:
         if name not in VARIANTS:
             raise BadInput("--variant", "", f"no such variant '{name}'; {nearest(name, VARIANTS)}")
-    vehicle = VehicleModel.load(scenario)
-    for name in ("w_2_joints", "w_3_joints"):
-        vehicle.per_joint(getattr(scenario.baseline, name), f"baseline.{name}")
+    baseline = baseline or load_baseline(scenario)
     absent = PARTS.keys() - parts(_proposed(scenario))
     chosen = [name for name in VARIANTS if name in names or not names and name not in absent]
-    variants = {name: make_variant(scenario, name) for name in chosen}
+    variants = {name: make_variant(scenario, name, baseline) for name in chosen}
     for name, variant in variants.items():
-        check(variant, f"{scenario.source} as {name}")
-        make_closed_loop(variant)  # Reads the files it names; said now, not by a process.
+        source = f"{scenario.source} as {name}"
+        check(variant, source)
+        # Reads the files of the scenario, so that errors occur before any flight.
+        make_closed_loop(replace(variant, source=source))
     return variants
 
 
 def parts(scenario: Scenario) -> list[str]:
-    """The keys of `PARTS` that change how a scenario is flown."""
-    is_here = {
+    """Returns the keys of `PARTS` that change the flight of a scenario."""
+    is_present = {
         "no_flight_model": scenario.model.kind == "flight",
         "no_tilt": scenario.mpc.tilt != "none",
         "no_feedforward": scenario.flight.feedforward != "none",
         "short_horizon": scenario.mpc.span_ticks > scenario.mpc.horizon,
         "no_filter": scenario.filter.kind != "none" and not is_exact(scenario.sensors),
     }
-    return [name for name in PARTS if is_here[name]]
+    return [name for name in PARTS if is_present[name]]
 
 
 def notes(scenario: Scenario) -> list[str]:
-    """What should be known of a scenario's comparison."""
+    """Returns notes on the comparison of a scenario."""
     if scenario.residual.checkpoint:
         return []
     return [
-        "residual.checkpoint names no network, so that modified+offline is the same as modified, "
-        "and modified+online learns from nothing"
+        "residual.checkpoint names no network: modified+offline is the same as modified, and "
+        "modified+online begins with an untrained network"
     ]
 
 
@@ -169,17 +167,18 @@ def compare(
     jobs: int,
     progress: Callable[[str], None] = lambda name: None,
 ) -> dict[str, dict[str, Any]]:
-    """Flies each variant in a process of its own, into a folder of its name.
+    """Flies each variant in a process of its own and writes its results to a folder of its name.
 
     Args:
-        variants: By name.
-        folder: Where their folders are made.
-        jobs: How many processes at a time.
+        variants: Scenarios by name.
+        folder: Parent of the variants' folders.
+        jobs: Number of concurrent processes.
         progress: Called with the name of each variant that has ended.
 
     Returns:
-        The summary of each, in their order; of one whose process raised or died,
-        `exit_reason` failed and `exit_cause` alone. It leaves no folder.
+        The summary of each variant, in the order of `variants`. If the process of a variant
+        raises or dies, its summary has only `exit_reason` failed and `exit_cause`, and its
+        folder is removed.
 
     Raises:
         OSError: if a folder cannot be written.
@@ -190,7 +189,7 @@ def compare(
     for index, outcome in run_parallel(_fly, flights, jobs):
         name = names[index]
         if isinstance(outcome, OSError | BadInput):
-            raise outcome  # No fault of the variant's: there is no room to write it, say.
+            raise outcome  # Not caused by the variant: a full disk, for example.
         if isinstance(outcome, Exception):
             shutil.rmtree(folder / name, ignore_errors=True)
             outcome = failure(outcome)

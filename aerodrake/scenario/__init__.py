@@ -51,7 +51,6 @@ from aerodrake.scenario.references import (
 from aerodrake.scenario.sections import (
     Allocation,
     Arm,
-    Baseline,
     Clik,
     Filter,
     Flight,
@@ -66,7 +65,7 @@ from aerodrake.scenario.sections import (
 from aerodrake.scenario.vehicle import Rotor, Vehicle
 
 __all__ = [
-    "Allocation", "AnyFault", "Arm", "AxisAlong", "Baseline", "Clik", "Clover", "Fault",
+    "Allocation", "AnyFault", "Arm", "AxisAlong", "Clik", "Clover", "Fault",
     "FigureEight", "Filter", "FixedAxis", "Flight", "Hover", "JointDegraded", "LearnerDiverged",
     "LearnerFault", "LearnerNan", "LearnerPoisoned", "Lissajous", "MPC_FAULTS", "Mismatch", "Model",
     "MovingTarget", "Mpc", "MpcInfeasible", "MpcMissed", "MpcNonFinite", "MpcStarved",

@@ -7,7 +7,9 @@ import re
 RENAMED: dict[str, str] = {}
 """Old dotted key -> new dotted key. A section counts as a key; keys of faults have no index."""
 
-REMOVED: dict[str, str] = {}
+REMOVED: dict[str, str] = {
+    "baseline": "put its keys in a file for `aerodrake compare SCENARIO --baseline FILE`",
+}
 """Old dotted key -> what replaces it, as a clause."""
 
 

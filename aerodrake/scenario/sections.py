@@ -223,14 +223,6 @@ class Clik:
 
 
 @dataclass(frozen=True)
-class Baseline(Weights):
-    """Best K_e and weights of the integral model, from diagrams/search_weights.py.
-
-    `aerodrake compare` flies them as `integral_best`.
-    """
-
-
-@dataclass(frozen=True)
 class Allocation:
     """Weight allocation: gamma, its gains and its boundaries."""
 
@@ -283,7 +275,6 @@ class Scenario:
     controller: str = choice("mpc", "clik")
     mpc: Mpc = Mpc()
     clik: Clik = Clik()
-    baseline: Baseline = Baseline()
     allocation: Allocation = Allocation()
     supervisor: Supervisor = Supervisor()
     # The file that the scenario was read from, for messages.

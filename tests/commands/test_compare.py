@@ -114,8 +114,9 @@ def test_failed_is_none(tmp_path, monkeypatch, capsys):
         (["hover", "--set", "allocation.kind=none"], "allocation.kind: unknown value"),
         (["hover", "--set", "allocation.fixed_gamma=2"], "allocation.fixed_gamma: expected a num"),
         (["hover", "--set", "clik.damping=0"], "clik.damping: expected a number in [0.0001, 10]"),
-        (["hover", "--set", "baseline.w_4=[1]"], "baseline.w_4: expected a list of 3 numbers"),
-        (["hover", "--set", "baseline.w_2_joints=[]"], "baseline.w_2_joints: expected 1 value"),
+        (["hover", "--baseline", "none.yaml"], "none.yaml: expected a readable file"),
+        (["hover", "--baseline", "mine/comparison.json"], "expected a mapping of keys to values"),
+        (["hover", "--set", "baseline.w_4=[1]"], "baseline: removed; put its keys in a file"),
         (
             ["hover", "--set", "allocation.k_m=0"],
             "hover.yaml --set allocation.k_m=0 as clik: alloc",

@@ -12,7 +12,7 @@ from aerodrake.comparison import compare as module
 from aerodrake.comparison.compare import OWN_VARIANT, compare, make_variants, notes
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import repeatable
-from aerodrake.scenario import Model, Scenario
+from aerodrake.scenario import Model, Scenario, Weights
 from aerodrake.scenario.load import load_scenario
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.support.errors import BadInput
@@ -40,8 +40,8 @@ def paper() -> Scenario:
     return load_scenario("clover_paper", SHORT)
 
 
-def test_variants_differ_from_the_scenario_in_what_they_are_named_after(paper):
-    """In nothing else: not in a gain, a bound, the seed or the reference."""
+def test_variants_differ_from_the_scenario_only_as_their_names_state(paper):
+    """All other keys are equal: gains, bounds, the seed, the reference."""
     variants = make_variants(paper)
     assert list(variants) == [
         "integral", "integral_best", "modified", "modified+offline", "modified+online", "clik",
@@ -62,27 +62,33 @@ def test_variants_differ_from_the_scenario_in_what_they_are_named_after(paper):
     }
 
 
-def test_the_integral_model_at_its_best_has_the_weights_of_the_baseline(paper):
-    own = replace(paper.baseline, w_1=(1.0, 2.0, 3.0), w_3_joints=(5.0,))
-    mpc = make_variants(replace(paper, baseline=own))["integral_best"].mpc
-    for field in dataclasses.fields(own):
-        assert getattr(mpc, field.name) == getattr(own, field.name)
+def test_integral_best_has_the_weights_of_the_baseline(paper):
+    baseline = Weights(k_e=(2.0, 3.0, 4.0), w_1=(1.0, 2.0, 3.0), w_3_joints=(5.0,))
+    mpc = make_variants(paper, baseline=baseline)["integral_best"].mpc
+    for field in dataclasses.fields(baseline):
+        assert getattr(mpc, field.name) == getattr(baseline, field.name)
     assert replace(
-        mpc, **{f.name: getattr(paper.mpc, f.name) for f in dataclasses.fields(own)}
+        mpc, **{f.name: getattr(paper.mpc, f.name) for f in dataclasses.fields(baseline)}
     ) == (paper.mpc)
 
 
+def test_integral_best_has_the_weights_packaged_for_the_scenario(paper):
+    mpc = make_variants(paper)["integral_best"].mpc
+    assert mpc.k_e == (0.8, 1.2, 1.2) and mpc.w_4 == (295.0, 295.0, 295.0)
+    assert mpc.w_1 == Weights().w_1
+
+
 @pytest.mark.parametrize(("name", "kind"), [("clover", "flight"), ("clover_paper", "paper")])
-def test_a_scenario_that_is_a_baseline_itself_is_compared_all_the_same(name, kind):
-    """With its interface's own model, by the MPC, with allocation."""
+def test_variants_of_a_scenario_without_the_method_are_the_same(name, kind):
+    """They have the model of the flight interface, the MPC and weight allocation."""
     scenario = load_scenario(name, SHORT)
-    baseline = replace(
+    without = replace(
         scenario,
         controller="clik",
         model=replace(scenario.model, kind="integral"),
         allocation=replace(scenario.allocation, kind="fixed"),
     )
-    assert make_variants(baseline) == make_variants(scenario)
+    assert make_variants(without) == make_variants(scenario)
     assert make_variants(scenario)["modified"].model == Model(kind, scenario.model.k_b)
 
 
@@ -92,20 +98,19 @@ def test_own_variant_is_the_scenario(mode, paper):
     assert make_variants(own)[OWN_VARIANT[mode]] == own
 
 
-def test_a_network_that_is_none_is_noted(paper):
+def test_a_missing_network_is_noted(paper):
     assert notes(paper) == []
     untrained = replace(paper, residual=replace(paper.residual, checkpoint=""))
     (note,) = notes(untrained)
     assert "modified+offline is the same as modified" in note
 
 
-def test_baseline_weights_of_another_arm_are_named(paper):
-    wrong = replace(paper, baseline=replace(paper.baseline, w_3_joints=(1.0, 2.0)))
-    with pytest.raises(BadInput, match="baseline.w_3_joints: expected 1 value, or 6"):
-        make_variants(wrong)
+def test_baseline_weights_of_another_arm_are_refused(paper):
+    with pytest.raises(BadInput, match="as integral_best: mpc.w_3_joints: expected 1 value, or 6"):
+        make_variants(paper, baseline=Weights(w_3_joints=(1.0, 2.0)))
 
 
-# Flown.
+# Flights.
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +125,7 @@ def flown(tmp_path_factory):
         return scenario, folder, compare(variants, folder, jobs=2)
 
 
-def test_each_variant_has_the_folder_of_a_run(flown):
+def test_each_variant_writes_the_folder_of_a_run(flown):
     _, folder, summaries = flown
     assert list(summaries) == ["modified", "clik", "fixed_weights"]
     for name, summary in summaries.items():
@@ -132,7 +137,7 @@ def test_each_variant_has_the_folder_of_a_run(flown):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_variant_flies_again_by_itself(flown, tmp_path):
+def test_the_saved_scenario_of_a_variant_repeats_its_flight(flown, tmp_path):
     _, folder, summaries = flown
     scenario, out = folder / "clik" / "scenario.yaml", tmp_path / "again"
     assert main(["run", str(scenario), "--quiet", "--out", str(out)]) == 0
@@ -140,7 +145,7 @@ def test_a_variant_flies_again_by_itself(flown, tmp_path):
     assert repeatable(again) == repeatable(summaries["clik"])
 
 
-def test_summaries_say_where_the_arm_was(flown):
+def test_summaries_contain_the_workspace_use_of_the_arm(flown):
     scenario, folder, summaries = flown
     for name, summary in summaries.items():
         log = FlightLog.read(folder / name / "log.npz", summary)
@@ -150,7 +155,7 @@ def test_summaries_say_where_the_arm_was(flown):
         assert 0.1 < summary["arm"]["least_room_rad"] < 1.6
 
 
-def test_a_variant_that_raises_or_dies_is_a_row_and_no_folder(monkeypatch, tmp_path, paper):
+def test_a_variant_that_raises_or_dies_has_a_summary_but_no_folder(monkeypatch, tmp_path, paper):
     monkeypatch.setattr(module, "run_parallel", in_this_process)
     monkeypatch.setattr(module, "_fly", fail_or_lose)
     variants = dict.fromkeys(("integral", "modified", "clik"), paper)
