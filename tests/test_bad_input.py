@@ -167,9 +167,10 @@ RUNS = {
     "robot_other_package": (robot("package://other/x.urdf"), "package://other/x.urdf", "expected "),
     "robot_no_package": (robot("package://"), "package://", "expected "),
     "robot_leaves_package": (robot("package://aerodrake/../../../../../../../../etc/passwd"),
-                             "/etc/passwd", "inside the package"),
+                             "/etc/passwd", "of a file in the package"),
     "robot_leaves_and_returns": (
-        robot("package://aerodrake/../aerodrake/robots/quadrotor_arm6.urdf"), "inside the package"
+        robot("package://aerodrake/../aerodrake/robots/quadrotor_arm6.urdf"),
+        "of a file in the package",
     ),
     "waypoints_no_file": (["waypoints_without_file.yaml"],
                           "waypoints_without_file.yaml: reference.file: "),

@@ -1,4 +1,4 @@
-"""Edits of scenario files that keep every other byte: comments, order and layout."""
+"""Edits of scenario files that preserve every other byte: comments, order and layout."""
 
 from __future__ import annotations
 
@@ -13,49 +13,49 @@ from aerodrake.support.files import write_whole
 
 
 def replace_numbers(path: Path, key: str, numbers: Sequence[float]) -> None:
-    """Puts `numbers` in place of those that a scenario file has at `key`, at once or not at all.
+    """Replaces the list of numbers at `key` of a scenario file, in one atomic write.
 
     Args:
-        path: A scenario file that has been read and found valid.
+        path: A valid scenario file.
         key: The dotted key of a list of as many numbers.
-        numbers: What it is to hold.
+        numbers: The new values.
 
     Raises:
         BadInput: if the file does not have the key, or cannot be written.
     """
     text = _text(path)
-    places = _places(path, text, key)
-    for (start, end), number in reversed([*zip(places, numbers, strict=True)]):
+    spans = _spans(path, text, key)
+    for (start, end), number in reversed([*zip(spans, numbers, strict=True)]):
         text = f"{text[:start]}{float(number)!r}{text[end:]}"
     write_whole(path, text.encode("utf-8"))
 
 
 def check_replaceable(path: Path, key: str) -> None:
-    """Tells beforehand whether `replace_numbers` will find what it needs.
+    """Checks in advance that `replace_numbers` can edit the file.
 
     Raises:
         BadInput: if the file does not have the key, or cannot be written.
     """
-    _places(path, _text(path), key)
-    for place in (path, path.resolve().parent):
-        if not os.access(place, os.W_OK):
-            raise BadInput(place, "", "cannot be written: Permission denied")
+    _spans(path, _text(path), key)
+    for written in (path, path.resolve().parent):
+        if not os.access(written, os.W_OK):
+            raise BadInput(written, "", "cannot be written: Permission denied")
 
 
 def _text(path: Path) -> str:
-    """The file, its line ends as they are."""
+    """Reads the file without converting its line ends."""
     try:
         return path.read_bytes().decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(path, "", f"cannot be read: {error}") from None
 
 
-def _places(path: Path, text: str, key: str) -> list[tuple[int, int]]:
-    """From where to where in the text each number of the list at `key` stands."""
+def _spans(path: Path, text: str, key: str) -> list[tuple[int, int]]:
+    """Returns the start and end in the text of each number of the list at `key`."""
     node = yaml.compose(text, Loader=yaml.SafeLoader)
     for name in key.split("."):
         entries = node.value if isinstance(node, yaml.MappingNode) else []
         node = next((value for entry, value in entries if entry.value == name), None)
     if not isinstance(node, yaml.SequenceNode):
-        raise BadInput(path, key, "expected the key in the file, with a list of numbers to replace")
+        raise BadInput(path, key, "expected this key in the file, with a list of numbers")
     return [(item.start_mark.index, item.end_mark.index) for item in node.value]

@@ -1,4 +1,4 @@
-"""Hashes that tell whether two scenarios, or parts of them, are the same."""
+"""Hashes of scenarios and of their sections."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from aerodrake.support.errors import file_at
 from aerodrake.support.files import locate, read_bounded
 
 PLANT_SECTIONS = ("vehicle", "flight", "arm", "rates", "model")
-"""What decides the residual velocity, apart from noise, weather and what is off the model."""
+"""Sections that determine the residual velocity, except for noise, wind and model mismatch."""
 
 COORDINATED = (
     "settle_s",
@@ -33,10 +33,10 @@ COORDINATED = (
     "allocation",
     "supervisor",
 )
-"""What the coordinator reads, of `faults` those of its own: a station that it is to fly agrees.
+"""Sections that the coordinator reads; of `faults` its own. A remote station must agree on them.
 
-Of the rest it knows nothing: how long the flight is, and what the vehicle meets. The `seed` it
-reads for an untrained network, which is its own.
+The coordinator does not read the duration and the environment. It reads `seed` only to
+initialise an untrained network.
 """
 
 FILES = {
@@ -45,19 +45,19 @@ FILES = {
     "orientation": "file",
     "residual": "checkpoint",
 }
-"""Keys of files, by section. What they say counts, not where they are."""
+"""Section -> its key that names a file. The hash is of the file's content, not of its path."""
 
 
 def scenario_hash(scenario: Scenario) -> str:
-    """Of everything that the scenario says but its name."""
+    """Returns the hash of all keys except the name."""
     return digest({k: v for k, v in as_mapping(scenario).items() if k != "name"})
 
 
 def plant_hash(scenario: Scenario) -> str:
-    """Of the vehicle, with the robot's file as it is now, its controllers and its model.
+    """Returns the hash of `PLANT_SECTIONS`, with the current content of the robot's file.
 
     Raises:
-        ScenarioError: if that file cannot be read.
+        ScenarioError: if the robot's file cannot be read.
     """
     sections = as_mapping(scenario)
     robot = _hash_of_file(scenario, "vehicle.robot", sections["vehicle"].pop("robot"))
@@ -65,7 +65,7 @@ def plant_hash(scenario: Scenario) -> str:
 
 
 def coordinated(scenario: Scenario) -> dict[str, int]:
-    """A number below 2^48 for each of `COORDINATED`, with its files as they are now.
+    """Returns a hash below 2^48 for each of `COORDINATED`, with the current content of its files.
 
     Raises:
         ScenarioError: if a file cannot be read.
@@ -81,7 +81,7 @@ def coordinated(scenario: Scenario) -> dict[str, int]:
 
 
 def digest(data: Any) -> str:
-    """The first 16 hexadecimal digits of the SHA-256 of `data` as JSON."""
+    """Returns the first 16 hexadecimal digits of the SHA-256 of `data` as JSON."""
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 
 

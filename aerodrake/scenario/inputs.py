@@ -1,4 +1,4 @@
-"""The files that a scenario names: copied, so that what was flown is what is saved."""
+"""Files that a scenario names, copied so that the flown and the saved content are the same."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from aerodrake.support.scratch import scratch_folder
 from aerodrake.support.urdf import SUFFIX, copy_urdf
 
 MAX_BYTES = 20_000_000
-"""No file that a scenario names is larger."""
+"""Largest size of a file that a scenario names."""
 
 
 @contextmanager
 def frozen(scenario: Scenario) -> Iterator[Scenario]:
-    """The scenario with copies of its files, which nobody changes while it is flown.
+    """Yields the scenario with temporary copies of its files, which do not change during a flight.
 
-    Errors name the files themselves.
+    Errors raised inside the context name the original files.
 
     Raises:
-        BadInput: if there is no room for the copies.
+        BadInput: if the copies cannot be written.
     """
     with ExitStack() as stack:
         try:
@@ -45,18 +45,18 @@ def frozen(scenario: Scenario) -> Iterator[Scenario]:
 
 
 def copy_inputs(scenario: Scenario, folder: Path) -> Scenario:
-    """Copies each file that a scenario names; those in the package stay there.
+    """Copies each file that a scenario names, except for files in the package.
 
     Args:
-        scenario: What names them. One that cannot be read stays named as it is,
-            for whoever needs it to say so.
-        folder: Made if there are any; a second of the same name goes to another beside it.
+        scenario: Names the files. A file that cannot be read is not copied; its user raises
+            the error.
+        folder: Created if there are files. A second file of the same name is copied to FOLDER-2.
 
     Returns:
         The scenario with the paths of the copies.
 
     Raises:
-        OSError: if they cannot be written.
+        OSError: if a copy cannot be written.
     """
 
     def copy(file: Path) -> Path:
@@ -69,7 +69,7 @@ def copy_inputs(scenario: Scenario, folder: Path) -> Scenario:
             else:
                 (home / file.name).write_bytes(read_bounded(file, MAX_BYTES))
         except BadInput:
-            with suppress(OSError):  # Unless there are others in it.
+            with suppress(OSError):  # The folder has other files.
                 home.rmdir()
             return file
         return home / file.name
@@ -78,12 +78,12 @@ def copy_inputs(scenario: Scenario, folder: Path) -> Scenario:
 
 
 def named_files(scenario: Scenario) -> list[str]:
-    """The paths of the files that a scenario names, but for those in the package."""
-    found: list[str] = []
+    """Returns the paths of the files that a scenario names, except for files in the package."""
+    paths: list[str] = []
 
-    def note(file: Path) -> Path:
-        found.append(str(file))
+    def collect(file: Path) -> Path:
+        paths.append(str(file))
         return file
 
-    map_files(scenario, note)
-    return found
+    map_files(scenario, collect)
+    return paths

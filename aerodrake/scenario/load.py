@@ -1,4 +1,4 @@
-"""Scenario files: found by name or path, overridden, checked, and written."""
+"""Loading, overriding, checking and saving of scenarios."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from aerodrake.support.errors import BadInput, ScenarioError, nearest
 from aerodrake.support.files import read_bounded
 
 UNIONS = ("reference", "orientation", "faults")
-"""Sections of several kinds."""
+"""Sections whose key `kind` selects their class."""
 
 MAX_FILE_BYTES = 100_000
-"""A scenario file is never larger: a guard against hostile input."""
+"""Largest size of a scenario file; protects against hostile input."""
 
 
 def packaged_scenarios() -> dict[str, Path]:
-    """The scenarios that come with aerodrake, by name."""
+    """Returns the paths of the packaged scenarios by name."""
     folder = Path(str(resources.files("aerodrake") / "scenarios"))
     return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
 
@@ -37,10 +37,9 @@ def load_scenario(name_or_path: str, overrides: Iterable[tuple[str, str]] = ()) 
 
     Args:
         name_or_path: The name of a packaged scenario, or the path of a YAML file.
-        overrides: Pairs of the option as it was typed, which errors name, and
-            its `dotted.key=value`, applied in order on top of the file. Paths
-            in them are relative to the working directory; those in the file
-            are relative to the file.
+        overrides: Pairs of an option, which errors name, and its `dotted.key=value`,
+            applied in order on top of the file. Paths in overrides are relative to the
+            working directory, paths in the file are relative to the file.
 
     Raises:
         ScenarioError: if the scenario is missing, unreadable or invalid.
@@ -48,22 +47,22 @@ def load_scenario(name_or_path: str, overrides: Iterable[tuple[str, str]] = ()) 
     path = _find(name_or_path)
     data = parse(_read(path), path)
     if not isinstance(data, Mapping) or not data:
-        found = "" if data else ", got an empty file"
-        raise ScenarioError(path, "", f"expected a mapping of scenario keys to values{found}")
+        got = "" if data else ", got an empty file"
+        raise ScenarioError(path, "", f"expected a mapping of scenario keys to values{got}")
     scenario = map_files(build(Scenario, data, path), lambda file: path.parent.resolve() / file)
     scenario = dataclasses.replace(scenario, name=scenario.name or _name(path), source=str(path))
     return override(scenario, overrides)
 
 
 def override(scenario: Scenario, overrides: Iterable[tuple[str, str]]) -> Scenario:
-    """A scenario with keys changed, checked.
+    """Returns the scenario with overridden keys, after checking that all keys are consistent.
 
     Args:
-        scenario: As from `load_scenario`.
-        overrides: As it takes them.
+        scenario: A scenario from `load_scenario`.
+        overrides: As for `load_scenario`.
 
     Raises:
-        ScenarioError: if a key or value is invalid, or they do not fit each other.
+        ScenarioError: if a key or value is invalid, or keys are inconsistent.
     """
     source, name = scenario.source, scenario.name
     for option, assignment in overrides:
@@ -75,13 +74,12 @@ def override(scenario: Scenario, overrides: Iterable[tuple[str, str]]) -> Scenar
 
 
 def save_scenario(scenario: Scenario, folder: Path) -> Path:
-    """Writes `scenario.yaml`, and a copy of each file it refers to, into `folder`.
+    """Writes `scenario.yaml`, and a copy of each file that it names, into `folder`.
 
-    What is written is complete and does not depend on the original's place:
-    running it again gives the same flight.
+    The folder is self-contained: running its scenario gives the same flight.
 
     Raises:
-        OSError: if they cannot be written.
+        OSError: if a file cannot be written.
     """
 
     def relative(file: Path) -> Path:
@@ -108,7 +106,7 @@ def _find(name_or_path: str) -> Path:
 
 
 def _name(path: Path) -> str:
-    """A scenario's name by that of its file, such as may be written down and be a folder's."""
+    """Returns the file's name without characters that a folder's name must not have."""
     stem = "".join(c if c.isprintable() and c not in "/\\" else "_" for c in path.stem)
     return stem.lstrip(".").encode()[:MAX_NAME_BYTES].decode(errors="ignore") or "scenario"
 
@@ -119,19 +117,19 @@ def _read(path: Path) -> str:
     except BadInput as error:
         raise ScenarioError(*error.args) from None
     except UnicodeDecodeError as error:
-        raise ScenarioError(path, "", f"expected UTF-8 text; byte {error.start} is none") from None
+        raise ScenarioError(path, "", f"expected UTF-8 text; byte {error.start} is not") from None
 
 
 def set_key(scenario: Scenario, option: str, assignment: str) -> Scenario:
-    """A scenario with one key changed, which is valid by itself; whether it fits, nobody checks.
+    """Returns the scenario with one key changed, without checking its consistency with others.
 
     Args:
-        scenario: Any.
-        option: Named in errors.
+        scenario: The scenario to change.
+        option: The option named in errors.
         assignment: `dotted.key=value`; `key[0]` is the first element of a list.
 
     Raises:
-        ScenarioError: if there is no such key, or the value is not valid.
+        ScenarioError: if the key does not exist, or the value is invalid.
     """
     key, equals, text = assignment.partition("=")
     if not equals or not key:
@@ -149,13 +147,14 @@ def set_key(scenario: Scenario, option: str, assignment: str) -> Scenario:
         node = sections[name]
     is_union = key.partition(".")[0].partition("[")[0] in UNIONS
     if is_union and leaf == "kind" and node.get("kind") != value:
-        node.clear()  # Another kind has keys of its own.
+        node.clear()  # Each kind has its own keys.
     element = re.fullmatch(r"(\w+)\[([0-9]{1,4})\]", leaf)
     if element and isinstance(node.get(element[1]), list):
         values, index = node[element[1]], int(element[2])
         if index >= len(values):
-            place = key.removesuffix(f"[{element[2]}]")
-            raise ScenarioError(option, place, f"has {len(values)} elements, got [{index}]")
+            list_key = key.removesuffix(f"[{element[2]}]")
+            message = f"expected an index below {len(values)}, got [{index}]"
+            raise ScenarioError(option, list_key, message)
         values[index] = value
     else:
         node[leaf] = value
@@ -163,10 +162,10 @@ def set_key(scenario: Scenario, option: str, assignment: str) -> Scenario:
 
 
 def _sections(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """The mappings in one, by name; those of a list as `faults[0]`, `faults[1]`, ..."""
-    found = {name: value for name, value in node.items() if isinstance(value, dict)}
+    """Returns the mappings in `node` by name; those in a list as `faults[0]`, `faults[1]`, ..."""
+    sections = {name: value for name, value in node.items() if isinstance(value, dict)}
     for name, value in node.items():
         if isinstance(value, list):
             entries = {f"{name}[{i}]": entry for i, entry in enumerate(value)}
-            found |= {key: entry for key, entry in entries.items() if isinstance(entry, dict)}
-    return found
+            sections |= {key: entry for key, entry in entries.items() if isinstance(entry, dict)}
+    return sections

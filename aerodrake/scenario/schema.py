@@ -1,13 +1,12 @@
-"""From plain mappings to checked dataclasses.
+"""Declaration of sections as dataclasses, and their conversion from and to plain mappings.
 
-A section of a scenario is a frozen dataclass whose fields say, where they are
-declared, the unit and the range of their value:
+A section of a scenario is a frozen dataclass. Each field declares its unit and range:
 
     amplitude_m: float = quantity(0.5, "m", 0.01, 5.0)
 
-`build` turns a mapping, as YAML gives it, into such a dataclass, and names the
-dotted key, the unit, the range and the nearest valid name when it cannot. A
-field whose type is a union of dataclasses is told apart by their `kind` key.
+`build` converts a mapping, as parsed from YAML, to such a dataclass. Its errors name the
+dotted key, the unit, the range and the nearest valid name. For a field whose type is a union
+of dataclasses, the key `kind` selects the class.
 """
 
 from __future__ import annotations
@@ -25,12 +24,12 @@ from aerodrake.scenario.renamed import successor
 from aerodrake.support.errors import ScenarioError, nearest
 from aerodrake.support.files import PACKAGE, is_packaged, leaves_package
 
-_REPR = reprlib.Repr()  # Bounded in depth and length, whatever the file held.
+_REPR = reprlib.Repr()  # Limits the depth and length of values in messages.
 _REPR.maxlevel = 2
 _REPR.maxstring = 60
 
 MAX_LIST = 1000
-"""No list in a scenario is longer: a guard against hostile files."""
+"""Longest list in a scenario; protects against hostile files."""
 
 
 def quantity(
@@ -44,13 +43,13 @@ def quantity(
     """Declares a number, or a tuple of them, with its unit and closed range.
 
     Args:
-        default: The value where the scenario gives none; its type (int, float
-            or tuple) is the field's.
-        unit: The unit, as it is to appear in messages; "1" for none.
+        default: The value if the scenario has none; its type (int, float or tuple) is
+            the field's.
+        unit: The unit in messages; "1" for none.
         low: Smallest valid value (of each element).
         high: Largest valid value (of each element).
-        length: The number of elements a tuple must have; None leaves it open
-            (a per-joint list, whose length only the robot knows).
+        length: The number of elements of a tuple; None for a list with one value per joint,
+            whose number depends on the robot.
     """
     metadata = {"unit": unit, "low": low, "high": high, "length": length}
     return dataclasses.field(default=default, metadata=metadata)
@@ -67,29 +66,29 @@ def file(default: str = "") -> Any:
 
 
 def several() -> Any:
-    """Declares a list of mappings, each told apart by its `kind`; empty by default."""
+    """Declares a list of mappings, each with a key `kind`; empty by default."""
     return dataclasses.field(default=(), metadata={"several": True})
 
 
 def provenance() -> Any:
-    """Declares a string that tells where the data came from and is not part of it."""
+    """Declares a string that names the source of the data and is not part of it."""
     return dataclasses.field(default="", metadata={"provenance": True})
 
 
 def build(cls: type, data: object, source: object, key: str = "") -> Any:
-    """Builds the dataclass `cls` from a mapping.
+    """Converts a mapping to the dataclass `cls`.
 
     Args:
         cls: A dataclass whose fields are declared with this module.
-        data: What the YAML parser returned.
-        source: Named in errors: the file or option `data` came from.
-        key: Dotted key of `data` inside the source.
+        data: The mapping.
+        source: Named in errors: the file or option that `data` came from.
+        key: Dotted key of `data` in the source.
 
     Returns:
-        An instance of `cls`; keys that `data` lacks have their defaults.
+        An instance of `cls`, with defaults for keys that are not in `data`.
 
     Raises:
-        ScenarioError: on unknown keys, wrong types, lengths, or ranges.
+        ScenarioError: on unknown or renamed keys, wrong types, lengths or ranges.
     """
     if not isinstance(data, Mapping):
         raise ScenarioError(source, key, f"expected a mapping of keys to values, got {_show(data)}")
@@ -106,7 +105,7 @@ def build(cls: type, data: object, source: object, key: str = "") -> Any:
 
 
 def as_mapping(config: Any) -> dict[str, Any]:
-    """The reverse of `build`: every key of `config`, defaults included."""
+    """Returns a mapping of every key of `config`, defaults included: the inverse of `build`."""
 
     def plain(value: Any) -> Any:
         if dataclasses.is_dataclass(value):
@@ -120,7 +119,7 @@ def as_mapping(config: Any) -> dict[str, Any]:
 
 
 def map_files(config: Any, change: typing.Callable[[Path], Path]) -> Any:
-    """Returns `config` with `change` applied to every non-empty `file` field."""
+    """Returns `config` with `change` applied to every file that is not in the package."""
     changes: dict[str, Any] = {}
     for f in dataclasses.fields(config):
         value = getattr(config, f.name)
@@ -151,11 +150,13 @@ def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, 
     if hint in (int, float):
         return _number(hint, meta, value, source, key)
     element = typing.get_args(hint)[0]
-    what = f"a list of {meta.get('length') or ''} numbers in {meta['unit']}"
+    length = f"{meta['length']} " if meta["length"] else ""
+    unit = "" if meta["unit"] == "1" else f" in {meta['unit']}"
+    expected = f"expected a list of {length}numbers{unit}"
     if not isinstance(value, list | tuple):
-        raise ScenarioError(source, key, f"expected {what}, got {_show(value)}")
+        raise ScenarioError(source, key, f"{expected}, got {_show(value)}")
     if len(value) > MAX_LIST or (meta["length"] and len(value) != meta["length"]):
-        raise ScenarioError(source, key, f"expected {what}, got {len(value)} of them")
+        raise ScenarioError(source, key, f"{expected}, got {len(value)}")
     return tuple(_number(element, meta, v, source, f"{key}[{i}]") for i, v in enumerate(value))
 
 
@@ -175,7 +176,7 @@ def _build_several(option: Any, value: object, source: object, key: str) -> tupl
     if not isinstance(value, list | tuple):
         raise ScenarioError(source, key, f"expected a list of mappings, got {_show(value)}")
     if len(value) > MAX_LIST:
-        raise ScenarioError(source, key, f"expected at most {MAX_LIST} of them, got {len(value)}")
+        raise ScenarioError(source, key, f"expected at most {MAX_LIST} items, got {len(value)}")
     return tuple(
         _build_union(typing.get_args(option), v, source, f"{key}[{i}]") for i, v in enumerate(value)
     )
@@ -191,7 +192,7 @@ def _string(meta: Mapping[str, Any], value: object, source: object, key: str) ->
         raise ScenarioError(source, key, f"expected printable text, got {_show(value)}")
     if meta.get("file") and is_packaged(value) and leaves_package(value):
         raise ScenarioError(
-            source, key, f"expected {PACKAGE}... inside the package, got {_show(value)}"
+            source, key, f"expected {PACKAGE}... of a file in the package, got {_show(value)}"
         )
     return value
 

@@ -123,7 +123,7 @@ def test_a_packaged_scenario_is_written_where_it_is(ideal, scenario, tmp_path, m
             "gone.urdf: expected a readable file",
         ),
         (["own.yaml", "--write", "--set", "seed=1"], "--write: expected no --set"),
-        (["bare.yaml", "--write"], "bare.yaml: model.k_b: expected the key in the file"),
+        (["bare.yaml", "--write"], "bare.yaml: model.k_b: expected this key in the file"),
     ],
 )
 def test_bad_input_is_answered_in_one_line(argv, said, scenario, monkeypatch, capfd):

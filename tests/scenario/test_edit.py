@@ -87,7 +87,7 @@ def test_packaged_files_differ_in_that_line_only(name, numbers, tmp_path_factory
 def test_a_file_without_the_key_is_left_alone(text, act, tmp_path):
     path = tmp_path / "a.yaml"
     path.write_text(text)
-    with pytest.raises(BadInput, match="a.yaml: model.k_b: expected the key in the file"):
+    with pytest.raises(BadInput, match="a.yaml: model.k_b: expected this key in the file"):
         act(path, KEY)
     assert written(tmp_path) == {"a.yaml": text.encode()}
 

@@ -69,7 +69,7 @@ def test_a_bare_off_is_a_string(write):
         ("duration: 3\n  seed: 1\n", "expected YAML; line 2"),
         ("\tduration: 3\n", "expected YAML; line 1"),
         ("duration: [3\n", "expected YAML; line "),
-        ("duration: *nowhere\n", "duration: line 1: expected no anchors and aliases"),
+        ("duration: *nowhere\n", "duration: line 1: expected a value without anchors and aliases"),
         (
             "duration: !!python/object/apply:os.getcwd []\n",
             "duration: line 1: expected a value without",

@@ -90,7 +90,7 @@ def test_naming_the_same_kind_again_keeps_its_keys(write):
         ("source=x", "source: unknown key"),
         ("mpc..horizon=3", "mpc.: unknown section"),
         ("faults[0].start_s=3", "faults[0]: unknown section"),
-        ("mpc.k_e[3]=1", "mpc.k_e: has 3 elements, got [3]"),
+        ("mpc.k_e[3]=1", "mpc.k_e: expected an index below 3, got [3]"),
         ("mpc.k_e[0]=x", "mpc.k_e[0]: expected a number in"),
         ("mpc.k_e[-1]=1", "mpc.k_e[-1]: unknown key"),
         ("mpc.horizon[0]=1", "mpc.horizon[0]: unknown key"),

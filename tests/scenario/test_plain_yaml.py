@@ -41,8 +41,8 @@ def test_quotes_make_text():
 @pytest.mark.parametrize(
     ("text", "key", "problem"),
     [
-        ("mpc:\n  k_e: &a [1]\n", "mpc.k_e", "line 2: expected no anchors"),
-        ("mpc:\n  k_e: *a\n", "mpc.k_e", "line 2: expected no anchors"),
+        ("mpc:\n  k_e: &a [1]\n", "mpc.k_e", "line 2: expected a value without anchors"),
+        ("mpc:\n  k_e: *a\n", "mpc.k_e", "line 2: expected a value without anchors"),
         ("mpc: {k_e: [1, !!float 2]}", "mpc.k_e[1]", "line 1: expected a value without a tag"),
         ("a: !!python/object/apply:os.system [true]", "a", "tag:yaml.org,2002:python/object"),
         ("a: {b: 1, c: 2, b: 3}", "a.b", "line 1: expected each key once"),

@@ -1,4 +1,4 @@
-"""What no single key of a scenario can tell."""
+"""Rules between the keys of a scenario."""
 
 import dataclasses
 import re
@@ -12,7 +12,7 @@ from aerodrake.support.errors import BadInput
 
 
 def hover_with(changes: dict[str, object]) -> Scenario:
-    """The packaged hover with values at dotted keys, all changed before they are checked."""
+    """Returns the packaged hover with dotted keys overridden, checked once at the end."""
     return load_scenario("hover", [("--set", f"{key}={value}") for key, value in changes.items()])
 
 
@@ -58,10 +58,27 @@ def hover_with(changes: dict[str, object]) -> Scenario:
             {"filter.delay_s": 0.01, "rates.sensor_period_s": 0.02, "rates.flight_period_s": 0.02},
             "filter.delay_s: expected a multiple of rates.sensor_period_s (0.02 s), got 0.01 s",
         ),
-        ({"name": "../elsewhere"}, "name: expected a name that can be a folder's"),
+        ({"name": "../elsewhere"}, "name: expected a valid folder name"),
         (
             {"flight.interface": "position", "model.kind": "velocity_aware"},
             "model.kind: velocity_aware expects",
+        ),
+        (
+            {"supervisor.joints_lost_s": 0.1},
+            "supervisor.joints_lost_s: expected more than joints_outage_s (0.15 s), got 0.1 s",
+        ),
+        (
+            {"supervisor.plan_lost_s": 0.1},
+            "supervisor.plan_lost_s: expected more than the duration of plan_ticks (0.1 s), "
+            "got 0.1 s",
+        ),
+        (
+            {"controller": "clik", "allocation.k_m": 0},
+            "allocation.k_m: controller clik expects a weight above 0, got 0",
+        ),
+        (
+            {"controller": "clik", "faults": "[{kind: push}, {kind: mpc_starved}]"},
+            "faults[1].kind: controller clik expects no fault of the MPC, got 'mpc_starved'",
         ),
         (
             {"allocation.d_edge_m": 0.07},
@@ -73,13 +90,13 @@ def hover_with(changes: dict[str, object]) -> Scenario:
         ),
     ],
 )
-def test_contradictions_are_named(changes, expected):
+def test_an_inconsistent_key_is_named(changes, expected):
     with pytest.raises(BadInput, match=re.escape(f": {expected}")):
         hover_with(changes)
 
 
 @pytest.mark.parametrize("kind", ["flight", "paper", "exact", "integral"])
-def test_combinations_that_go_together(kind):
+def test_consistent_combinations_are_accepted(kind):
     scenario = hover_with(
         {
             "flight.interface": "position",
@@ -96,7 +113,7 @@ def test_combinations_that_go_together(kind):
     assert scenario.model == Model(kind=kind)
 
 
-def test_warns_where_hovering_reaches_out_of_the_learning_space(scenario):
+def test_warns_if_d_h_exceeds_the_learning_space(scenario):
     (warning,) = warnings(scenario)
     assert "allocation.d_h_m" in warning and "0.075 m" in warning and "0.05 m" in warning
     quiet = dataclasses.replace(scenario.allocation, d_h_m=0.05)
@@ -106,18 +123,18 @@ def test_warns_where_hovering_reaches_out_of_the_learning_space(scenario):
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ({"model.kind": "paper"}, "model.kind paper is for a base that is told p_d alone"),
-        ({"model.kind": "exact"}, "model.kind exact is for a base that is told p_d alone"),
+        ({"model.kind": "paper"}, "model.kind paper is for flight.interface position"),
+        ({"model.kind": "exact"}, "model.kind exact is for flight.interface position"),
         ({"mpc.tilt": "held"}, "mpc.tilt held"),
-        ({"faults": "[{kind: learner_nan}]"}, "faults[0] learner_nan does nothing: residual.mode"),
+        ({"faults": "[{kind: learner_nan}]"}, "faults[0] learner_nan has no effect: residual.mode"),
     ],
 )
-def test_warns_of_what_flies_badly(changes, expected):
+def test_warns_of_values_that_degrade_the_flight(changes, expected):
     *_, warning = warnings(hover_with(changes))
     assert warning.startswith(expected)
 
 
-def test_defaults_and_the_papers_choices_draw_no_other_warning(scenario):
+def test_defaults_and_the_papers_choices_cause_no_other_warning(scenario):
     check(scenario, "defaults")
     papers = hover_with({"flight.interface": "position", "model.kind": "paper"})
     for fine in (scenario, papers):

@@ -142,8 +142,8 @@ def test_every_type_is_read():
         # Lists.
         ({"gains": 1.0}, "gains: expected a list of 2 numbers in 1/s, got 1.0"),
         ({"gains": "1 2"}, "gains: expected a list of 2 numbers in 1/s, got '1 2'"),
-        ({"gains": [1.0]}, "gains: expected a list of 2 numbers in 1/s, got 1 of them"),
-        ({"gains": [1.0] * 3}, "gains: expected a list of 2 numbers in 1/s, got 3 of them"),
+        ({"gains": [1.0]}, "gains: expected a list of 2 numbers in 1/s, got 1"),
+        ({"gains": [1.0] * 3}, "gains: expected a list of 2 numbers in 1/s, got 3"),
         ({"gains": {"x": 1, "y": 2}}, "gains: expected a list of 2 numbers"),
         ({"gains": [1.0, 9.1]}, "gains[1]: expected a number in [0, 9] 1/s, got 9.1"),
         ({"gains": [1.0, [2.0]]}, "gains[1]: expected a number in [0, 9] 1/s, got [2.0]"),

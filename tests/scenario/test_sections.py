@@ -110,7 +110,7 @@ def test_numbers_of_faults_are_named_with_their_place(fault):
         ([{"kind": "push"}, {"start_s": 1}], r"faults\[1\]: expected a mapping with a kind"),
         ([{"kind": "pusch"}], r"faults\[0\].kind: unknown kind 'pusch'; did you mean 'push'"),
         ([{"kind": "push", "start": 1}], r"faults\[0\].start: unknown key; did you mean 'start_s'"),
-        ([{"kind": "push"}] * 1001, "faults: expected at most 1000 of them, got 1001"),
+        ([{"kind": "push"}] * 1001, "faults: expected at most 1000 items, got 1001"),
     ],
 )
 def test_faults_that_are_none_are_named(faults, expected):

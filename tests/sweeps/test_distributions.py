@@ -111,7 +111,7 @@ def test_choices_are_of_anything_plain(text, values):
         ("choice([[1]])", "expected numbers, words"),
         ("choice(1", "expected one of"),
         ("choice(])", "expected YAML"),
-        ("choice(&a 1)", "expected no anchors"),
+        ("choice(&a 1)", "expected a value without anchors"),
     ],
 )
 def test_what_is_none_is_refused_by_key(text, said):
