@@ -1,17 +1,14 @@
-"""The coordinator: what runs on a companion computer, as a diagram.
+"""Top-level wiring of the coordinator, which runs on a companion computer.
 
-From measurement and reference to setpoints of base and arm: guidance, kinematics,
-pointing (if asked for), weight allocator, residual estimator, MPC (or CLIK) and
-setpoint integrator; and the supervisor, which says in which mode it works. Rates
-stand in `aerodrake.station`, which it meets in `STATION_INTERFACE`.
+It turns the measured state and the reference into setpoints of base and arm. Rates of its
+systems are in `aerodrake.station`, its signals from and to the station in `STATION_INTERFACE` and
+`SETPOINTS` there. Guidance is wired on a page of its own.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from pydrake.systems.framework import Diagram
+from pydrake.systems.framework import Diagram, LeafSystem
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.clik import InverseKinematics
@@ -39,130 +36,165 @@ from aerodrake.systems.supervisor import SupervisorSystem
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.wiring.guidance import make_guidance
 from aerodrake.wiring.replacements import Replacements
+from aerodrake.wiring.table import Wiring
 
 
-def make_coordinator(scenario: Scenario, replacements: Replacements | None = None) -> Diagram:
-    """Reference, kinematics, allocator, residual estimator, MPC or CLIK, setpoint integrator.
+WIRING = Wiring(
+    connections=(
+        ("guidance", "reference", "kinematics", "reference"),
+        ("guidance", "d_g", "weight_allocator", "d_g"),
+        ("kinematics", "distances", "weight_allocator", "distances"),
+        ("equivalent_state", "x_0", "residual_estimator", "x_0"),
+        ("guidance", "horizon", "controller", "horizon"),
+        ("kinematics", "end_effector", "controller", "end_effector"),
+        ("weight_allocator", "weights", "controller", "weights"),
+        ("equivalent_state", "x_0", "controller", "x_0"),
+        ("residual_estimator", "delta", "controller", "delta"),
+        ("controller", "u", "setpoint_integrator", "u"),
+        ("setpoint_integrator", "base_setpoint", "equivalent_state", "base_setpoint"),
+        ("setpoint_integrator", "joint_setpoint", "equivalent_state", "joint_setpoint"),
+        ("setpoint_integrator", "base_setpoint", "residual_estimator", "base_setpoint"),
+        ("setpoint_integrator", "joint_setpoint", "residual_estimator", "joint_setpoint"),
+        ("setpoint_integrator", "base_setpoint", "controller", "base_setpoint"),
+        ("setpoint_integrator", "joint_setpoint", "controller", "joint_setpoint"),
+        ("guidance", "reference_verdict", "supervisor", "reference_verdict"),
+        ("residual_estimator", "learner_health", "supervisor", "learner_health"),
+        ("controller", "status", "supervisor", "status"),
+        ("supervisor", "mode", "setpoint_integrator", "mode"),
+    ),
+    inputs=(
+        ("state", "kinematics", "state"),
+        ("state", "equivalent_state", "state"),
+        ("state", "residual_estimator", "state"),
+        ("state", "controller", "state"),
+        ("state", "supervisor", "state"),
+        ("external_acceleration", "equivalent_state", "external_acceleration"),
+        ("specific_thrust", "equivalent_state", "specific_thrust"),
+        ("specific_thrust", "supervisor", "specific_thrust"),
+        ("disturbance", "equivalent_state", "disturbance"),
+        ("saturated", "residual_estimator", "saturated"),
+        ("saturated", "supervisor", "saturated"),
+        ("sample_health", "supervisor", "sample_health"),
+        ("rotor_effectiveness", "supervisor", "rotor_effectiveness"),
+        ("followed", "setpoint_integrator", "followed"),
+    ),
+    outputs=(
+        ("setpoint_integrator", "base_setpoint", "base_setpoint"),
+        ("setpoint_integrator", "joint_setpoint", "joint_setpoint"),
+        ("setpoint_integrator", "segment", "segment"),
+        ("guidance", "reference", "reference"),
+        ("guidance", "reference_verdict", "reference_verdict"),
+        ("supervisor", "mode", "mode"),
+        ("supervisor", "cause", "cause"),
+        ("supervisor", "conditions", "conditions"),
+        ("controller", "u", "u"),
+        ("controller", "plan", "plan"),
+        ("controller", "prediction", "prediction"),
+        ("controller", "status", "status"),
+        ("controller", "weights", "weights"),
+        ("controller", "delta", "delta"),
+        ("residual_estimator", "prediction_error", "prediction_error"),
+        ("residual_estimator", "nominal_prediction_error", "nominal_prediction_error"),
+        ("residual_estimator", "learner_health", "learner_health"),
+    ),
+)
+"""Connections of the systems that all scenarios have; `controller` is `mpc` or `clik`."""
 
-    Inputs: those of `STATION_INTERFACE`; and `followed` (3 (3 + n) + 1), the segment that
-    setpoints are on where the station has the last word on it, unconnected otherwise.
-    Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment`, which tells both
-    until the next tick (3 (3 + n) + 1); `reference` (6) and `reference_verdict` (1), as it
-    is followed; `weights` (5), `u` (3 + n) and `plan` (P (3 + n)), what it is to be from the last
-    tick on; `prediction` (3 (N + 1)), `status` (3), `delta` (3),
-    `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2); `mode` (1),
-    `cause` (1) and `conditions` (K), of the supervisor; with an orientation task `tool_axis_d`
-    (3), the desired direction of the tool's axis.
+OPTIONAL_WIRING = {
+    "mpc_fault": Wiring((("mpc_fault", "fault", "controller", "fault"),)),
+    "learner_fault": Wiring((("learner_fault", "fault", "residual_estimator", "fault"),)),
+    "pointing": Wiring(
+        connections=(("pointing", "pointing", "controller", "pointing"),),
+        inputs=(("state", "pointing", "state"),),
+        outputs=(("pointing", "tool_axis_d", "tool_axis_d"),),
+    ),
+}
+"""Connections of the systems that only some scenarios have, by their names."""
+
+
+def make_coordinator(
+    scenario: Scenario,
+    replacements: Replacements | None = None,
+    vehicle: VehicleModel | None = None,
+) -> Diagram:
+    """Makes the coordinator: guidance, estimators, MPC or CLIK, setpoint integrator, supervisor.
+
+    Inputs: those of `STATION_INTERFACE`; `followed` (3 (3 + n) + 1), the segment of the setpoint
+    integrator that has the last word, where that is the station's; unconnected otherwise.
+    Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment` (3 (3 + n) + 1), the
+    polynomials of both until the next tick; `reference` (6), as it is followed, and
+    `reference_verdict` (1); `weights` (5), `u` (3 + n) and `plan` (P (3 + n)), the inputs from the
+    last tick on; `prediction` (3 (N + 1)), `status` (3), `delta` (3), `prediction_error` (3),
+    `nominal_prediction_error` (3), `learner_health` (2); `mode` (1), `cause` (1) and
+    `conditions` (K), of the supervisor; with an orientation task `tool_axis_d` (3), the desired
+    direction of the tool's axis.
 
     Args:
-        scenario: What is flown.
-        replacements: Of systems in it; None for none.
+        scenario: The scenario to fly.
+        replacements: Replacements of its systems; None for none.
+        vehicle: The scenario's vehicle, if it is loaded already.
 
     Raises:
-        BadInput: if a system that is to be replaced is not in it.
+        BadInput: if a system to be replaced does not exist, or a replacement does not fit.
     """
     period = scenario.rates.mpc_period_s
-    vehicle = VehicleModel.load(scenario)
-    n = vehicle.joints
-    model = EquivalentModel.of(scenario, n)
-    limits = SetpointLimits.make(scenario.mpc, vehicle)
+    vehicle = vehicle or VehicleModel.load(scenario)
+    model = EquivalentModel.of(scenario, vehicle.joints)
     replacements = replacements or Replacements()
     builder = replacements.builder()
+    builder.AddSystem(make_guidance(scenario, vehicle, replacements.part()))
+    kinematics = Kinematics(vehicle.robot)
+    systems = {
+        "kinematics": KinematicsSystem(kinematics, vehicle.joints, vehicle.p_O),
+        "weight_allocator": WeightAllocator(scenario.allocation, period),
+        "equivalent_state": EquivalentState(model),
+        "residual_estimator": ResidualEstimator(
+            network_for(scenario, vehicle.joints), model, scenario.residual
+        ),
+        scenario.controller: make_controller(scenario, model, vehicle),
+        "setpoint_integrator": make_setpoint_integrator(scenario, vehicle),
+        "supervisor": make_supervisor(scenario, vehicle),
+        "mpc_fault": make_mpc_fault(scenario),
+        "learner_fault": make_learner_fault(scenario),
+        "pointing": make_pointing(scenario, vehicle),
+    }
+    wiring = WIRING
+    for name, system in systems.items():
+        if system is not None:
+            builder.AddNamedSystem(name, system)
+            wiring += OPTIONAL_WIRING.get(name, Wiring())
+    return wiring.rename("controller", scenario.controller).build(builder, "coordinator")
 
-    guidance = builder.AddSystem(make_guidance(scenario, vehicle, replacements.part()))
-    kinematics = builder.AddNamedSystem(
-        "kinematics", KinematicsSystem(Kinematics(vehicle.robot), n, vehicle.p_O)
-    )
-    weight_allocator = builder.AddNamedSystem(
-        "weight_allocator", WeightAllocator(scenario.allocation, period)
-    )
-    equivalent_state = builder.AddNamedSystem("equivalent_state", EquivalentState(model))
-    residual_estimator = builder.AddNamedSystem(
-        "residual_estimator",
-        ResidualEstimator(network_for(scenario, n), model, scenario.residual),
-    )
-    # Named `mpc` or `clik`; the ports are the same.
-    controller = builder.AddNamedSystem(
-        scenario.controller,
-        MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
-        if scenario.controller == "mpc"
-        else ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, limits, vehicle)),
-    )
-    setpoint_integrator = builder.AddNamedSystem(
-        "setpoint_integrator", make_setpoint_integrator(scenario, vehicle)
-    )
-    supervisor = builder.AddNamedSystem("supervisor", make_supervisor(scenario, vehicle))
 
-    def connect(source: Any, source_port: str, target: Any, target_port: str = "") -> None:
-        builder.Connect(
-            source.GetOutputPort(source_port), target.GetInputPort(target_port or source_port)
-        )
+def make_controller(
+    scenario: Scenario, model: EquivalentModel, vehicle: VehicleModel
+) -> MpcSystem | ClikSystem:
+    """Makes the scenario's controller."""
+    limits = SetpointLimits.make(scenario.mpc, vehicle)
+    if scenario.controller == "mpc":
+        return MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
+    return ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, limits, vehicle))
 
-    if any(isinstance(fault, MPC_FAULTS) for fault in scenario.faults):
-        mpc_fault = builder.AddNamedSystem(
-            "mpc_fault", MpcFaultSystem(scenario.faults, scenario.settle_s)
-        )
-        connect(mpc_fault, "fault", controller)
-    connect(guidance, "reference", kinematics)
-    connect(guidance, "horizon", controller)
-    connect(guidance, "d_g", weight_allocator)
-    connect(guidance, "reference_verdict", supervisor)
-    connect(controller, "status", supervisor)
-    connect(residual_estimator, "learner_health", supervisor)
-    connect(supervisor, "mode", setpoint_integrator)
-    connect(equivalent_state, "x_0", controller)
-    connect(equivalent_state, "x_0", residual_estimator)
-    connect(kinematics, "distances", weight_allocator)
-    connect(kinematics, "end_effector", controller)
-    connect(weight_allocator, "weights", controller)
-    connect(residual_estimator, "delta", controller)
-    connect(controller, "u", setpoint_integrator)
-    if (learner_fault := make_learner_fault(scenario)) is not None:
-        learner_fault = builder.AddNamedSystem("learner_fault", learner_fault)
-        connect(learner_fault, "fault", residual_estimator)
-    for consumer in (controller, residual_estimator, equivalent_state):
-        connect(setpoint_integrator, "base_setpoint", consumer)
-        connect(setpoint_integrator, "joint_setpoint", consumer)
 
-    builder.ExportInput(kinematics.GetInputPort("state"), "state")
-    for consumer in (controller, residual_estimator, equivalent_state, supervisor):
-        builder.ConnectInput("state", consumer.GetInputPort("state"))
+def make_mpc_fault(scenario: Scenario) -> LeafSystem | None:
+    """Makes the system of the scenario's MPC faults; None if it has none."""
+    if not any(isinstance(fault, MPC_FAULTS) for fault in scenario.faults):
+        return None
+    return MpcFaultSystem(scenario.faults, scenario.settle_s)
+
+
+def make_pointing(scenario: Scenario, vehicle: VehicleModel) -> PointingSystem | None:
+    """Makes the system of the scenario's orientation task; None if it has none."""
     with file_at(scenario.source, "orientation.file"):
         direction = make_direction(scenario.orientation)
-    if direction is not None:
-        pointing = builder.AddNamedSystem(
-            "pointing",
-            PointingSystem(
-                vehicle, direction, scenario.settle_s, stage_times(scenario.mpc, period)
-            ),
-        )
-        connect(pointing, "pointing", controller)
-        builder.ConnectInput("state", pointing.GetInputPort("state"))
-        builder.ExportOutput(pointing.GetOutputPort("tool_axis_d"), "tool_axis_d")
-    for port in ("external_acceleration", "specific_thrust", "disturbance"):
-        builder.ExportInput(equivalent_state.GetInputPort(port), port)
-    builder.ExportInput(residual_estimator.GetInputPort("saturated"), "saturated")
-    for port in ("saturated", "specific_thrust"):
-        builder.ConnectInput(port, supervisor.GetInputPort(port))
-    for port in ("sample_health", "rotor_effectiveness"):
-        builder.ExportInput(supervisor.GetInputPort(port), port)
-    builder.ExportInput(setpoint_integrator.GetInputPort("followed"), "followed")
-    for system, ports in (
-        (setpoint_integrator, ("base_setpoint", "joint_setpoint", "segment")),
-        (guidance, ("reference", "reference_verdict")),
-        (supervisor, ("mode", "cause", "conditions")),
-        (controller, ("u", "plan", "prediction", "status", "weights", "delta")),
-        (residual_estimator, ("prediction_error", "nominal_prediction_error", "learner_health")),
-    ):
-        for port in ports:
-            builder.ExportOutput(system.GetOutputPort(port), port)
-    diagram = builder.Build()
-    diagram.set_name("coordinator")
-    return diagram
+    if direction is None:
+        return None
+    stages_s = stage_times(scenario.mpc, scenario.rates.mpc_period_s)
+    return PointingSystem(vehicle, direction, scenario.settle_s, stages_s)
 
 
 def make_setpoint_integrator(scenario: Scenario, vehicle: VehicleModel) -> SetpointIntegrator:
-    """That of the coordinator, from trim."""
+    """Makes the setpoint integrator, which starts in trim."""
     return SetpointIntegrator(
         SetpointLimits.make(scenario.mpc, vehicle),
         SafeMotion.make(scenario.supervisor, vehicle),
@@ -172,7 +204,7 @@ def make_setpoint_integrator(scenario: Scenario, vehicle: VehicleModel) -> Setpo
 
 
 def make_supervisor(scenario: Scenario, vehicle: VehicleModel) -> SupervisorSystem:
-    """That of the coordinator."""
+    """Makes the supervisor."""
     return SupervisorSystem(
         conditions(scenario.supervisor),
         vehicle,

@@ -1,45 +1,23 @@
-"""All wiring: the station, the coordinator, and the closed loop of the two.
+"""Top-level wiring of the station and of the closed loop.
 
-The *station* is what hardware would replace: plant and rotors (wired in `physics`),
-wind, sensors and the low-level controllers. The *coordinator* is what runs on a companion computer:
-reference, kinematics, pointing (if asked for), weight allocator, residual estimator,
-MPC (or CLIK), setpoint integrator, and the supervisor, which says in which mode it
-works. They meet in nine signals: those of `STATION_INTERFACE` one way, `base_setpoint` and
-`joint_setpoint` the other. Either may be in another process: `remote_coordinator` says how
-they meet there. `physics`, `sensors`, `wind` and `guidance` have pages of their own. What a
-scenario's `faults` inject stands between systems, and only where it has some.
+The *station* is what real hardware replaces: plant, rotors, wind, sensors and low-level
+controllers. The *coordinator* is what runs on a companion computer: reference, weight allocator,
+residual estimator, MPC, setpoint integrator and supervisor. The closed loop connects the two
+by the signals in `STATION_INTERFACE` and `SETPOINTS`. The coordinator is wired in
+`aerodrake.coordinator`, each sub-diagram in a page of `aerodrake.wiring`.
 
-    event                           period, offset (defaults)     kind
-    plant, rotors,
-    base_delay (if any)              1 ms                         discrete
-    sensors                         10 ms, before 0.25 ms         discrete
-    sensor_noise, gust_noise,
-    state_filter                    10 ms                         unrestricted, so first
-    rotor_monitor,
-    air, wind_force (if any wind)   10 ms                         discrete
-    mpc or clik, equivalent_state,
-    reference_guard,
-    residual_estimator,
-    weight_allocator,
-    setpoint_integrator             20 ms                         discrete
-    supervisor                      10 ms                         discrete
-    flight_controller               10 ms, after 0.5 ms           discrete
-    arm_controller                   5 ms, after 0.5 ms           discrete
-
-A sample is taken a quarter of a plant step before its instant, when the plant's
-state is that of the instant already: all that happens there sees it. The
-low-level controllers run half a plant step after: late enough to see what the
-MPC commanded, in time for the plant's next step. Neither is ever at an instant
-whose order with others would be a matter of rounding. What the coordinator
-learns of the low-level controllers at a sample is of their command before.
+`RATES` has the periodic events of both. The sensors sample the plant a quarter of its step before
+each instant, when the plant's state is already that of the instant, so that every event there
+sees the sample. The low-level controllers run half a step after: they see the MPC's new
+setpoints, and the plant's next step sees their commands. These offsets make the order of events
+independent of rounding. The coordinator sees outputs of the low-level controllers one
+sample late.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from pydrake.common import RandomGenerator
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort, System
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.coordinator import make_coordinator
@@ -51,10 +29,61 @@ from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.faults.actuators import make_joint_faults, make_pushes
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.rotor_monitor import RotorMonitorSystem
-from aerodrake.wiring.physics import add_physics, through
+from aerodrake.wiring.diagrams import leaf_systems
+from aerodrake.wiring.physics import add_physics
+from aerodrake.wiring.rates import Rate
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.sensors import make_sensors
+from aerodrake.wiring.table import Wiring
 from aerodrake.wiring.wind import make_wind
+
+RATES = (
+    Rate(("plant", "rotors", "base_delay"), "plant_step_s"),
+    Rate(("sampler",), "sensor_period_s", offset_steps=-1 / 4),
+    Rate(("sensor_noise", "gust_noise", "state_filter"), "sensor_period_s", kind="unrestricted"),
+    Rate(("rotor_monitor", "air", "wind_force", "supervisor"), "sensor_period_s"),
+    Rate(("reference_guard", "weight_allocator", "equivalent_state"), "mpc_period_s"),
+    Rate(("residual_estimator", "mpc", "clik", "setpoint_integrator"), "mpc_period_s"),
+    Rate(("flight_controller",), "flight_period_s", offset_steps=1 / 2),
+    Rate(("arm_controller",), "arm_period_s", offset_steps=1 / 2),
+)
+"""Periodic updates of all systems; wind that cannot blow has none."""
+
+WIRING = Wiring(
+    connections=(
+        ("flight_controller", "thrust_command", "rotors", "u0"),
+        ("arm_controller", "joint_torque", "plant", "actuation"),
+        ("wind", "generalized_force", "plant", "applied_generalized_force"),
+        ("plant", "state", "wind", "true_state"),
+        ("plant", "state", "sensors", "true_state"),
+        ("flight_controller", "acceleration", "sensors", "acceleration"),
+        ("flight_controller", "reaction", "sensors", "reaction"),
+        ("sensors", "state", "flight_controller", "state"),
+        ("sensors", "state", "arm_controller", "state"),
+        ("sensors", "sample", "rotor_monitor", "sample"),
+        ("sensors", "sample_health", "rotor_monitor", "sample_health"),
+        ("flight_controller", "thrust_command", "rotor_monitor", "thrust_command"),
+    ),
+    inputs=(
+        ("base_setpoint", "flight_controller", "base_setpoint"),
+        ("joint_setpoint", "flight_controller", "joint_setpoint"),
+        ("joint_setpoint", "arm_controller", "joint_setpoint"),
+        ("joint_setpoint", "sensors", "joint_setpoint"),
+    ),
+    outputs=(
+        ("arm_controller", "joint_torque", "joint_torque"),
+        ("sensors", "sample", "sample"),
+        ("sensors", "state", "state"),
+        ("sensors", "external_acceleration", "external_acceleration"),
+        ("sensors", "sample_health", "sample_health"),
+        ("flight_controller", "thrust_command", "thrust_command"),
+        ("flight_controller", "specific_thrust", "specific_thrust"),
+        ("flight_controller", "disturbance", "disturbance"),
+        ("flight_controller", "saturated", "saturated"),
+        ("rotor_monitor", "rotor_effectiveness", "rotor_effectiveness"),
+        ("wind", "wind_force", "wind_force"),
+    ),
+)
 
 STATION_INTERFACE = (
     "state",
@@ -65,107 +94,78 @@ STATION_INTERFACE = (
     "saturated",
     "rotor_effectiveness",
 )
-"""What the coordinator is told by the station, by name."""
+"""Signals from the station to the coordinator."""
+
+SETPOINTS = ("base_setpoint", "joint_setpoint")
+"""Signals from the coordinator to the station."""
+
+CLOSED_LOOP_WIRING = Wiring(
+    tuple(("station", port, "coordinator", port) for port in STATION_INTERFACE)
+    + tuple(("coordinator", port, "station", port) for port in SETPOINTS)
+)
 
 
-def make_station(scenario: Scenario, replacements: Replacements | None = None) -> Diagram:
-    """Plant, rotors, wind, sensors, and flight and arm controllers.
+def make_station(
+    scenario: Scenario,
+    replacements: Replacements | None = None,
+    vehicle: VehicleModel | None = None,
+) -> Diagram:
+    """Makes the station: plant, rotors, wind, sensors, and flight and arm controllers.
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
-    Outputs: `sample` and what the filter makes of it, `state` (13 + 2 n each),
-    `external_acceleration` (3) and `sample_health` (6); `true_state`; `thrust` (k) N and
-    `joint_torque` (n) N m, as they act; `thrust_command` (k) N, `specific_thrust` (1),
-    `disturbance` (6) and `saturated` (1), of the flight controller; `rotor_effectiveness` (k);
-    `wind_force` (3) N, in the world; `query_object`.
+    Outputs: `sample` and its filtered form `state` (13 + 2 n each), `external_acceleration` (3)
+    and `sample_health` (6); `true_state`; `thrust` (k) N and `joint_torque` (n) N m, as they act;
+    `thrust_command` (k) N, `specific_thrust` (1), `disturbance` (6) and `saturated` (1), of the
+    flight controller; `rotor_effectiveness` (k); `wind_force` (3) N, in the world;
+    `query_object`.
 
     Args:
-        scenario: What is flown.
-        replacements: Of systems in it; None for none.
+        scenario: The scenario to fly.
+        replacements: Replacements of its systems; None for none.
+        vehicle: The scenario's vehicle, if it is loaded already.
 
     Raises:
-        BadInput: if a system that is to be replaced is not in it, or cannot be.
+        BadInput: if a system to be replaced does not exist, or a replacement does not fit.
     """
     rates, rotor = scenario.rates, scenario.vehicle.rotor
-    vehicle = VehicleModel.load(scenario)
+    vehicle = vehicle or VehicleModel.load(scenario)
     replacements = replacements or Replacements()
-    builder = replacements.builder()
-
-    plant, scene_graph, rotors, thrust, trim = add_physics(builder, scenario, vehicle)
-    wind = builder.AddSystem(
+    builder, offset = replacements.builder(), rates.plant_step_s / 2
+    physics = add_physics(builder, scenario, vehicle)
+    builder.AddSystem(
         make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s, replacements.part())
     )
-    controller = FlightController(
-        scenario.flight, rotor, vehicle, rates.flight_period_s, offset=rates.plant_step_s / 2
+    flight_controller = FlightController(
+        scenario.flight, rotor, vehicle, rates.flight_period_s, offset
     )
-    flight_controller = builder.AddNamedSystem("flight_controller", controller)
-    sensors = builder.AddSystem(
+    builder.AddNamedSystem("flight_controller", flight_controller)
+    builder.AddSystem(
         make_sensors(
             scenario.sensors,
             scenario.filter,
             rates,
             vehicle.trim_state,
-            controller.trim_acceleration,
+            flight_controller.trim_acceleration,
             scenario.faults,
             scenario.settle_s,
             replacements.part(),
         )
     )
-    arm_controller = builder.AddNamedSystem(
-        "arm_controller",
-        ArmController(
-            JointPid.make(scenario.arm, vehicle, rates.arm_period_s),
-            vehicle,
-            offset=rates.plant_step_s / 2,
-        ),
+    pid = JointPid.make(scenario.arm, vehicle, rates.arm_period_s)
+    builder.AddNamedSystem("arm_controller", ArmController(pid, vehicle, offset))
+    monitor = RotorMonitor.make(
+        vehicle, rotor, physics.trim_thrust, scenario.filter.delay_s, rates.sensor_period_s
     )
-
-    rotor_monitor = builder.AddNamedSystem(
-        "rotor_monitor",
-        RotorMonitorSystem(
-            RotorMonitor.make(vehicle, rotor, trim, scenario.filter.delay_s, rates.sensor_period_s),
-            vehicle,
-        ),
-    )
-
-    connect = builder.Connect
-    connect(flight_controller.GetOutputPort("thrust_command"), rotors.get_input_port())
-    connect(plant.get_state_output_port(), wind.GetInputPort("true_state"))
-    joint_faults = make_joint_faults(scenario, vehicle.joints)
-    pushes = make_pushes(scenario, vehicle.joints)
-    torque = arm_controller.GetOutputPort("joint_torque")
-    torque = through(builder, torque, joint_faults, "joint_faults")
-    connect(torque, plant.get_actuation_input_port())
-    force = through(builder, wind.GetOutputPort("generalized_force"), pushes, "pushes")
-    connect(force, plant.GetInputPort("applied_generalized_force"))
-    connect(plant.get_state_output_port(), sensors.GetInputPort("true_state"))
-    for port in ("acceleration", "reaction"):
-        connect(flight_controller.GetOutputPort(port), sensors.GetInputPort(port))
-    connect(sensors.GetOutputPort("state"), flight_controller.GetInputPort("state"))
-    for system, port in (
-        (sensors, "sample"),
-        (sensors, "sample_health"),
-        (flight_controller, "thrust_command"),
+    builder.AddNamedSystem("rotor_monitor", RotorMonitorSystem(monitor, vehicle))
+    wiring = physics.wiring + WIRING
+    for name, fault, port in (
+        ("joint_faults", make_joint_faults, ("arm_controller", "joint_torque")),
+        ("pushes", make_pushes, ("wind", "generalized_force")),
     ):
-        connect(system.GetOutputPort(port), rotor_monitor.GetInputPort(port))
-    connect(sensors.GetOutputPort("state"), arm_controller.GetInputPort("state"))
-
-    builder.ExportInput(flight_controller.GetInputPort("base_setpoint"), "base_setpoint")
-    builder.ExportInput(arm_controller.GetInputPort("joint_setpoint"), "joint_setpoint")
-    for consumer in (flight_controller, sensors):
-        builder.ConnectInput("joint_setpoint", consumer.GetInputPort("joint_setpoint"))
-    builder.ExportOutput(plant.get_state_output_port(), "true_state")
-    builder.ExportOutput(thrust, "thrust")
-    builder.ExportOutput(torque, "joint_torque")
-    builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
-    for system, ports in (
-        (sensors, ("sample", "state", "external_acceleration", "sample_health")),
-        (flight_controller, ("thrust_command", "specific_thrust", "disturbance", "saturated")),
-        (rotor_monitor, ("rotor_effectiveness",)),
-        (wind, ("wind_force",)),
-    ):
-        for port in ports:
-            builder.ExportOutput(system.GetOutputPort(port), port)
-    return _named(builder.Build(), "station")
+        if (system := fault(scenario, vehicle.joints)) is not None:
+            builder.AddNamedSystem(name, system)
+            wiring = wiring.insert(name, *port)
+    return wiring.build(builder, "station")
 
 
 def add_closed_loop(
@@ -173,63 +173,50 @@ def add_closed_loop(
     scenario: Scenario,
     replacements: Replacements | None = None,
     coordinator: Diagram | None = None,
+    vehicle: VehicleModel | None = None,
 ) -> dict[str, OutputPort]:
-    """Adds station and coordinator, which flies it; returns all outputs of both by name.
+    """Adds station and coordinator to a builder and connects them.
 
     Args:
-        builder: To which they are added.
-        scenario: Of both.
-        replacements: Of systems in them; None for none.
-        coordinator: One that flies in the place of the scenario's, such as the end of a wire to it.
+        builder: The builder to add them to.
+        scenario: The scenario to fly.
+        replacements: Replacements of systems in either; None for none.
+        coordinator: A coordinator to fly instead of the scenario's, such as a remote one.
+        vehicle: The scenario's vehicle, if it is loaded already.
+
+    Returns:
+        All outputs of both, by name.
 
     Raises:
-        BadInput: if a system that is to be replaced is in neither, or cannot be.
+        BadInput: if a system to be replaced does not exist, or a replacement does not fit.
     """
+    vehicle = vehicle or VehicleModel.load(scenario)
     replacements = replacements or Replacements()
-    station, coordinator = (
+    station = make_station(scenario, replacements.part(), vehicle)
+    coordinator = coordinator or make_coordinator(scenario, replacements.part(), vehicle)
+    sides = [
         builder.AddSystem(replacements.instead_of(side.get_name(), side))
-        for side in (
-            make_station(scenario, replacements.part()),
-            coordinator or make_coordinator(scenario, replacements.part()),
-        )
-    )
+        for side in (station, coordinator)
+    ]
     replacements.check_met()
-    for port in STATION_INTERFACE:
-        builder.Connect(station.GetOutputPort(port), coordinator.GetInputPort(port))
-    for port in ("base_setpoint", "joint_setpoint"):
-        builder.Connect(coordinator.GetOutputPort(port), station.GetInputPort(port))
-    sides = (station, coordinator)
+    CLOSED_LOOP_WIRING.apply(builder)
     ports = [side.get_output_port(i) for side in sides for i in range(side.num_output_ports())]
     return {port.get_name(): port for port in ports}
 
 
 def make_closed_loop(scenario: Scenario, replacements: Replacements | None = None) -> Diagram:
-    """The coordinator flying the station; its outputs are all of both."""
+    """Makes the closed loop of station and coordinator; it has all outputs of both."""
     builder = DiagramBuilder()
     for name, port in add_closed_loop(builder, scenario, replacements).items():
         builder.ExportOutput(port, name)
-    return _named(builder.Build(), "closed_loop")
+    return Wiring().build(builder, "closed_loop")
 
 
 def make_context(diagram: Diagram, seed: int) -> Context:
-    """A Context of any of these diagrams, in trim, with its noise and gusts drawn from `seed`."""
+    """Makes a Context of one of these diagrams in trim, with random noise and gusts from `seed`."""
     context = diagram.CreateDefaultContext()
     generator = RandomGenerator(seed)
     for system in leaf_systems(diagram):
         if isinstance(system, (RandomSource, AffineSystem)):
             system.SetRandomContext(system.GetMyMutableContextFromRoot(context), generator)
     return context
-
-
-def leaf_systems(system: System) -> Iterator[System]:
-    """Those in a diagram, however deep; a leaf system itself."""
-    if isinstance(system, Diagram):
-        for inner in system.GetSystems():
-            yield from leaf_systems(inner)
-    else:
-        yield system
-
-
-def _named(diagram: Diagram, name: str) -> Diagram:
-    diagram.set_name(name)
-    return diagram

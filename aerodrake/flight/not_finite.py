@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import Context, Diagram, InputPort, OutputPort, PortDataType, System
 
-from aerodrake.station import leaf_systems
+from aerodrake.wiring.diagrams import leaf_systems
 
 MAY_BE_INFINITE = frozenset({"d_g"})
 """Signals of which infinity says something: a moving target is never passed twice."""

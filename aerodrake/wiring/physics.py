@@ -1,4 +1,4 @@
-"""What flies, wired: plant, scene graph, rotors and propellers."""
+"""Plant, scene graph, rotors and propellers, connected."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import DiagramBuilder, OutputPort, System
-from pydrake.systems.primitives import SymbolicVectorSystem
+from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle.payload import add_payload
@@ -17,24 +16,35 @@ from aerodrake.scenario import Scenario
 from aerodrake.support.errors import file_at
 from aerodrake.systems.faults.actuators import make_rotor_faults
 from aerodrake.systems.rotors import make_propellers, make_rotors
+from aerodrake.wiring.table import Wiring
+
+WIRING = Wiring(
+    connections=(
+        ("rotors", "y0", "propellers", "command"),
+        ("propellers", "spatial_forces", "plant", "applied_spatial_force"),
+        ("plant", "body_poses", "propellers", "body_poses"),
+        ("plant", "geometry_pose", "scene_graph", "plant_pose"),
+        ("scene_graph", "query", "plant", "geometry_query"),
+    ),
+    outputs=(
+        ("rotors", "y0", "thrust"),
+        ("plant", "state", "true_state"),
+        ("scene_graph", "query", "query_object"),
+    ),
+)
 
 
 class Physics(NamedTuple):
-    """Systems in a builder, connected with each other.
+    """Result of `add_physics`.
 
     Attributes:
-        plant: Open: actuation, and forces beside those of propellers.
-        scene_graph: Of the plant's geometry.
-        rotors: Open: `u0`, commanded thrusts.
-        thrust: (k) N, what the rotors really give.
-        trim_thrust: (k,) N, those in trim.
+        trim_thrust: (k,) N, thrusts in trim.
+        wiring: Connections and outputs of the added systems. Free inputs: `u0` of `rotors`,
+            the commanded thrusts; `actuation` and `applied_generalized_force` of `plant`.
     """
 
-    plant: MultibodyPlant
-    scene_graph: SceneGraph
-    rotors: SymbolicVectorSystem
-    thrust: OutputPort
     trim_thrust: np.ndarray
+    wiring: Wiring
 
 
 def add_physics(builder: DiagramBuilder, scenario: Scenario, vehicle: VehicleModel) -> Physics:
@@ -51,32 +61,11 @@ def add_physics(builder: DiagramBuilder, scenario: Scenario, vehicle: VehicleMod
     plant.Finalize()
     plant.SetDefaultPositions(vehicle.trim_state[: plant.num_positions()])
     trim = allocate(ThrustAllocation.make(vehicle, rotor), vehicle.trim_wrench)
-    rotors = builder.AddNamedSystem("rotors", make_rotors(rotor, scenario.mismatch, trim, step))
+    builder.AddNamedSystem("rotors", make_rotors(rotor, scenario.mismatch, trim, step))
     base = plant.GetBodyByName(BASE_FRAME).index()
-    propellers = builder.AddNamedSystem("propellers", make_propellers(rotor, vehicle.rotors, base))
-
-    connect = builder.Connect
-    connect(
-        plant.get_geometry_pose_output_port(),
-        scene_graph.get_source_pose_port(plant.get_source_id()),
-    )
-    connect(scene_graph.get_query_output_port(), plant.get_geometry_query_input_port())
-    rotor_faults = make_rotor_faults(scenario, len(trim))
-    thrust = through(builder, rotors.get_output_port(), rotor_faults, "rotor_faults")
-    connect(thrust, propellers.GetInputPort("command"))
-    connect(plant.get_body_poses_output_port(), propellers.GetInputPort("body_poses"))
-    connect(
-        propellers.GetOutputPort("spatial_forces"), plant.get_applied_spatial_force_input_port()
-    )
-    return Physics(plant, scene_graph, rotors, thrust, trim)
-
-
-def through(
-    builder: DiagramBuilder, port: OutputPort, system: System | None, name: str
-) -> OutputPort:
-    """A port's signal after a system that is added to it by its name; the port itself if None."""
-    if system is None:
-        return port
-    system = builder.AddNamedSystem(name, system)
-    builder.Connect(port, system.get_input_port())
-    return system.get_output_port()
+    builder.AddNamedSystem("propellers", make_propellers(rotor, vehicle.rotors, base))
+    wiring = WIRING
+    if (rotor_faults := make_rotor_faults(scenario, len(trim))) is not None:
+        builder.AddNamedSystem("rotor_faults", rotor_faults)
+        wiring = wiring.insert("rotor_faults", "rotors", "y0")
+    return Physics(trim, wiring)
