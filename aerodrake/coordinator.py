@@ -38,7 +38,6 @@ from aerodrake.wiring.guidance import make_guidance
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.table import Wiring
 
-
 WIRING = Wiring(
     connections=(
         ("guidance", "reference", "kinematics", "reference"),
