@@ -1,1 +1,1 @@
-"""Variants of one flight, and its margins."""
+"""Variants of one flight, and their robustness margins."""

@@ -1,4 +1,4 @@
-"""The figure of a comparison."""
+"""Figure of a comparison."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from aerodrake.scenario import Scenario
 
 LEGEND_COLUMNS = 7
 PANELS = 4
-"""Panels of paths, and the one of distances, in a row."""
+"""Panels in a row, of paths and of distances."""
 
 
 def plot_comparison(
     logs: Mapping[str, FlightLog], own: str, scenario: Scenario, title: str, path: Path
 ) -> None:
-    """Writes the figure: paths, errors, residual against truth, allocation and inputs.
+    """Writes the figure: paths, errors, residual and its true value, allocation and inputs.
 
     Args:
-        logs: Of the variants that were flown.
-        own: The variant that is the scenario by the paper's method.
-        scenario: That of `own`.
+        logs: Log of each variant that was flown.
+        own: Name of the variant that equals the scenario with the paper's method.
+        scenario: Scenario of `own`.
         title: Plain text.
-        path: A PNG.
+        path: PNG file to write.
     """
     with rc_context(STYLE):
         rows = -(-(len(logs) + 1) // PANELS)

@@ -1,4 +1,4 @@
-"""The search for how much of a disturbance a configuration stands."""
+"""Search for the magnitude of a disturbance that a configuration tolerates."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from itertools import pairwise
 from typing import Any
 
 COARSE = 8
-"""Every so many of the values are flown before any between them."""
+"""Stride of the coarse search over the values, which bisection then refines."""
 
 LEAST_ERROR_M = 1e-6
-"""Smaller errors are rounding; one counts as doubled when it is twice this."""
+"""m, level of rounding: an error counts as doubled only above twice this."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a flight ended.
+    """Error and end of one flight.
 
     Attributes:
-        error_m: m, the figure by which flights are compared; None where it was not flown.
-        exit_reason: As in `summary.json`; `failed` if there is none.
-        exit_cause: The same.
+        error_m: m, the figure by which flights are compared; None if it was not reached.
+        exit_reason: As in `summary.json`; `failed` if the process raised or died.
+        exit_cause: As in `summary.json`, or the reason of the failure.
     """
 
     error_m: float | None
@@ -30,70 +30,71 @@ class Outcome:
 
     @classmethod
     def of(cls, summary: Mapping[str, Any], key: str) -> Outcome:
-        """That of a flight.
+        """Returns the outcome of a flight.
 
         Args:
-            summary: As from `compare`.
-            key: Of `summary["error"]`.
+            summary: Summary of the flight, as from `compare`.
+            key: Key of `summary["error"]`.
         """
         error = summary.get("error", {}).get(key)
         return cls(error, summary["exit_reason"], summary["exit_cause"])
 
     @property
     def is_lost(self) -> bool:
-        """Whether the flight did not end as it should."""
+        """Returns True if the flight was not completed."""
         return self.exit_reason != "completed"
 
 
 Bracket = tuple[float | None, float | None]
-"""The last value at which something does not happen yet, and the first at which it does."""
+"""The last value before an event (doubled error, lost flight), and the first with it."""
 
 
 @dataclass
 class Search:
-    """Where, going outward along `values`, the error first doubles and the flight is first lost.
+    """Search for the values at which the error first doubles and the flight is first lost.
 
-    Every `COARSE`-th value is flown until a flight is lost or the last value is
-    reached. Then the first interval in which a flight is lost, or an error
-    doubled, is halved until its ends are neighbours. Errors need not grow with
-    the disturbance: what counts is the first crossing of all that was flown.
+    Every `COARSE`-th value is flown until a flight is lost or the last value is reached. Then the
+    first interval in which a flight is lost is bisected until its ends are adjacent values, and
+    after it the first interval in which the error doubles. The error need not grow monotonically
+    with the disturbance: the result is the first crossing among all flights.
 
     Attributes:
-        values: Outward from that which changes nothing, in the unit of the scenario's key.
-        flown: What came of it, by index into `values`. It starts with that of 0.
+        values: Magnitudes in order of increasing disturbance, from the one without effect, in the
+            unit of the scenario's key.
+        outcomes: Outcome of each flight, by index into `values`; initially that of index 0.
     """
 
     values: Sequence[float]
-    flown: dict[int, Outcome]
+    outcomes: dict[int, Outcome]
 
     @property
     def doubled_m(self) -> float:
-        """m, twice the error of the flight as it is. Lost flights count as doubled."""
-        return 2 * max(self.flown[0].error_m or 0.0, LEAST_ERROR_M)
+        """m, twice the error of the undisturbed flight. Lost flights count as doubled."""
+        return 2 * max(self.outcomes[0].error_m or 0.0, LEAST_ERROR_M)
 
     def next(self) -> int | None:
-        """The index of the value that is to be flown next; None where nothing is left to learn."""
-        far, last = max(self.flown), len(self.values) - 1
-        if far < last and not any(outcome.is_lost for outcome in self.flown.values()):
-            return min((far // COARSE + 1) * COARSE, last)
+        """Returns the index of the next value to fly; None if the search is complete."""
+        farthest, last = max(self.outcomes), len(self.values) - 1
+        if farthest < last and not any(outcome.is_lost for outcome in self.outcomes.values()):
+            return min((farthest // COARSE + 1) * COARSE, last)
         for crosses in (self._is_lost, self._is_doubled):
-            held, crossed = self._bracket(crosses)
-            if held is not None and crossed is not None and crossed > held + 1:
-                return (held + crossed) // 2
+            before, crossed = self._bracket(crosses)
+            if before is not None and crossed is not None and crossed > before + 1:
+                return (before + crossed) // 2
         return None
 
     @property
     def doubles(self) -> Bracket:
-        """Where the error doubles.
+        """Returns the bracket of the doubled error.
 
-        The first of `values` where there is no error to double, the last of all
-        where it never does: (None, first), (last, None).
+        It is (None, first value) if the undisturbed flight has no error to double, and
+        (last value, None) if the error never doubles.
         """
         return self._values(self._is_doubled)
 
     @property
     def lost(self) -> Bracket:
-        """Where the flight is lost: likewise."""
+        """Returns the bracket of the lost flight, likewise."""
         return self._values(self._is_lost)
 
     def _is_lost(self, outcome: Outcome) -> bool:
@@ -104,13 +105,14 @@ class Search:
         return outcome.is_lost or error is None or error >= self.doubled_m
 
     def _values(self, crosses: Callable[[Outcome], bool]) -> Bracket:
-        held, crossed = (None if i is None else self.values[i] for i in self._bracket(crosses))
-        return held, crossed
+        indices = self._bracket(crosses)
+        before, crossed = (None if i is None else self.values[i] for i in indices)
+        return before, crossed
 
     def _bracket(self, crosses: Callable[[Outcome], bool]) -> tuple[int | None, int | None]:
-        """The indices of the first that was flown and crosses, and of the one before it."""
-        indices = sorted(self.flown)
-        if crosses(self.flown[indices[0]]):
+        """Returns the indices of the flight before the first that crosses, and of that one."""
+        indices = sorted(self.outcomes)
+        if crosses(self.outcomes[indices[0]]):
             return None, indices[0]
-        found = ((i, j) for i, j in pairwise(indices) if crosses(self.flown[j]))
-        return next(found, (indices[-1], None))
+        crossings = ((i, j) for i, j in pairwise(indices) if crosses(self.outcomes[j]))
+        return next(crossings, (indices[-1], None))

@@ -1,4 +1,4 @@
-"""Robustness, measured: what is added to a scenario until its error doubles and it is lost."""
+"""Robustness margins: disturbances that grow until the error doubles and the flight is lost."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ R40 = (
     *(2.24, 2.36, 2.50, 2.65, 2.80, 3.00, 3.15, 3.35, 3.55, 3.75, 4.00, 4.25, 4.50, 4.75),
     *(5.00, 5.30, 5.60, 6.00, 6.30, 6.70, 7.10, 7.50, 8.00, 8.50, 9.00, 9.50),
 )
-"""A decade of the preferred numbers of ISO 3, 6 % apart: a margin is known to that."""
+"""One decade of the preferred numbers of ISO 3, 6 % apart: the resolution of a margin."""
 
 DECADES = range(-3, 1)
 
 
 @dataclass(frozen=True)
 class Disturbance:
-    """What is added to a key of a scenario, or by what factor it is taken.
+    """A value that is added to a key of a scenario, or a factor on it.
 
     Attributes:
-        section, key: Where in the scenario.
-        start: What changes nothing: 0 of what is added, 1 of a factor.
-        first: The next value; like both others in the key's unit, or a factor.
-        end: Where the search ends; before, where the key's range does.
-        in_steps: Whether it is a time of whole plant steps.
+        section, key: The key of the scenario.
+        start: The value without effect: 0 if it is added, 1 if it is a factor.
+        first: The smallest disturbance; in the key's unit, or a factor.
+        end: The largest disturbance; the search ends earlier at the end of the key's range.
+        in_steps: True for a time that is a whole number of plant steps.
     """
 
     section: str
@@ -45,7 +45,7 @@ class Disturbance:
     in_steps: bool = False
 
     def values(self, scenario: Scenario) -> tuple[float, ...]:
-        """From `start` to `end`, preferred numbers between them."""
+        """Returns `start` and the preferred numbers from `first` to `end` that are valid."""
         low, high = sorted((self.first, self.end))
         numbers = (round(number * 10.0**decade, 9) for decade in DECADES for number in R40)
         numbers = [number for number in numbers if low <= number <= high]
@@ -56,7 +56,7 @@ class Disturbance:
         return (self.start, *takewhile(partial(self._is_valid, scenario), outward))
 
     def apply(self, scenario: Scenario, value: float) -> Scenario:
-        """The scenario with so much more of it, in the key's unit, or such a factor on it."""
+        """Returns the scenario with `value` added to its key, or as a factor on it."""
         section = dataclasses.replace(
             getattr(scenario, self.section), **{self.key: self._total(scenario, value)}
         )
@@ -73,40 +73,40 @@ class Disturbance:
 
 
 DISTURBANCES: dict[str, Disturbance] = {
-    # To ten ticks of the packaged scenarios' MPC.
+    # End: ten ticks of the MPC of the packaged scenarios.
     "delay_s": Disturbance("sensors", "base_delay_s", 0.0, 0.001, 0.2, in_steps=True),
-    # To the ends of the key's range.
+    # Ends: the key's range.
     "thrust_up": Disturbance("mismatch", "thrust_scale", 1.0, 1.06, 5.0),
     "thrust_down": Disturbance("mismatch", "thrust_scale", 1.0, 0.95, 0.1),
-    # From 1 % of the packaged vehicle's mass to the end of the key's range, half of it.
+    # First: 1 % of the packaged vehicle's mass. End: the key's range, half of that mass.
     "payload_kg": Disturbance("payload", "mass_kg", 0.0, 0.04, 2.0),
 }
-"""By the name under which `margins.json` has them.
+"""Disturbances by their names in `margins.json`.
 
-Delay of all base measurements and mass at the end-effector, both on top of the
-scenario's; the factor on how far each rotor's thrust is from trim, up and down.
+Delay of all base measurements and mass at the end-effector are added to the scenario's.
+`thrust_up` and `thrust_down` are factors on the deviation of each rotor's thrust from trim.
 """
 
 
 @dataclass(frozen=True)
 class Margins:
-    """What was found of each variant.
+    """Margins of several variants of a scenario.
 
     Attributes:
-        key: Of `summary["error"]`: the error that doubles.
-        searches: By variant and disturbance.
+        key: Key of `summary["error"]`: the error that doubles.
+        searches: Search of each variant and disturbance.
     """
 
     key: str
     searches: Mapping[str, Mapping[str, Search]]
 
     def outcomes(self, variant: str) -> list[Outcome]:
-        """Of all its flights; the first is that without any disturbance."""
-        return [o for search in self.searches[variant].values() for o in search.flown.values()]
+        """Returns the outcomes of all flights of a variant, the undisturbed one first."""
+        return [o for search in self.searches[variant].values() for o in search.outcomes.values()]
 
     @property
     def failed(self) -> bool:
-        """Whether there is a flight whose process raised or died."""
+        """Returns True if the process of any flight raised or died."""
         outcomes = (o for variant in self.searches for o in self.outcomes(variant))
         return any(outcome.exit_reason == "failed" for outcome in outcomes)
 
@@ -118,45 +118,45 @@ def find_margins(
     jobs: int,
     progress: Callable[[], None] = lambda: None,
 ) -> Margins:
-    """Flies each variant under each disturbance, as long as its search has something to ask.
+    """Flies each variant with each disturbance until all searches are complete.
 
-    Each flight has a process of its own. No search knows of another, so that the
-    result does not depend on `jobs` or on which flight ends first.
+    Each flight has a process of its own. The searches are independent, so that the result does
+    not depend on `jobs` or on the order in which flights end.
 
     Args:
-        variants: By name.
-        summaries: Of their flights without any disturbance, as from `compare`.
-        key: Of `summary["error"]`: the error that is to double.
-        jobs: How many processes at a time.
+        variants: Scenarios by name.
+        summaries: Summaries of their undisturbed flights, as from `compare`.
+        key: Key of `summary["error"]`: the error that is to double.
+        jobs: Number of concurrent processes.
         progress: Called after each flight.
     """
     searches = {
         name: {
-            what: Search(made.values(variant), {0: Outcome.of(summaries[name], key)})
-            for what, made in DISTURBANCES.items()
+            label: Search(disturbance.values(variant), {0: Outcome.of(summaries[name], key)})
+            for label, disturbance in DISTURBANCES.items()
         }
         for name, variant in variants.items()
     }
-    asked: list[tuple[str, str, int]] = []
+    queued: list[tuple[str, str, int]] = []
     flights: list[Scenario] = []
 
-    def ask(name: str, what: str) -> None:
-        search = searches[name][what]
+    def queue_next(name: str, label: str) -> None:
+        search = searches[name][label]
         index = search.next()
         if index is not None:
-            asked.append((name, what, index))
-            flights.append(DISTURBANCES[what].apply(variants[name], search.values[index]))
+            queued.append((name, label, index))
+            flights.append(DISTURBANCES[label].apply(variants[name], search.values[index]))
 
     for name in variants:
-        for what in DISTURBANCES:
-            ask(name, what)
+        for label in DISTURBANCES:
+            queue_next(name, label)
     for flight, summary in run_parallel(_fly, flights, jobs):
-        name, what, index = asked[flight]
+        name, label, index = queued[flight]
         if isinstance(summary, Exception):
             summary = failure(summary)
-        searches[name][what].flown[index] = Outcome.of(summary, key)
+        searches[name][label].outcomes[index] = Outcome.of(summary, key)
         progress()
-        ask(name, what)
+        queue_next(name, label)
     return Margins(key, searches)
 
 

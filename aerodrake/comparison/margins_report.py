@@ -1,4 +1,4 @@
-"""What a person sees of margins: the table, the figure and the file."""
+"""Table, figure and JSON file of robustness margins."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from aerodrake.reports.figures import INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario import Scenario
 
 FILES = ("margins.json", "margins.png")
-"""What margins leave behind, beside the files of their comparison."""
+"""Files of the margins, beside those of their comparison."""
 
 COLUMNS = {
     "delay_s": ("delay, ms", 1e3),
@@ -26,20 +26,20 @@ COLUMNS = {
     "thrust_down": ("thrust down, x", 1.0),
     "payload_kg": ("payload, kg", 1.0),
 }
-"""Of the table, by disturbance: title and factor to its unit."""
+"""Columns of the table: title, and factor to its unit, by disturbance."""
 
 PANELS = {
     "delay added to all base measurements / ms": ("delay_s",),
     "factor on the rotors' thrust from trim": ("thrust_down", "thrust_up"),
     "payload added / kg": ("payload_kg",),
 }
-"""Of the figure, by label: the disturbances in it."""
+"""Panels of the figure: disturbances, by label."""
 
 MEANING = (
-    "The last value that was flown before the error doubles (x 2), and before it is lost;",
-    "with > or < where that did not happen up to the end of the search.",
+    "Last value that was flown before the error doubles (x 2), and before the flight is lost;",
+    "> or < marks the end of a search in which that did not happen.",
 )
-"""Of the table's figures, in two lines."""
+"""Legend of the table, in two lines."""
 
 NAME, CELL = 18, 8
 """Widths in the table."""
@@ -50,27 +50,26 @@ def write_margins(margins: Margins, scenario: Scenario, folder: Path) -> None:
 
     Args:
         margins: As from `find_margins`.
-        scenario: Whose variants they are of.
-        folder: One that exists.
+        scenario: Scenario of the variants.
+        folder: An existing folder.
     """
-    figures = as_figures(margins, scenario.name)
-    (folder / "margins.json").write_text(to_json(figures), encoding="utf-8")
+    data = margins_mapping(margins, scenario.name)
+    (folder / "margins.json").write_text(to_json(data), encoding="utf-8")
     plot_margins(margins, f"{scenario.name}, seed {scenario.seed}", folder / "margins.png")
 
 
-def as_figures(margins: Margins, scenario: str) -> dict[str, Any]:
-    """What `margins.json` holds.
+def margins_mapping(margins: Margins, scenario: str) -> dict[str, Any]:
+    """Returns the content of `margins.json`.
 
     Keys:
-        error: Which figure of `summary["error"]` it is that doubles.
-        variants: By name; then of each disturbance the last value at which the
-            error has not doubled (the flight is not lost) and the first at
-            which it has; null where there is none. Then all that was flown,
-            outward: value, error in m, and how it ended.
+        error: Key of `summary["error"]`: the error that doubles.
+        variants: By name and disturbance: the last value before the error doubles (the flight is
+            lost) and the first at which it does, null if there is none. `flown` lists all
+            flights in order of increasing disturbance: value, error in m, and exit reason.
 
     Args:
         margins: As from `find_margins`.
-        scenario: Its name.
+        scenario: Name of the scenario.
     """
     return {
         "scenario": scenario,
@@ -78,27 +77,27 @@ def as_figures(margins: Margins, scenario: str) -> dict[str, Any]:
         "variants": {
             name: {
                 "error_m": margins.outcomes(name)[0].error_m,
-                **{what: _search_figures(search) for what, search in searches.items()},
+                **{label: _search_mapping(search) for label, search in searches.items()},
             }
             for name, searches in margins.searches.items()
         },
     }
 
 
-def _search_figures(search: Search) -> dict[str, Any]:
+def _search_mapping(search: Search) -> dict[str, Any]:
     ends = ("last_held", "first_crossed")
     return {
         "doubles": dict(zip(ends, search.doubles, strict=True)),
         "lost": dict(zip(ends, search.lost, strict=True)),
         "flown": [
             [search.values[i], outcome.error_m, outcome.exit_reason]
-            for i, outcome in sorted(search.flown.items())
+            for i, outcome in sorted(search.outcomes.items())
         ],
     }
 
 
 def margins_rows(margins: Margins) -> list[list[str]]:
-    """One row for each variant: name, error, both figures of each of `COLUMNS`, and a remark.
+    """Returns one row per variant: name, error, both margins of each of `COLUMNS`, and a remark.
 
     Args:
         margins: As from `find_margins`.
@@ -107,7 +106,7 @@ def margins_rows(margins: Margins) -> list[list[str]]:
 
 
 def margins_table(margins: Margins) -> str:
-    """How much of each disturbance each variant stands, as text.
+    """Returns the table of the disturbances that each variant tolerates, as text.
 
     Args:
         margins: As from `find_margins`.
@@ -128,15 +127,15 @@ def margins_table(margins: Margins) -> str:
 
 
 def _row(margins: Margins, name: str) -> list[str]:
-    as_it_is, *others = margins.outcomes(name)
-    cells = ["" if as_it_is.error_m is None else millimetres(as_it_is.error_m)]
-    for what, (_, factor) in COLUMNS.items():
-        search = margins.searches[name][what]
+    undisturbed, *others = margins.outcomes(name)
+    cells = ["" if undisturbed.error_m is None else millimetres(undisturbed.error_m)]
+    for label, (_, factor) in COLUMNS.items():
+        search = margins.searches[name][label]
         cells += [_cell(search, bracket, factor) for bracket in (search.doubles, search.lost)]
     failed = [outcome for outcome in others if outcome.exit_reason == "failed"]
     remark = ""
-    if as_it_is.is_lost:
-        remark = f"{as_it_is.exit_reason}: {as_it_is.exit_cause}"
+    if undisturbed.is_lost:
+        remark = f"{undisturbed.exit_reason}: {undisturbed.exit_cause}"
     elif failed:
         count = "1 flight" if len(failed) == 1 else f"{len(failed)} flights"
         remark = f"{count} failed: {failed[0].exit_cause}"
@@ -144,23 +143,23 @@ def _row(margins: Margins, name: str) -> list[str]:
 
 
 def _cell(search: Search, bracket: Bracket, factor: float) -> str:
-    held, crossed = bracket
-    if held is None:
+    before, crossed = bracket
+    if before is None:
         return ""
-    side = "" if crossed is not None else "< " if held < search.values[0] else "> "
-    return f"{side}{factor * held:.4g}"
+    side = "" if crossed is not None else "< " if before < search.values[0] else "> "
+    return f"{side}{factor * before:.4g}"
 
 
 def plot_margins(margins: Margins, title: str, path: Path) -> None:
     """Writes the figure: error against each disturbance.
 
-    A ring is the last value before the error has doubled, a cross at the top
-    the first at which the flight is lost.
+    A ring marks the last value before the error doubles, a cross at the top the first value at
+    which the flight is lost.
 
     Args:
         margins: As from `find_margins`.
         title: Plain text.
-        path: A PNG.
+        path: PNG file to write.
     """
     with rc_context(STYLE):
         figure = Figure(figsize=(14, 5.5), dpi=110, layout="constrained")
@@ -171,25 +170,25 @@ def plot_margins(margins: Margins, title: str, path: Path) -> None:
 
 
 def draw_margins(row: Sequence[Axes], margins: Margins) -> None:
-    """Error against each disturbance: one of `row` for each of `PANELS`.
+    """Draws the error against each disturbance: one of `row` for each of `PANELS`.
 
-    The first has what a legend needs.
+    The first panel has the entries of a legend.
     """
-    for axes, (label, disturbances) in zip(row, PANELS.items(), strict=True):
-        axes.set_xlabel(label)
+    for axes, (title, disturbances) in zip(row, PANELS.items(), strict=True):
+        axes.set_xlabel(title)
         axes.set_yscale("log")
         for name, searches in margins.searches.items():
-            for what in disturbances:
-                _draw(axes, searches[what], COLUMNS[what][1], COLORS[name])
+            for label in disturbances:
+                _draw(axes, searches[label], COLUMNS[label][1], COLORS[name])
         if len(disturbances) > 1:
-            _factors(axes)
+            _scale_factors(axes)
     row[0].set_ylabel("end-effector error / mm")
     for name in margins.searches:
         row[0].plot([], [], color=COLORS[name], label=name)
 
 
-def _factors(axes: Axes) -> None:
-    """An axis of factors up and down."""
+def _scale_factors(axes: Axes) -> None:
+    """Gives the horizontal axis a logarithmic scale of factors, with 1 marked."""
     axes.set_xscale("log")
     axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5], ["0.1", "0.2", "0.5", "1", "2", "5"])
     axes.minorticks_off()
@@ -199,14 +198,14 @@ def _factors(axes: Axes) -> None:
 def _draw(axes: Axes, search: Search, factor: float, color: str) -> None:
     errors = {
         factor * search.values[i]: 1e3 * max(outcome.error_m, LEAST_ERROR_M)
-        for i, outcome in sorted(search.flown.items())
+        for i, outcome in sorted(search.outcomes.items())
         if not outcome.is_lost and outcome.error_m is not None
     }
     axes.plot(list(errors), list(errors.values()), color=color, marker=".", markersize=4)
-    held, crossed = search.doubles
-    if held is not None and crossed is not None:
+    before, crossed = search.doubles
+    if before is not None and crossed is not None:
         ring = {"marker": "o", "markersize": 8, "markerfacecolor": "none"}
-        axes.plot(factor * held, errors[factor * held], color=color, **ring)
+        axes.plot(factor * before, errors[factor * before], color=color, **ring)
     lost = search.lost[1]
     if lost is not None:
         top = axes.get_xaxis_transform()

@@ -1,4 +1,4 @@
-"""`report.html` of a comparison."""
+"""HTML report of a comparison."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from aerodrake.comparison import margins_report
 from aerodrake.comparison.margins import Margins
 from aerodrake.comparison.panels import COLORS, View, draw_distances, draw_errors, draw_path
-from aerodrake.comparison.table import comparison_rows, comparison_titles, papers_rows
+from aerodrake.comparison.table import comparison_rows, comparison_titles, paper_rows
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import HEADLINES, Summaries, headline
 from aerodrake.reports.flight_panels import draw_allocation, draw_inputs
@@ -23,19 +23,19 @@ from aerodrake.station import make_closed_loop
 
 LEGEND_COLUMNS = 3
 LEGEND_LINE, LEGEND_PADDING = 0.21, 0.12
-"""Height of a line in inches, and what is around all of them."""
+"""inches, height of one line of a legend, and padding around all lines."""
 
 
 class Comparison(NamedTuple):
-    """What there is to be seen of one.
+    """Scenarios and results of one comparison.
 
     Attributes:
-        scenario: What was compared.
-        variants: Of it, that were flown.
-        own: The variant that is the scenario by the paper's method.
-        summaries: As from `compare`.
-        logs: Of the variants that did not fail.
-        margins: As from `find_margins`, if they were asked for.
+        scenario: The scenario that was compared.
+        variants: Its variants that were flown, by name.
+        own: Name of the variant that equals the scenario with the paper's method.
+        summaries: Summary of each variant, as from `compare`.
+        logs: Log of each variant that did not fail.
+        margins: As from `find_margins`; None if not computed.
     """
 
     scenario: Scenario
@@ -47,12 +47,12 @@ class Comparison(NamedTuple):
 
 
 def comparison_page(comparison: Comparison, resolved: str, commands: Sequence[str]) -> str:
-    """The page of one comparison.
+    """Returns the HTML page of one comparison.
 
     Args:
-        comparison: What it shows.
-        resolved: The scenario as YAML, with its files where the user has them.
-        commands: The first compares the same again, the others fly one variant each.
+        comparison: The comparison to show.
+        resolved: The scenario as YAML, with the paths of the user's own files.
+        commands: Command that repeats the comparison, then one for each variant's flight.
     """
     scenario, variants, own, summaries, logs, margins = comparison
     key, kind = headline(summaries), scenario.reference.kind
@@ -66,7 +66,7 @@ def comparison_page(comparison: Comparison, resolved: str, commands: Sequence[st
         colors=COLORS,
         titles=comparison_titles(key),
         rows=comparison_rows(summaries),
-        papers=papers_rows(kind, key),
+        papers=paper_rows(kind, key),
         pictures=list(_pictures(logs, own, shown)),
         changes={name: changes(scenario, variant) for name, variant in variants.items()},
         margins=margins and _margins(margins),
@@ -76,7 +76,7 @@ def comparison_page(comparison: Comparison, resolved: str, commands: Sequence[st
 
 
 def changes(scenario: Scenario, variant: Scenario) -> list[tuple[str, str, str]]:
-    """Dotted key, value in the scenario and value in the variant, of the keys that differ."""
+    """Returns key, value in the scenario and value in the variant, for each key that differs."""
     before, after = _flat(as_mapping(scenario)), _flat(as_mapping(variant))
     return [
         (key, before.get(key, ""), after.get(key, ""))
@@ -86,7 +86,7 @@ def changes(scenario: Scenario, variant: Scenario) -> list[tuple[str, str, str]]
 
 
 def _flat(node: Any, path: str = "") -> dict[str, str]:
-    """The values of nested mappings, as text, by dotted key."""
+    """Returns the values of nested mappings, as text, by dotted key."""
     if not isinstance(node, dict):
         return {path.removeprefix("."): str(node)}
     return {k: v for name, inner in node.items() for k, v in _flat(inner, f"{path}.{name}").items()}
@@ -100,7 +100,9 @@ def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> It
     top = LEGEND_LINE * lines + LEGEND_PADDING
     with sheet("errors", 3.2 + top, top=top) as (figure, done):
         draw_errors(figure.add_subplot(), thin, LEGEND_COLUMNS)
-    yield Picture("Errors", "The end-effector from its reference, by variant; logarithmic.", *done)
+    yield Picture(
+        "Errors", "Distance of the end-effector from its reference, logarithmic, by variant.", *done
+    )
     rows = -(-len(thin) // 2)
     with sheet("paths", 2.1 * rows + 0.4, top=0.3) as (figure, done):
         view = View.of(thin)
@@ -110,12 +112,14 @@ def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> It
             axes.label_outer()
         for axes in panels[len(thin) :]:
             axes.remove()
-    yield Picture("Paths", "Of each variant over the reference, which is dashed.", *done)
+    yield Picture(
+        "Paths", "Path of the end-effector of each variant; the reference is dashed.", *done
+    )
     with sheet("distances", 2.6) as (figure, done):
         draw_distances(figure.add_subplot(), thin, scenario)
     yield Picture(
         "Reach",
-        "d_o, how far the end-effector is from the centre of its learning space, by variant, "
+        "d_o, the distance of the end-effector from the centre of its learning space, by variant, "
         "with d_h and d_edge.",
         *done,
     )
@@ -125,8 +129,8 @@ def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> It
         yield timeline(
             "own",
             f"Allocation and inputs of {own}",
-            "gamma with its modes behind it; the largest commanded acceleration of base and "
-            "joints by its bound.",
+            "gamma, with the modes as background; the largest commanded accelerations of base and "
+            "joints as fractions of their bounds.",
             thin[own],
             partial(draw_allocation, log=thin[own]),
             partial(draw_inputs, log=thin[own], scenario=scenario),
@@ -146,8 +150,8 @@ def _margins(margins: Margins) -> dict[str, Any]:
             axes.set_ylabel("error / mm")
         panels[0].legend(loc="lower center", ncols=LEGEND_COLUMNS, bbox_to_anchor=(0.5, 1.0))
     caption = (
-        "The end-effector's error against each disturbance. A ring is the last value before it has "
-        "doubled, a cross at the top the first at which the flight is lost."
+        "Error of the end-effector against each disturbance. A ring marks the last value before "
+        "the error doubles, a cross at the top the first value at which the flight is lost."
     )
     return {
         "meaning": " ".join(margins_report.MEANING),

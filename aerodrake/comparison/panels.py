@@ -1,4 +1,4 @@
-"""The panels of a comparison's figures: variants side by side, or over one another."""
+"""Panels of the figures of a comparison: paths, distances and errors by variant."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ COLORS = {
     "no_filter": "#862e9c",
 }
 PANEL_RATIO = 0.85
-"""Height of a path's panel by its width."""
+"""Ratio of height to width of a panel with a path."""
 
 
 class View(NamedTuple):
-    """What the panels of paths show, the same of each variant.
+    """Axes and limits of the panels with paths, the same for all variants.
 
     Attributes:
-        axes: The two world axes across and up.
-        low, high: m, of each of the two.
+        axes: Horizontal and vertical world axis.
+        low, high: m, limits of each of the two.
     """
 
     axes: tuple[int, int]
@@ -50,7 +50,7 @@ class View(NamedTuple):
 
     @classmethod
     def of(cls, logs: Mapping[str, FlightLog]) -> View:
-        """Along the world axis with the least motion, wide enough for all paths."""
+        """Returns the view along the world axis with the least motion that contains all paths."""
         places = np.vstack([log[key] for log in logs.values() for key in ("p_E_m", "p_Ed_m")])
         places = places[np.isfinite(places).all(axis=1)]
         first, second = np.sort(np.argsort(np.ptp(places, axis=0), kind="stable")[1:])
@@ -62,7 +62,7 @@ class View(NamedTuple):
 
 
 def draw_path(axes: Axes, name: str, log: FlightLog, view: View) -> None:
-    """The path of one variant over the reference."""
+    """Draws the path of one variant and the reference."""
     first, second = view.axes
     axes.plot(log["p_E_m"][:, first], log["p_E_m"][:, second], color=COLORS[name], linewidth=2)
     axes.plot(log["p_Ed_m"][:, first], log["p_Ed_m"][:, second], **REFERENCE)
@@ -74,7 +74,7 @@ def draw_path(axes: Axes, name: str, log: FlightLog, view: View) -> None:
 
 
 def draw_distances(axes: Axes, logs: Mapping[str, FlightLog], scenario: Scenario) -> None:
-    """How far the end-effector is from the centre of its learning space, by variant."""
+    """Draws d_o, the distance to the centre of the learning space, of each variant."""
     for name, log in logs.items():
         draw_distance(axes, log, scenario, COLORS[name])
     draw_boundaries(axes, scenario)
@@ -83,7 +83,7 @@ def draw_distances(axes: Axes, logs: Mapping[str, FlightLog], scenario: Scenario
 
 
 def draw_errors(axes: Axes, logs: Mapping[str, FlightLog], columns: int) -> None:
-    """Distance of the end-effector from its reference, by variant; their names above."""
+    """Draws the end-effector error of each variant, with a legend above."""
     for name, log in logs.items():
         plot_error(axes, log, log.error_m, color=COLORS[name], label=name)
     errors = np.concatenate([log.error_m[log.is_flown] for log in logs.values()])

@@ -1,4 +1,4 @@
-"""The figures of a comparison, beside the paper's, for a person to read."""
+"""Table of the results of a comparison and of the paper."""
 
 from __future__ import annotations
 
@@ -15,7 +15,11 @@ WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
 
 
 def comparison_titles(key: str) -> list[tuple[str, str, str]]:
-    """Of each column but the last: what it is in two lines, and its unit. `key`: the headline."""
+    """Returns a title of three lines, the last a unit, of each column but the exit reason.
+
+    Args:
+        key: Key of the headline error.
+    """
     return [
         ("", "", "variant"),
         ("error", HEADLINES[key], "mm"),
@@ -30,7 +34,7 @@ def comparison_titles(key: str) -> list[tuple[str, str, str]]:
 
 
 def comparison_rows(summaries: Summaries) -> list[list[str]]:
-    """One row for each variant: a cell for each of `comparison_titles`, and how it ended."""
+    """Returns one row per variant: a cell per title of `comparison_titles`, and the exit reason."""
     key = headline(summaries)
     integral = summaries.get("integral", {}).get("error", {}).get(key)
     return [
@@ -40,16 +44,16 @@ def comparison_rows(summaries: Summaries) -> list[list[str]]:
 
 
 def comparison_table(summaries: Summaries, kind: str) -> str:
-    """One row for each variant, and the paper's figures below, as text.
+    """Returns the table of all variants, with the paper's results below, as text.
 
     Args:
         summaries: As from `compare`.
-        kind: Of the reference.
+        kind: Kind of the reference.
     """
     key = headline(summaries)
     lines = [_line(list(titles)) for titles in zip(*comparison_titles(key), strict=True)]
     lines += map(_line, comparison_rows(summaries))
-    papers = papers_rows(kind, key)
+    papers = paper_rows(kind, key)
     return "\n".join([*lines, *[""] * bool(papers), *map(_line, papers)])
 
 
@@ -79,12 +83,12 @@ def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None
     ]
 
 
-def papers_rows(kind: str, key: str) -> list[list[str]]:
-    """The paper's figures, as far as it has flown such a reference; without an end.
+def paper_rows(kind: str, key: str) -> list[list[str]]:
+    """Returns the paper's results for such a reference, without exit reasons; empty for none.
 
     Args:
-        kind: Of the reference.
-        key: The headline.
+        kind: Kind of the reference.
+        key: Key of the headline error.
     """
     paper = PAPER.get(kind)
     if not paper:

@@ -1,4 +1,4 @@
-"""The figure of a comparison."""
+"""Figure of a comparison."""
 
 from pathlib import Path
 
@@ -34,7 +34,7 @@ def test_the_figure_shows_every_variant(short_flight, tmp_path):
 
 
 @pytest.mark.filterwarnings("error")
-def test_there_is_room_for_all_variants_that_there_are(short_flight, tmp_path):
+def test_the_figure_grows_with_the_number_of_variants(short_flight, tmp_path):
     _, log = short_flight
     crowded = draw(short_flight, tmp_path / "a.png", dict.fromkeys(VARIANTS, log))
     assert len(crowded) > len(draw(short_flight, tmp_path / "b.png"))
@@ -43,7 +43,7 @@ def test_there_is_room_for_all_variants_that_there_are(short_flight, tmp_path):
 @pytest.mark.parametrize("samples", [2, 12])
 @pytest.mark.filterwarnings("error")
 def test_flights_that_ended_early_are_drawn(samples, short_flight, tmp_path):
-    """Before and just after reference time 0, beside none that failed."""
+    """Flights end before and just after reference time 0; with and without other variants."""
     _, log = short_flight
     lost = lost_early(log, samples)
     draw(short_flight, tmp_path / "a.png", {"modified+online": lost})

@@ -1,4 +1,4 @@
-"""Disturbances, and the flights by which margins are found."""
+"""Disturbances, and the flights of their searches."""
 
 import json
 import re
@@ -21,15 +21,15 @@ from aerodrake.scenario.rules import check
 TINY = ["--set", "duration=0.2", "--set", "settle_s=0"]
 
 
-def test_preferred_numbers_are_the_fortieth_roots_of_ten_rounded():
-    """As ISO 3 rounds them: by 1.3 % at most."""
+def test_preferred_numbers_are_rounded_powers_of_the_fortieth_root_of_ten():
+    """ISO 3 rounds them by 1.3 % at most."""
     assert len(R40) == 40
     assert all(abs(number / 10 ** (k / 40) - 1) < 0.013 for k, number in enumerate(R40))
 
 
-def test_margins_that_matter_are_among_the_values():
-    values = {name: made.values(Scenario()) for name, made in DISTURBANCES.items()}
-    ends = {name: (found[0], found[1], found[-1]) for name, found in values.items()}
+def test_the_values_span_the_documented_ranges():
+    values = {name: disturbance.values(Scenario()) for name, disturbance in DISTURBANCES.items()}
+    ends = {name: (numbers[0], numbers[1], numbers[-1]) for name, numbers in values.items()}
     assert ends == {
         "delay_s": (0.0, 0.001, 0.2),
         "thrust_up": (1.0, 1.06, 5.0),
@@ -47,7 +47,7 @@ def test_margins_that_matter_are_among_the_values():
     mass=st.floats(0.0, 2.0),
     data=st.data(),
 )
-def test_all_values_can_be_flown_whatever_the_scenario_has(step, delay, scale, mass, data):
+def test_all_values_are_valid_for_any_scenario(step, delay, scale, mass, data):
     scenario = Scenario(
         rates=Rates(plant_step_s=step),
         sensors=Sensors(base_delay_s=0.01 * delay),
@@ -59,17 +59,17 @@ def test_all_values_can_be_flown_whatever_the_scenario_has(step, delay, scale, m
     values = disturbance.values(scenario)
     assert disturbance.apply(scenario, values[0]) == scenario
     distances = [abs(value - values[0]) for value in values]
-    assert distances == sorted({*distances})  # Outward, none twice.
+    assert distances == sorted({*distances})  # In increasing order, without repetition.
     for value in values:
         disturbed = disturbance.apply(scenario, value)
-        check(disturbed, "here")
-        found = {
+        check(disturbed, "test")
+        added = {
             "delay_s": disturbed.sensors.base_delay_s - 0.01 * delay,
             "thrust_up": disturbed.mismatch.thrust_scale / scale,
             "thrust_down": disturbed.mismatch.thrust_scale / scale,
             "payload_kg": disturbed.payload.mass_kg - mass,
         }
-        assert found[name] == pytest.approx(value, abs=1e-9)
+        assert added[name] == pytest.approx(value, abs=1e-9)
         assert disturbed.sensors.base_delay_s <= 0.5 and disturbed.payload.mass_kg <= 2.0
         assert 0.1 <= disturbed.mismatch.thrust_scale <= 5.0
         back = replace(
@@ -81,11 +81,14 @@ def test_all_values_can_be_flown_whatever_the_scenario_has(step, delay, scale, m
         assert back == scenario
 
 
-# Searched without flights: of a configuration whose error is known.
+# Searches without flights, of a response that is known.
 
 
 def respond(scenario: Scenario) -> dict:
-    """Doubles at 30 ms, 1.5, 1/2 and 0.5 kg; lost at 70 ms, 3, never, and fails from 1.25 kg on."""
+    """Responds with a doubled error at 30 ms, 1.5, 1/2 and 0.5 kg.
+
+    The flight is lost at 70 ms and at 3, and fails from 1.25 kg on.
+    """
     delay, scale, mass = (
         scenario.sensors.base_delay_s,
         scenario.mismatch.thrust_scale,
@@ -104,7 +107,7 @@ def respond(scenario: Scenario) -> dict:
 
 
 def in_this_process(function, items, jobs, pick=0):
-    """As `run_parallel`: of those that wait, the first, or the last with `pick` -1."""
+    """Replaces `run_parallel`; takes the first item that waits, or the last with `pick` -1."""
     waiting, sent = [], 0
     while sent < len(items) or waiting:
         waiting += range(sent, len(items))
@@ -116,7 +119,7 @@ def in_this_process(function, items, jobs, pick=0):
             yield index, error
 
 
-def test_margins_are_those_of_each_variant(monkeypatch):
+def test_each_variant_has_its_own_margins(monkeypatch):
     monkeypatch.setattr(module, "_fly", respond)
     plain = Scenario()
     variants = {"plain": plain, "lost": plain}
@@ -131,24 +134,24 @@ def test_margins_are_those_of_each_variant(monkeypatch):
         "thrust_down": ((0.53, 0.5), (0.1, None)),
         "payload_kg": ((0.475, 0.5), (1.18, 1.25)),
     }
-    assert len(flown) == sum(len(search.flown) - 1 for search in searches.values()) < 50
-    assert all(len(search.flown) == 1 for search in margins.searches["lost"].values())
+    assert len(flown) == sum(len(search.outcomes) - 1 for search in searches.values()) < 50
+    assert all(len(search.outcomes) == 1 for search in margins.searches["lost"].values())
     assert margins.failed
     assert {o.exit_cause for o in margins.outcomes("plain")} >= {"RuntimeError: too heavy"}
 
 
 def test_margins_do_not_depend_on_which_flight_ends_first(monkeypatch):
     monkeypatch.setattr(module, "_fly", respond)
-    found = []
+    results = []
     for pick in (0, -1):
         monkeypatch.setattr(module, "run_parallel", partial(in_this_process, pick=pick))
         variants = dict.fromkeys(("a", "b"), Scenario())
         summaries = dict.fromkeys(variants, respond(Scenario()))
-        found.append(find_margins(variants, summaries, "mean_m", 2))
-    assert found[0] == found[1]
+        results.append(find_margins(variants, summaries, "mean_m", 2))
+    assert results[0] == results[1]
 
 
-def test_what_the_scenario_has_is_not_counted_again(monkeypatch):
+def test_margins_are_relative_to_the_scenario(monkeypatch):
     monkeypatch.setattr(module, "_fly", respond)
     monkeypatch.setattr(module, "run_parallel", in_this_process)
     late = Scenario(sensors=Sensors(base_delay_s=0.03))
@@ -157,22 +160,21 @@ def test_what_the_scenario_has_is_not_counted_again(monkeypatch):
     assert margins.searches["late"]["payload_kg"].doubles == (0.95, 1.0)
 
 
-# Flown.
+# Flights.
 
 
-def test_a_flight_is_that_of_the_scenario_with_so_much_of_it(monkeypatch):
-    """And not by a configuration that knows."""
+def test_a_flight_has_the_disturbance_added_to_the_plant_alone(monkeypatch):
     monkeypatch.setattr(module, "run_parallel", in_this_process)
-    made = Disturbance("payload", "mass_kg", 0.0, 1.9, 2.0)
-    monkeypatch.setattr(module, "DISTURBANCES", {"payload_kg": made})
+    disturbance = Disturbance("payload", "mass_kg", 0.0, 1.9, 2.0)
+    monkeypatch.setattr(module, "DISTURBANCES", {"payload_kg": disturbance})
     scenario = load_scenario("hover", [("--set", word) for word in TINY[1::2]])
     exact = {"exit_reason": "completed", "exit_cause": "", "error": {"max_m": 0.0}}
     margins = find_margins({"modified": scenario}, {"modified": exact}, "max_m", 1)
     search = margins.searches["modified"]["payload_kg"]
     log = FlightSimulation(replace(scenario, payload=Payload(1.9))).fly()
     assert search.values == (0.0, 1.9, 2.0)
-    assert search.flown[1].error_m == pytest.approx(log.error_m.max(), rel=1e-11)
-    assert search.flown[2].error_m > search.flown[1].error_m > 1e-3
+    assert search.outcomes[1].error_m == pytest.approx(log.error_m.max(), rel=1e-11)
+    assert search.outcomes[2].error_m > search.outcomes[1].error_m > 1e-3
     assert search.doubles == (0.0, 1.9)
 
 
@@ -181,12 +183,12 @@ def test_a_flight_is_that_of_the_scenario_with_so_much_of_it(monkeypatch):
 
 @pytest.fixture
 def short(monkeypatch):
-    """`compare hover --margins`, of two variants and one disturbance, in this process.
+    """Command `compare hover --margins` with two variants and one disturbance, in this process.
 
-    Without the comparison's figure, which has tests of its own.
+    The figure of the comparison, which has its own tests, is not drawn.
     """
-    made = Disturbance("payload", "mass_kg", 0.0, 1.9, 2.0)
-    monkeypatch.setattr(module, "DISTURBANCES", {"payload_kg": made})
+    disturbance = Disturbance("payload", "mass_kg", 0.0, 1.9, 2.0)
+    monkeypatch.setattr(module, "DISTURBANCES", {"payload_kg": disturbance})
     monkeypatch.setattr(
         "aerodrake.comparison.margins_report.COLUMNS", {"payload_kg": ("payload, kg", 1.0)}
     )
@@ -210,10 +212,10 @@ FILES = [
 def test_the_command(short, tmp_path, capfd):
     out = tmp_path / "out"
     assert main([*short, "--out", str(out)]) == 0
-    said, progress = capfd.readouterr()
-    assert re.search(r"^clik +0.000 +0.000 .* completed$", said, re.MULTILINE)
-    assert re.search(r"^clik +0.000 +0 +> 2$", said, re.MULTILINE)
-    *_, last = said.rstrip().splitlines()
+    output, progress = capfd.readouterr()
+    assert re.search(r"^clik +0.000 +0.000 .* completed$", output, re.MULTILINE)
+    assert re.search(r"^clik +0.000 +0 +> 2$", output, re.MULTILINE)
+    *_, last = output.rstrip().splitlines()
     assert last.startswith(f"{out}: ") and all(file in last for file in FILES if "." in file)
     assert "hover margins: 4flight" in progress
     assert sorted(path.name for path in out.iterdir()) == FILES
@@ -221,25 +223,25 @@ def test_the_command(short, tmp_path, capfd):
     comparison = json.loads((out / "comparison.json").read_text())
     assert (figures["scenario"], figures["error"]) == ("hover", "mean_m")
     assert list(figures["variants"]) == list(comparison["variants"]) == ["modified", "clik"]
-    for name, found in figures["variants"].items():
-        as_it_is = comparison["variants"][name]["error"]["mean_m"]
-        assert found["error_m"] == as_it_is
-        assert found["payload_kg"]["flown"][0] == [0.0, as_it_is, "completed"]
-        assert [row[0] for row in found["payload_kg"]["flown"]] == [0.0, 1.9, 2.0]
+    for name, entry in figures["variants"].items():
+        undisturbed = comparison["variants"][name]["error"]["mean_m"]
+        assert entry["error_m"] == undisturbed
+        assert entry["payload_kg"]["flown"][0] == [0.0, undisturbed, "completed"]
+        assert [row[0] for row in entry["payload_kg"]["flown"]] == [0.0, 1.9, 2.0]
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_flights_that_fail_are_told_and_lost_ones_are_an_ending(
+def test_failed_flights_are_reported_and_lost_flights_are_results(
     short, tmp_path, monkeypatch, capsys
 ):
     lost = {"exit_reason": "lost", "exit_cause": "tilt"}
     monkeypatch.setattr(module, "_fly", lambda scenario: lost)
     assert main([*short[:-2], "--quiet", "--out", str(tmp_path / "out")]) == 0
     monkeypatch.setattr(module, "_fly", respond)
-    assert main([*short[:-2], "--out", str(tmp_path / "out")]) == 1  # In its place.
-    said = capsys.readouterr().out
+    assert main([*short[:-2], "--out", str(tmp_path / "out")]) == 1  # Replaces the folder.
+    output = capsys.readouterr().out
     assert re.search(
-        r"^modified +0.000 +0 +0  2 flights failed: RuntimeError: too heavy$", said, re.M
+        r"^modified +0.000 +0 +0  2 flights failed: RuntimeError: too heavy$", output, re.M
     )
     figures = json.loads((tmp_path / "out" / "margins.json").read_text())
     assert figures["variants"]["modified"]["payload_kg"] == {
@@ -254,7 +256,7 @@ def test_flights_that_fail_are_told_and_lost_ones_are_an_ending(
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_an_interrupt_leaves_what_was_there(short, tmp_path, monkeypatch, capsys):
+def test_an_interrupt_writes_nothing(short, tmp_path, monkeypatch, capsys):
     def interrupt(*_):
         raise KeyboardInterrupt
 

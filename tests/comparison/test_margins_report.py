@@ -1,4 +1,4 @@
-"""The table, the figure and the file of margins."""
+"""Table, figure and JSON file of margins."""
 
 import json
 from pathlib import Path
@@ -28,32 +28,32 @@ def fine(error_m: float) -> Outcome:
 
 @pytest.fixture
 def margins() -> Margins:
-    """Of one variant that has something of everything, and one that is lost as it is."""
-    as_it_is = fine(0.0017)
-    found = {
-        "delay_s": Search([0.0, 0.02, 0.021, 0.2], {0: as_it_is, 1: fine(0.003), 2: LOST}),
-        "thrust_up": Search([1.0, 1.5, 5.0], {0: as_it_is, 1: fine(0.0034), 2: fine(0.0033)}),
-        "thrust_down": Search([1.0, 0.1], {0: as_it_is, 1: fine(0.0018)}),
-        "payload_kg": Search([0.0, 0.3, 2.0], {0: as_it_is, 1: fine(0.002), 2: fine(0.003)}),
+    """Margins of a variant with every kind of bracket, and of one that is lost undisturbed."""
+    undisturbed = fine(0.0017)
+    searches = {
+        "delay_s": Search([0.0, 0.02, 0.021, 0.2], {0: undisturbed, 1: fine(0.003), 2: LOST}),
+        "thrust_up": Search([1.0, 1.5, 5.0], {0: undisturbed, 1: fine(0.0034), 2: fine(0.0033)}),
+        "thrust_down": Search([1.0, 0.1], {0: undisturbed, 1: fine(0.0018)}),
+        "payload_kg": Search([0.0, 0.3, 2.0], {0: undisturbed, 1: fine(0.002), 2: fine(0.003)}),
     }
-    fallen = {name: Search(search.values, {0: LOST}) for name, search in found.items()}
-    return Margins("lap_mean_m", {"modified": found, "clik": fallen})
+    lost = {name: Search(search.values, {0: LOST}) for name, search in searches.items()}
+    return Margins("lap_mean_m", {"modified": searches, "clik": lost})
 
 
-def test_there_is_a_column_and_a_panel_for_each_disturbance():
+def test_each_disturbance_has_a_column_and_a_panel():
     assert list(COLUMNS) == list(DISTURBANCES)
     assert sorted(name for names in PANELS.values() for name in names) == sorted(DISTURBANCES)
 
 
-def test_rows(margins):
-    """Last values that held; a sign where none did not."""
+def test_rows_contain_both_margins_of_each_disturbance(margins):
+    """A cell is the last value before the event, with a sign if the event does not occur."""
     *_, modified, clik = margins_table(margins).splitlines()
     words = modified.replace("> ", ">").replace("< ", "<").split()
     assert words == ["modified", "1.70", "20", "20", "1", ">5", "<0.1", "<0.1", ">2", ">2"]
     assert clik.split(maxsplit=1) == ["clik", "lost: tilt of 61 deg at 2.00 s"]
 
 
-def test_columns_stand_below_their_titles(margins):
+def test_columns_are_aligned_with_their_titles(margins):
     lines = margins_table(margins).splitlines()
     titles, kinds, modified = lines[3], lines[4], lines[6]
     for title in (title for title, _ in COLUMNS.values()):
@@ -64,7 +64,7 @@ def test_columns_stand_below_their_titles(margins):
     assert max(len(line) for line in lines[:-1]) <= 90
 
 
-def test_the_file_holds_all_that_was_flown(margins, tmp_path):
+def test_the_file_contains_all_flights(margins, tmp_path):
     write_margins(margins, Scenario(name="clover"), tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(FILES)
     figures = json.loads((tmp_path / "margins.json").read_text())

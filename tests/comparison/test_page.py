@@ -1,4 +1,4 @@
-"""`report.html` of a comparison, as a person opens it."""
+"""`report.html` of a comparison in a browser."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from aerodrake.comparison.compare import make_variants
 from aerodrake.comparison.margin_search import Outcome, Search
 from aerodrake.comparison.margins import DISTURBANCES, Margins
 from aerodrake.comparison.page import Comparison, changes, comparison_page
-from aerodrake.comparison.table import comparison_rows, papers_rows
+from aerodrake.comparison.table import comparison_rows, paper_rows
 from aerodrake.flight.summary import failure, summarize
 from tests.browser import (
     assert_ids_are_found,
@@ -26,13 +26,13 @@ COMMANDS = ["aerodrake compare '<b>&amp;'", "aerodrake run 'a/b c'"]
 
 @pytest.fixture(scope="module")
 def comparison(short_flight) -> Comparison:
-    """Of one flight under several names, and a variant that failed, with margins."""
+    """Comparison of one flight under several names and of a variant that failed, with margins."""
     scenario, log = short_flight
     scenario = replace(scenario, name=NAME)
     summaries = dict.fromkeys(NAMES, summarize(scenario, log))
     summaries |= {"fixed_weights": failure(RuntimeError(CAUSE))}
-    as_it_is = Outcome(0.0017, "completed")
-    search = Search([0.0, 0.5, 1.0], {0: as_it_is, 1: Outcome(0.004, "completed")})
+    undisturbed = Outcome(0.0017, "completed")
+    search = Search([0.0, 0.5, 1.0], {0: undisturbed, 1: Outcome(0.004, "completed")})
     margins = Margins("lap_mean_m", {n: dict.fromkeys(DISTURBANCES, search) for n in NAMES})
     variants = make_variants(scenario, summaries)
     logs = dict.fromkeys(NAMES, log)
@@ -46,38 +46,38 @@ def path(comparison, tmp_path_factory):
     return file
 
 
-def test_it_opens_in_silence_and_asks_for_nothing(visited, path, tmp_path):
+def test_the_page_opens_without_errors_and_requests(visited, path, tmp_path):
     assert_silent(visited, path, tmp_path / "report.png")
 
 
-def test_nothing_is_wider_than_the_page(visited):
+def test_no_element_is_wider_than_the_page(visited):
     assert_no_wider_than_its_window(visited.page)
     assert_no_text_is_cut(visited.page)
 
 
-def test_the_replay_of_the_scenarios_own_variant_draws(desktop):
+def test_the_replay_of_the_own_variant_draws(desktop):
     assert_replay_draws(desktop)
 
 
-def test_its_rows_are_those_of_the_table(desktop, comparison):
+def test_the_page_has_the_rows_of_the_table(desktop, comparison):
     rows = desktop.page.locator("#figures-title + div tbody tr").all()
-    found = [row.locator("th, td").all_text_contents() for row in rows]
+    shown = [row.locator("th, td").all_text_contents() for row in rows]
     flown = len(comparison.summaries)
-    assert found[:flown] == [
-        row + [""] * (len(found[0]) - len(row)) for row in comparison_rows(comparison.summaries)
+    assert shown[:flown] == [
+        row + [""] * (len(shown[0]) - len(row)) for row in comparison_rows(comparison.summaries)
     ]
-    papers = papers_rows("clover", "mean_m")
-    assert [row[: len(papers[0])] for row in found[flown:]] == papers
+    papers = paper_rows("clover", "mean_m")
+    assert [row[: len(papers[0])] for row in shown[flown:]] == papers
 
 
-def test_names_and_causes_are_text(desktop, path):
+def test_names_and_causes_are_escaped(desktop, path):
     assert desktop.page.locator("h1").text_content() == NAME
     assert "boom" in desktop.page.locator("#figures-title + div").text_content()
     assert CAUSE not in path.read_text()
     assert desktop.page.locator("#again-title ~ pre").text_content().split("\n")[:2] == COMMANDS
 
 
-def test_there_is_a_picture_of_each_subject(desktop):
+def test_each_subject_has_a_picture(desktop):
     assert desktop.page.locator("figure h3").all_text_contents() == [
         "Errors",
         "Paths",
@@ -90,23 +90,23 @@ def test_there_is_a_picture_of_each_subject(desktop):
     assert set(NAMES) <= set(paths)
 
 
-def test_ids_are_unique_and_what_refers_to_them_finds_them(desktop, path):
+def test_ids_are_unique_and_references_resolve(desktop, path):
     assert_ids_are_found(desktop.page, path)
 
 
-def test_what_a_variant_changes_is_told_by_key(comparison, desktop):
-    found = dict(
+def test_the_changes_of_a_variant_are_listed_by_key(comparison, desktop):
+    listed = dict(
         (key, (before, after))
         for key, before, after in changes(comparison.scenario, comparison.variants["integral"])
     )
-    assert found == {"model.kind": ("flight", "integral"), "residual.mode": ("online", "off")}
+    assert listed == {"model.kind": ("flight", "integral"), "residual.mode": ("online", "off")}
     assert changes(comparison.scenario, comparison.scenario) == []
     table = desktop.page.locator("#scenario-title + p + div").text_content()
     assert "modified+online" in table and "nothing" in table and "residual.mode" in table
 
 
 @pytest.mark.filterwarnings("error")
-def test_where_nothing_was_flown_there_is_little_to_be_seen(comparison):
+def test_a_comparison_without_flights_has_no_pictures(comparison):
     failed = dict.fromkeys(comparison.variants, failure(MemoryError()))
     page = comparison_page(
         comparison._replace(summaries=failed, logs={}, margins=None), "name: a", COMMANDS
@@ -117,7 +117,7 @@ def test_where_nothing_was_flown_there_is_little_to_be_seen(comparison):
 
 @pytest.mark.parametrize("samples", [2, 12])
 @pytest.mark.filterwarnings("error")
-def test_flights_that_ended_early_have_one(samples, comparison):
+def test_flights_that_ended_early_have_a_page(samples, comparison):
     _, log = next(iter(comparison.logs.items()))
     logs = comparison.logs | {"modified+online": lost_early(log, samples)}
     assert "<figure" in comparison_page(comparison._replace(logs=logs), "", COMMANDS)

@@ -1,14 +1,14 @@
-"""The figures of a comparison, beside the paper's."""
+"""Table of a comparison, with the paper's results."""
 
 import pytest
 
-from aerodrake.comparison.table import comparison_table, papers_rows
+from aerodrake.comparison.table import comparison_table, paper_rows
 from aerodrake.flight.summary import summarize
 
 
 @pytest.fixture
 def summaries(short_flight):
-    """Of an integral model at 30.2 mm, another at 12.2 mm, one lost and one failed."""
+    """Summaries of an integral model at 30.2 mm, another at 12.2 mm, a lost and a failed flight."""
     summary = summarize(*short_flight)
 
     def flown(lap_mean_m, reason="completed", cause=""):
@@ -24,7 +24,7 @@ def summaries(short_flight):
 
 
 def rows(text: str) -> dict[str, list[str]]:
-    """The cells of each row by its first."""
+    """Returns the other cells of each row by its first cell."""
     cells = [
         [c for c in line.replace(": ", ":").split("  ") if c.strip()]
         for line in text.splitlines()
@@ -33,19 +33,19 @@ def rows(text: str) -> dict[str, list[str]]:
     return {row[0].strip(): [cell.strip() for cell in row[1:]] for row in cells if len(row) > 1}
 
 
-def test_rows_beside_the_papers(summaries):
-    """59.6 % lower, as the paper has it of the same two numbers."""
-    found = rows(comparison_table(summaries, "clover"))
-    assert found["integral"][0] == found["paper:integral"][0] == "30.20"
-    assert found["modified"][0] == found["paper:proposed"][0] == "12.20"
-    assert found["modified"][2] == found["paper:proposed"][1] == "-59.6 %"
-    assert found["modified"][-1] == "completed"
+def test_rows_agree_with_the_papers_for_equal_errors(summaries):
+    """The paper states 59.6 % less error for these two numbers."""
+    shown = rows(comparison_table(summaries, "clover"))
+    assert shown["integral"][0] == shown["paper:integral"][0] == "30.20"
+    assert shown["modified"][0] == shown["paper:proposed"][0] == "12.20"
+    assert shown["modified"][2] == shown["paper:proposed"][1] == "-59.6 %"
+    assert shown["modified"][-1] == "completed"
     target = rows(comparison_table(summaries, "moving_target"))
     assert target["paper:proposed"] == ["5.00"]  # It has no lap.
     assert "paper" not in comparison_table(summaries, "hover")
 
 
-def test_what_was_lost_or_failed_is_shown(summaries):
+def test_lost_and_failed_variants_are_shown(summaries):
     text = comparison_table(summaries, "clover")
     assert rows(text)["clik"][-1] == "lost:tilt of 61 deg at 2.00 s"
     assert rows(text)["fixed_weights"] == ["failed:MemoryError"]
@@ -53,13 +53,13 @@ def test_what_was_lost_or_failed_is_shown(summaries):
     assert all(line == line.rstrip() for line in text.splitlines())
 
 
-def test_without_the_integral_model_there_is_nothing_to_hold_against(summaries):
+def test_without_the_integral_model_no_change_is_shown(summaries):
     del summaries["integral"]
     assert rows(comparison_table(summaries, "hover"))["modified"][2] != "-59.6 %"
     summaries["integral"] = summaries["fixed_weights"]
     assert " %" not in comparison_table(summaries, "hover")
 
 
-def test_the_papers_lap_is_not_held_against_other_figures():
-    assert [row[3] for row in papers_rows("clover", "lap_mean_m")] == ["", "-59.6 %"]
-    assert [row[3] for row in papers_rows("clover", "mean_m")] == [""]
+def test_the_papers_change_is_shown_for_the_lap_only():
+    assert [row[3] for row in paper_rows("clover", "lap_mean_m")] == ["", "-59.6 %"]
+    assert [row[3] for row in paper_rows("clover", "mean_m")] == [""]
