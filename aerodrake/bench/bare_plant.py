@@ -8,24 +8,27 @@ from pydrake.systems.primitives import ConstantVectorSource
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.wiring.physics import add_physics
+from aerodrake.wiring.table import Wiring
+
+
+WIRING = Wiring(
+    connections=(
+        ("thrust_command", "y0", "rotors", "u0"),
+        ("joint_torque", "y0", "plant", "actuation"),
+    )
+)
 
 
 def make_bare_plant(scenario: Scenario) -> Diagram:
     """The station's plant, scene graph, propellers and rotors, at the constant input of trim.
 
     Nothing in it is Python, and nothing holds the vehicle: it drifts off slowly, as
-    rounding has it. Outputs: `true_state` (13 + 2 n).
+    rounding has it. Outputs: `thrust` (k) N, `true_state` (13 + 2 n), `query_object`.
     """
     vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()
     physics = add_physics(builder, scenario, vehicle)
-    thrust_command = builder.AddNamedSystem(
-        "thrust_command", ConstantVectorSource(physics.trim_thrust)
-    )
-    joint_torque = builder.AddNamedSystem("joint_torque", ConstantVectorSource(vehicle.trim_torque))
-    builder.Connect(thrust_command.get_output_port(), physics.rotors.get_input_port())
-    builder.Connect(joint_torque.get_output_port(), physics.plant.get_actuation_input_port())
-    builder.ExportOutput(physics.plant.get_state_output_port(), "true_state")
-    diagram = builder.Build()
-    diagram.set_name("bare_plant")
-    return diagram
+    builder.AddNamedSystem("thrust_command", ConstantVectorSource(physics.trim_thrust))
+    builder.AddNamedSystem("joint_torque", ConstantVectorSource(vehicle.trim_torque))
+    wiring = physics.wiring + WIRING
+    return wiring.build(builder, "bare_plant")
