@@ -8,7 +8,7 @@ systems are in `aerodrake.station`, its signals from and to the station in `STAT
 from __future__ import annotations
 
 import numpy as np
-from pydrake.systems.framework import Diagram, LeafSystem
+from pydrake.systems.framework import Diagram
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.clik import InverseKinematics
@@ -21,12 +21,12 @@ from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMotion
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import MPC_FAULTS, Scenario
+from aerodrake.scenario import Scenario
 from aerodrake.support.errors import file_at
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.equivalent_state import EquivalentState
 from aerodrake.systems.faults.learner import make_learner_fault
-from aerodrake.systems.faults.mpc import MpcFaultSystem
+from aerodrake.systems.faults.mpc import make_mpc
 from aerodrake.systems.kinematics import KinematicsSystem
 from aerodrake.systems.mpc import MpcSystem
 from aerodrake.systems.pointing import PointingSystem
@@ -100,7 +100,6 @@ WIRING = Wiring(
 """Connections of the systems that all scenarios have; `controller` is `mpc` or `clik`."""
 
 OPTIONAL_WIRING = {
-    "mpc_fault": Wiring((("mpc_fault", "fault", "controller", "fault"),)),
     "learner_fault": Wiring((("learner_fault", "fault", "residual_estimator", "fault"),)),
     "pointing": Wiring(
         connections=(("pointing", "pointing", "controller", "pointing"),),
@@ -153,7 +152,6 @@ def make_coordinator(
         scenario.controller: make_controller(scenario, model, vehicle),
         "setpoint_integrator": make_setpoint_integrator(scenario, vehicle),
         "supervisor": make_supervisor(scenario, vehicle),
-        "mpc_fault": make_mpc_fault(scenario),
         "learner_fault": make_learner_fault(scenario),
         "pointing": make_pointing(scenario, vehicle),
     }
@@ -171,15 +169,8 @@ def make_controller(
     """Makes the scenario's controller."""
     limits = SetpointLimits.make(scenario.mpc, vehicle)
     if scenario.controller == "mpc":
-        return MpcSystem(MpcFormulation(scenario.mpc, model, limits, vehicle))
+        return make_mpc(scenario, MpcFormulation(scenario.mpc, model, limits, vehicle))
     return ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, limits, vehicle))
-
-
-def make_mpc_fault(scenario: Scenario) -> LeafSystem | None:
-    """Makes the system of the scenario's MPC faults; None if it has none."""
-    if not any(isinstance(fault, MPC_FAULTS) for fault in scenario.faults):
-        return None
-    return MpcFaultSystem(scenario.faults, scenario.settle_s)
 
 
 def make_pointing(scenario: Scenario, vehicle: VehicleModel) -> PointingSystem | None:

@@ -6,7 +6,7 @@ from scipy import sparse
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.horizon import stage_ticks
-from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
 

@@ -10,7 +10,6 @@ from aerodrake.scenario import Scenario
 from aerodrake.wiring.physics import add_physics
 from aerodrake.wiring.table import Wiring
 
-
 WIRING = Wiring(
     connections=(
         ("thrust_command", "y0", "rotors", "u0"),

@@ -15,9 +15,9 @@ from aerodrake.bench.peers import Peer
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
-from aerodrake.model.mpc.inputs import MpcInputs
 from aerodrake.model.mpc.solver import MpcSolver
-from aerodrake.model.qp.condensed_qp import QpResult, QpStatus, is_bound
+from aerodrake.model.mpc.tick import MpcInputs
+from aerodrake.model.qp.condensed_qp import QpResult, QpStatus, is_constrained
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
@@ -155,7 +155,7 @@ class _Own:
 
     def solve(self, program: MpcProgram) -> QpResult:
         result = self._solver.solve(program, self._active)
-        self._active = result.active if is_bound(result.status) else None
+        self._active = result.active if is_constrained(result.status) else None
         return result
 
 

@@ -28,6 +28,7 @@ from aerodrake.scenario import Scenario
 from aerodrake.station import add_closed_loop, make_context
 from aerodrake.support.errors import BadInput
 from aerodrake.support.threads import single_thread
+from aerodrake.support.tick_timer import TickTimer
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Phase
 from aerodrake.wire.remote_coordinator import make_remote_coordinator
@@ -83,7 +84,7 @@ class FlightSimulation:
             builder.ExportOutput(ports[name], name)
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
-        self._tick_ms = _tick_ms(self.closed_loop, "receiver" if link else scenario.controller)
+        self._tick_ms = link.tick_ms if link else _tick_ms(self.closed_loop, scenario.controller)
         self._vehicle = VehicleModel.load(scenario)
         self._kinematics = Kinematics(self._vehicle.robot)
         self.curve = make_reference(scenario.reference, self._vehicle.p_E)
@@ -230,8 +231,8 @@ class FlightSimulation:
 
 
 def _tick_ms(closed_loop: Diagram, controller: str) -> list[float]:
-    """Where the controller keeps its ticks' times; of a person's own that keeps none, empty."""
+    """Returns a list that each tick appends its wall time to, if the controller has that."""
     coordinator = closed_loop.GetSubsystemByName("coordinator")
     if not isinstance(coordinator, Diagram) or not coordinator.HasSubsystemNamed(controller):
         return []
-    return getattr(coordinator.GetSubsystemByName(controller), "tick_ms", [])
+    return TickTimer(coordinator.GetSubsystemByName(controller)).times_ms

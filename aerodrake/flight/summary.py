@@ -12,6 +12,7 @@ import numpy as np
 
 from aerodrake.flight.events import events, safe_modes
 from aerodrake.flight.log import FlightLog
+from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.reference.curves import make_reference
@@ -79,9 +80,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             "median_ms": rounded(np.median(ticks)) if len(ticks) else None,
             "p99_ms": rounded(np.percentile(ticks, 99)) if len(ticks) else None,
             "unconstrained": int((statuses == QpStatus.UNCONSTRAINED).sum()),
-            "solver_fallbacks": int(
-                ((statuses > QpStatus.RELAXED) & (statuses < QpStatus.MISSED)).sum()
-            ),
+            "solver_fallbacks": int(((statuses > QpStatus.RELAXED) & (statuses < MISSED)).sum()),
             "missed": max(0, math.ceil(round(simulated_s / period_s, 6)) - len(ticks)),
             "overruns": int((ticks > 1e3 * period_s).sum()),
         },

@@ -1,29 +1,28 @@
-"""Closed-loop inverse kinematics as a system, in the MPC's place."""
+"""Closed-loop inverse kinematics as a system, in place of the MPC."""
 
 from __future__ import annotations
-
-import time
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
-from aerodrake.model.mpc.clik import InverseKinematics
+from aerodrake.model.mpc.clik import ClikCommand, InverseKinematics
+from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.systems.kinematic_controller import KinematicController
 
 
 class ClikSystem(KinematicController):
-    """Weighted closed-loop inverse kinematics: the method the paper argues against.
+    """Weighted closed-loop inverse kinematics (CLIK), a baseline for the MPC.
 
     Ports:
-        those of every `KinematicController`. `prediction` goes on at the wanted
-        velocity; `status` is UNCONSTRAINED, SOLVED where a bound cut u, or
-        NON_FINITE where an input was not, and 0 iterations. `plan` (2 (3 + n)) is u, held
-        for one tick more.
+        those of `KinematicController`. `prediction` extrapolates at the commanded
+        velocity; `status` is UNCONSTRAINED, SOLVED if u was clipped, or NON_FINITE if it
+        was NaN or infinite, with 0 iterations. `plan` (2 (3 + n)) is u at the last tick and
+        at the next one.
     State, rate:
-        theirs.
+        those of `KinematicController`.
 
-    A tick whose inputs are not finite commands zero acceleration.
+    If u is NaN or infinite, zero acceleration is commanded.
 
     Args:
         inverse: The equations.
@@ -37,16 +36,19 @@ class ClikSystem(KinematicController):
         )
 
     def _calc_plan(self, context: Context, output: BasicVector) -> None:
-        output.set_value(np.tile(context.get_discrete_state(self._x_u).value(), 2))
+        output.set_value(np.tile(self._last.read(context).u, 2))
 
-    def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        tick = self.tick_inputs(context)
-        start = time.perf_counter()
-        command = self._inverse.command(tick)
-        self.tick_ms.append(1e3 * (time.perf_counter() - start))
+    def solve_tick(self, context: Context, tick: MpcInputs) -> ClikCommand:
+        """Computes the command of one tick. A `TickTimer` measures its wall time."""
+        return self._inverse.command(tick)
 
-        u, status = command.u, QpStatus.SOLVED if command.is_bounded else QpStatus.UNCONSTRAINED
+    def _apply(
+        self, context: Context, discrete: DiscreteValues, tick: MpcInputs, solution: ClikCommand
+    ) -> None:
+        u, status = solution.u, QpStatus.UNCONSTRAINED
+        if solution.is_clipped:
+            status = QpStatus.SOLVED
         if not np.isfinite(u).all():
             u, status = np.zeros_like(u), QpStatus.NON_FINITE
-        prediction = self._inverse.predict(tick, command.velocity)
-        self._command(context, discrete, u, prediction, status, 0)
+        prediction = self._inverse.predict(tick, solution.velocity)
+        self._set_outputs(context, discrete, u, prediction, status, 0)

@@ -1,45 +1,62 @@
-"""What the MPC and its alternatives have in common as systems."""
+"""Base class of the MPC and CLIK systems."""
 
 from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.mpc.inputs import MpcInputs
-from aerodrake.model.qp.condensed_qp import QpStatus, is_answer
+from aerodrake.model.mpc.tick import MpcInputs, TickStatus
+from aerodrake.model.mpc.weight_allocation import AllocatedWeights
+from aerodrake.model.qp.condensed_qp import is_solved
 from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.systems.named_state import NamedState
+
+
+class ControllerState(NamedTuple):
+    """Discrete state of a `KinematicController`: its outputs at the last tick.
+
+    Attributes:
+        u: (3 + n,) m/s^2 and rad/s^2.
+        prediction: (N + 1, 3) m.
+        status: (3,), a `TickStatus`.
+        weights: (5,), `AllocatedWeights`.
+        delta: (3,) m/s.
+    """
+
+    u: np.ndarray
+    prediction: np.ndarray
+    status: np.ndarray
+    weights: np.ndarray
+    delta: np.ndarray
 
 
 class KinematicController(LeafSystem):
-    """From measurement, reference and weights to accelerations of the setpoints.
+    """Computes accelerations of the setpoints from measurement, reference and weights.
 
-    A subclass says in `_update` what is commanded, and hands it to `_command`.
+    A subclass implements `solve_tick` and `_apply`.
 
     Ports:
         in `state` (13 + 2 n): measured state.
         in `x_0` (nx): state of the equivalent model.
-        in `end_effector` (abstract): `EndEffector` at that state.
-        in `base_setpoint` (9), `joint_setpoint` (3 n): what is commanded now.
+        in `end_effector` (abstract): `EndEffector` at the measured state.
+        in `base_setpoint` (9), `joint_setpoint` (3 n): current setpoints.
         in `horizon` (6 (N + 1)): p_Ed, p_Ed' now and at each stage.
-        in `weights` (5): gamma, mode, w_q, w_m, w_d.
+        in `weights` (5): `AllocatedWeights`.
         in `delta` (3): m/s, residual velocity.
         out `u` (3 + n): m/s^2 and rad/s^2, accelerations of the setpoints.
-        out `prediction` (3 (N + 1)): m, p_E now and as predicted at each stage.
-        out `status` (3): a `QpStatus`, the solver's iterations, and how many ticks ago the
-            last answer was.
-        out `weights` (5), `delta` (3): those that the last tick was given.
-        out `plan` (P (3 + n)): u at the last tick, and as it is to be at those after it, as far
-            as that is known. A subclass declares it.
+        out `prediction` (3 (N + 1)): m, p_E now and predicted at each stage.
+        out `status` (3): `TickStatus`.
+        out `weights` (5), `delta` (3): inputs of the last tick.
+        out `plan` (P (3 + n)): u at the last tick and at the next ticks, as far as it is
+            planned. A subclass declares it.
     State:
         `u`, `prediction`, `status`, `weights` and `delta`, of the last tick.
     Rate:
-        the equivalent model's period.
-
-    Attributes:
-        tick_ms: Wall time of the computation at each tick so far. An instrument
-            beside the Context: it never feeds back.
+        period of the equivalent model.
 
     Args:
         model: The equivalent model.
@@ -48,7 +65,6 @@ class KinematicController(LeafSystem):
 
     def __init__(self, model: EquivalentModel, horizon: int):
         super().__init__()
-        self.tick_ms: list[float] = []
         N, n = horizon, model.joints
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
         self._x_0 = self.DeclareVectorInputPort("x_0", len(model.A))
@@ -60,24 +76,26 @@ class KinematicController(LeafSystem):
         self._horizon = self.DeclareVectorInputPort("horizon", 6 * (N + 1))
         self._weights = self.DeclareVectorInputPort("weights", 5)
         self._delta = self.DeclareVectorInputPort("delta", 3)
-        self._x_u = self.DeclareDiscreteState(np.zeros(3 + n))
-        self._x_prediction = self.DeclareDiscreteState(np.zeros(3 * (N + 1)))
-        self._x_status = self.DeclareDiscreteState(np.zeros(3))
-        self.DeclareStateOutputPort("u", self._x_u)
-        self.DeclareStateOutputPort("prediction", self._x_prediction)
-        self.DeclareStateOutputPort("status", self._x_status)
-        self._x_weights = self.DeclareDiscreteState(np.zeros(5))
-        self._x_delta = self.DeclareDiscreteState(np.zeros(3))
-        self.DeclareStateOutputPort("weights", self._x_weights)
-        self.DeclareStateOutputPort("delta", self._x_delta)
+        self._last = NamedState(
+            self,
+            ControllerState(
+                u=np.zeros(3 + n),
+                prediction=np.zeros((N + 1, 3)),
+                status=np.zeros(3),
+                weights=np.zeros(5),
+                delta=np.zeros(3),
+            ),
+        )
+        for name, group in self._last.groups.items():
+            self.DeclareStateOutputPort(name, group)
         self.DeclarePeriodicDiscreteUpdateEvent(model.dt, 0.0, self._update)
 
     def tick_inputs(self, context: Context) -> MpcInputs:
-        """What the tick at this Context is about."""
+        """Returns the inputs of the tick at this Context."""
         state = split_state(self._state.Eval(context))
         _, _, a_d = self._base_setpoint.Eval(context).reshape(3, -1)
         _, _, qddot_d = self._joint_setpoint.Eval(context).reshape(3, -1)
-        _, _, w_q, w_m, w_d = self._weights.Eval(context)
+        weights = AllocatedWeights(*self._weights.Eval(context))
         return MpcInputs(
             x_0=self._x_0.Eval(context),
             u_last=np.concatenate([a_d, qddot_d]),
@@ -85,31 +103,42 @@ class KinematicController(LeafSystem):
             rpy_rates=state.rpy_rates,
             reference=self._horizon.Eval(context).reshape(-1, 6),
             delta=self._delta.Eval(context),
-            w_q=w_q,
-            w_m=w_m,
-            w_d=w_d,
+            w_q=weights.w_q,
+            w_m=weights.w_m,
+            w_d=weights.w_d,
         )
 
-    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+    def solve_tick(self, context: Context, tick: MpcInputs) -> Any:
+        """Forms and solves the problem of one tick. A `TickTimer` measures its wall time."""
         raise NotImplementedError
 
-    def _command(
+    def _apply(
+        self, context: Context, discrete: DiscreteValues, tick: MpcInputs, solution: Any
+    ) -> None:
+        """Updates the state with a solution of `solve_tick`."""
+        raise NotImplementedError
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        tick = self.tick_inputs(context)
+        self._apply(context, discrete, tick, self.solve_tick(context, tick))
+
+    def _set_outputs(
         self,
         context: Context,
         discrete: DiscreteValues,
         u: np.ndarray,
         prediction: np.ndarray,
-        status: QpStatus,
+        status: int,
         iterations: int,
     ) -> None:
-        """Sets what the outputs show until the next tick."""
-        age = context.get_discrete_state(self._x_status).value()[2]
-        age = 0 if is_answer(status) else age + 1
-        # What a tick without inputs believes is nothing that others are to see.
-        if not np.isfinite(prediction).all():
-            prediction = context.get_discrete_state(self._x_prediction).value()
-        discrete.set_value(self._x_u, u)
-        discrete.set_value(self._x_prediction, prediction.ravel())
-        discrete.set_value(self._x_status, (status, iterations, age))
-        discrete.set_value(self._x_weights, self._weights.Eval(context))
-        discrete.set_value(self._x_delta, self._delta.Eval(context))
+        """Sets the outputs until the next tick; a prediction that is not finite is discarded."""
+        last = self._last.read(context)
+        age = 0 if is_solved(status) else TickStatus(*last.status).ticks_since_solved + 1
+        state = ControllerState(
+            u=u,
+            prediction=prediction if np.isfinite(prediction).all() else last.prediction,
+            status=np.array(TickStatus(status, iterations, age)),
+            weights=self._weights.Eval(context),
+            delta=self._delta.Eval(context),
+        )
+        self._last.write(discrete, state)

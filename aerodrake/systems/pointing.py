@@ -6,7 +6,7 @@ import numpy as np
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from aerodrake.model.mpc.inputs import Pointing
+from aerodrake.model.mpc.tick import Pointing
 from aerodrake.model.reference.direction import Direction, check_start
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import VehicleState, split_state

@@ -18,6 +18,7 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
 from aerodrake.support.threads import single_thread
+from aerodrake.support.tick_timer import TickTimer
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Message, Phase
 from aerodrake.wire.remote_coordinator import make_layouts
@@ -89,7 +90,8 @@ class Companion:
         self._controller = self._coordinator.GetSubsystemByName(scenario.controller)
         self._context = make_context(self._coordinator, scenario.seed)
         self._simulator = Simulator(self._coordinator, self._context)
-        self.service = Service(self._controller.tick_ms)
+        self._timer = TickTimer(self._controller)
+        self.service = Service(self._timer.times_ms)
         self._timed = 0  # Ticks whose time has been told.
         self._time = -math.inf  # s, of the sample that was taken in last.
         # What is compiled is loaded now, lest the first ticks wait for it.
@@ -175,7 +177,7 @@ class Companion:
         is_first = self.link.phase is Phase.WAITING
         if is_first:
             self.link.phase = Phase.FLYING
-            self._controller.tick_ms.clear()
+            self._timer.times_ms.clear()
         missed = 0 if is_first else self._ticks_between(self._time, message.time)
         self.service.missed += missed
         if missed or is_first and message.time > 0:
@@ -190,7 +192,7 @@ class Companion:
 
     def _tell(self, tick: float) -> None:
         """Sends what the coordinator has to say after a tick."""
-        told, took_ms = self.link.tells.sizes, self._controller.tick_ms
+        told, took_ms = self.link.tells.sizes, self._timer.times_ms
         parts = {
             name: self._coordinator.GetOutputPort(name).Eval(self._context)[:size]
             for name, size in told.items()

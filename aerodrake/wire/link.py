@@ -46,6 +46,8 @@ class Link:
             are heard, the first that is there; None until then.
         tells, hears: Layouts of its own messages, and of the other end's.
         refused: How many messages came that were not heard.
+        tick_ms: At the station's end, wall time of the coordinator's computation at each tick
+            whose answer was accepted, if the coordinator reported one.
 
     Args:
         lcm: What it goes over; one of its own.
@@ -68,6 +70,7 @@ class Link:
         self._said: set[str] = set()
         self.phase = Phase.WAITING
         self.refused = 0
+        self.tick_ms: list[float] = []
         self._is_station = is_station
         # Of a generator of its own: it is in no result.
         self.station = secrets.randbelow(NUMBERS) if is_station else None

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.mpc.weight_allocation import Mode
-from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.reference.envelope import ReferenceVerdict
 from aerodrake.model.residual.judge import Cause
 from aerodrake.model.sensing.sample_check import ABSURD
@@ -15,7 +15,7 @@ from aerodrake.wire.message import Message, Phase
 
 NUMBERED: dict[tuple[str, int], range] = {
     ("weights", 1): range(len(Mode)),
-    ("status", 0): range(len(QpStatus)),
+    ("status", 0): range(MISSED + 1),
     ("reference_verdict", 0): range(len(ReferenceVerdict)),
     ("learner_health", 0): range(len(Cause)),
 }
@@ -43,10 +43,6 @@ class WireReceiver(LeafSystem):
     Rate:
         `period`, that of the coordinator's ticks; and `poll_period`, after `poll_offset`.
 
-    Attributes:
-        tick_ms: Wall time of the coordinator's computation at each tick that it answered, if it
-            had one. An instrument beside the Context: it never feeds back.
-
     Args:
         link: This end of the wire. The parts it hears include `segment` (3 (3 + n) + 1) and
             `plan` (P (3 + n)).
@@ -56,7 +52,6 @@ class WireReceiver(LeafSystem):
 
     def __init__(self, link: Link, period: float, poll_period: float, poll_offset: float):
         super().__init__()
-        self.tick_ms: list[float] = []
         self._link, self._period = link, period
         sizes = link.hears.sizes
         self._axes = sizes["segment"] // 3
@@ -82,7 +77,7 @@ class WireReceiver(LeafSystem):
     def _calc_status(self, context: Context, output: BasicVector) -> None:
         status = self._value(context, self._x["status"])
         if not self._value(context, self._x_answered)[0]:
-            status = [QpStatus.MISSED, 0.0, status[2] + self._value(context, self._x_row)[0]]
+            status = [MISSED, 0.0, status[2] + self._value(context, self._x_row)[0]]
         output.set_value(status)
 
     def _tick(self, context: Context, discrete: DiscreteValues) -> None:
@@ -99,7 +94,7 @@ class WireReceiver(LeafSystem):
                 discrete.set_value(self._x_row, [0.0])
                 discrete.set_value(self._x_answered, [1.0])
                 if np.isfinite(message.parts["tick_ms"][0]):
-                    self.tick_ms.append(message.parts["tick_ms"][0])
+                    self._link.tick_ms.append(message.parts["tick_ms"][0])
 
     def _answers(self, message: Message, tick: float) -> bool:
         """Whether it is an answer to the tick of that time, and one to be followed."""

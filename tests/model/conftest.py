@@ -8,7 +8,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.scenario import Clover, Mpc, Scenario
 from aerodrake.station import make_closed_loop, make_context
 

@@ -1,4 +1,4 @@
-"""Inverse kinematics as a system: in the MPC's place, and flown."""
+"""ClikSystem: ports and status; flown in place of the MPC."""
 
 from dataclasses import replace
 
@@ -34,7 +34,7 @@ def clik(parts) -> ClikSystem:
 
 @pytest.fixture
 def values(vehicle, parts):
-    """At rest in trim, 5 cm from its target."""
+    """Values of the input ports: at rest in trim, 5 cm from the target."""
     state, n = vehicle.trim_state, vehicle.joints
     end_effector = Kinematics(vehicle.robot).end_effector(split_state(state))
     target = np.concatenate([end_effector.p_E + [0.05, 0, 0], np.zeros(3)])
@@ -67,8 +67,8 @@ def test_has_the_ports_and_the_rate_of_the_mpc(clik, parts):
         outputs = map(system.get_output_port, range(system.num_output_ports()))
         return [(port.get_name(), port.size()) for side in (inputs, outputs) for port in side]
 
-    # All but where the tool is to point, and what a solver can suffer from; and it plans less.
-    own = ("pointing", "fault", "plan")
+    # CLIK has no orientation task and a shorter plan.
+    own = ("pointing", "plan")
     shared = [port for port in ports(mpc) if port[0] not in own]
     m = 3 + clik.GetInputPort("joint_setpoint").size() // 3
     assert ports(clik) == [*shared, ("plan", 2 * m)]
@@ -77,7 +77,7 @@ def test_has_the_ports_and_the_rate_of_the_mpc(clik, parts):
     assert (timing.period_sec(), timing.offset_sec()) == (0.02, 0)
 
 
-def test_a_tick_is_that_of_the_equations(clik, parts, values):
+def test_a_tick_is_the_command_of_the_equations(clik, parts, values):
     context = clik.CreateDefaultContext()
     u, prediction, status = tick(clik, context, values)
     inverse = InverseKinematics(Clik(), CONFIG, *parts)
@@ -87,18 +87,17 @@ def test_a_tick_is_that_of_the_equations(clik, parts, values):
         prediction, inverse.predict(clik.tick_inputs(context), command.velocity).ravel()
     )
     np.testing.assert_array_equal(clik.GetOutputPort("plan").Eval(context), [*u, *u])
-    assert tuple(status) == (QpStatus.UNCONSTRAINED, 0, 0) and not command.is_bounded
-    assert len(clik.tick_ms) == 1 and clik.tick_ms[0] > 0
+    assert tuple(status) == (QpStatus.UNCONSTRAINED, 0, 0) and not command.is_clipped
 
 
-def test_a_bound_shows_in_the_status(clik, values):
+def test_a_clipped_command_has_status_solved(clik, values):
     values["horizon"] = values["horizon"] + 1.0
     _, _, status = tick(clik, clik.CreateDefaultContext(), values)
     assert status[0] == QpStatus.SOLVED
 
 
 @pytest.mark.parametrize("port", ["state", "x_0", "horizon", "weights"])
-def test_what_is_not_finite_commands_nothing_and_stays_nowhere(clik, values, port):
+def test_nan_inputs_command_zero_acceleration_once(clik, values, port):
     context = clik.CreateDefaultContext()
     broken = values | {port: np.full(len(values[port]), np.nan)}
     u, _, status = tick(clik, context, broken)
@@ -109,8 +108,8 @@ def test_what_is_not_finite_commands_nothing_and_stays_nowhere(clik, values, por
         np.testing.assert_array_equal(ours, expected)
 
 
-def test_flies_in_the_mpcs_place(scenario):
-    """To a centimetre, within all bounds."""
+def test_flies_in_place_of_the_mpc(scenario):
+    """Tracks to 1 cm within all bounds."""
     path = Lissajous(amplitude_m=(0.2, 0.15, 0.1), period_s=(10.0, 8.0, 12.0), start_s=1.0)
     mpc = replace(scenario.mpc, k_e=CONFIG.k_e)
     flown = replace(

@@ -1,4 +1,4 @@
-"""The MPC as a system: ports, fallback and status; its prediction against the flown loop."""
+"""MpcSystem: ports, fallback and status; its prediction against the flown loop."""
 
 from dataclasses import replace
 
@@ -8,14 +8,14 @@ from pydrake.common.value import Value
 
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.mpc.fault import MpcFault
 from aerodrake.model.mpc.formulation import MpcFormulation
-from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Flight, Lissajous, Model, Mpc
+from aerodrake.support.tick_timer import TickTimer
 from aerodrake.systems.mpc import MpcSystem
 
 N, DT = 6, 0.02
@@ -29,7 +29,7 @@ CONFIG = Mpc(
     w_3_joints=(10.0,),
     w_4=(300.0, 200.0, 100.0),
     error="predicted",
-    tilt="held",  # With it, every input matters.
+    tilt="held",  # The prediction then depends on every input port.
 )
 WEIGHTS = [0.7, 1.0, 500.0, 20.0, 7.0]
 
@@ -51,8 +51,8 @@ def mpc(formulation) -> MpcSystem:
     return MpcSystem(formulation)
 
 
-def first_state(state, base, arm) -> np.ndarray:
-    """(nx,), each quantity taken from its port's layout."""
+def initial_state(state, base, arm) -> np.ndarray:
+    """Returns x_0 (nx,), taken apart by the layouts of the ports."""
     n = len(arm) // 3
     x_0 = np.empty(12 + 2 * n)
     for i in range(3):
@@ -63,7 +63,7 @@ def first_state(state, base, arm) -> np.ndarray:
 
 @pytest.fixture
 def values(vehicle, kinematics):
-    """Of the input ports: near trim, and no two numbers alike."""
+    """Values of the input ports: near trim, and no two numbers equal."""
     rng = np.random.default_rng(0)
     state = vehicle.trim_state + 1e-2 * rng.normal(size=len(vehicle.trim_state))
     end_effector = kinematics.end_effector(split_state(state))
@@ -75,7 +75,7 @@ def values(vehicle, kinematics):
     return {
         "state": state,
         "end_effector": Value(end_effector),
-        "x_0": first_state(state, base, arm),
+        "x_0": initial_state(state, base, arm),
         "base_setpoint": base,
         "joint_setpoint": arm,
         "horizon": horizon.ravel(),
@@ -85,7 +85,7 @@ def values(vehicle, kinematics):
 
 
 def tick(mpc, context, values) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(u, prediction (N + 1, 3), status) after an update."""
+    """Returns u, the prediction (N + 1, 3) and the status after an update."""
     for port, value in values.items():
         mpc.GetInputPort(port).FixValue(context, value)
     context.SetDiscreteState(mpc.EvalUniquePeriodicDiscreteUpdate(context))
@@ -96,15 +96,15 @@ def tick(mpc, context, values) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def plan(mpc, formulation, context) -> np.ndarray:
-    """(T, 3 + n) accelerations at each tick of the horizon."""
+    """Returns the planned accelerations (T, 3 + n) at each tick of the horizon."""
     m = 3 + formulation.model.joints
     plan = mpc.GetOutputPort("plan").Eval(context).reshape(-1, m)
     assert len(plan) == sum(formulation.stage_ticks)
     return plan
 
 
-def by_hand(formulation, values) -> np.ndarray:
-    """(N, 3 + n), the unconstrained optimum, each quantity taken from its port's layout."""
+def unconstrained(formulation, values) -> np.ndarray:
+    """Returns the unconstrained optimum (N, 3 + n) for values taken from the ports."""
     rates = split_state(values["state"]).rpy_rates
     program = formulation.form(
         MpcInputs(
@@ -120,23 +120,23 @@ def by_hand(formulation, values) -> np.ndarray:
         )
     )
     z = np.linalg.solve(program.H, -program.g)
-    assert np.abs(z).max() < 1  # Or it would be no optimum.
+    assert np.abs(z).max() < 1  # Otherwise bounds would be active.
     return formulation.inputs(z)
 
 
-def test_first_tick_by_hand(mpc, formulation, values):
+def test_first_tick_is_the_unconstrained_optimum(mpc, formulation, values):
     context = mpc.CreateDefaultContext()
     u, _, status = tick(mpc, context, values)
-    expected = np.repeat(by_hand(formulation, values), formulation.stage_ticks, axis=0)
+    expected = np.repeat(unconstrained(formulation, values), formulation.stage_ticks, axis=0)
     np.testing.assert_allclose(plan(mpc, formulation, context), expected, rtol=1e-8, atol=1e-9)
     np.testing.assert_array_equal(u, plan(mpc, formulation, context)[0])
     assert tuple(status) == (QpStatus.UNCONSTRAINED, 0, 0)
 
 
-def test_prediction_is_the_models_from_where_the_end_effector_is(mpc, formulation, values):
+def test_prediction_is_that_of_the_model_from_the_measured_end_effector(mpc, formulation, values):
     context = mpc.CreateDefaultContext()
     _, prediction, _ = tick(mpc, context, values)
-    x_0, expected_plan = values["x_0"], by_hand(formulation, values)
+    x_0, expected_plan = values["x_0"], unconstrained(formulation, values)
     end_effector, model = values["end_effector"].get_value(), formulation.model
     x, places = x_0, [0, 4, 8, *range(12, len(x_0), 2)]
     np.testing.assert_allclose(prediction[0], end_effector.p_E, atol=1e-14)
@@ -147,14 +147,14 @@ def test_prediction_is_the_models_from_where_the_end_effector_is(mpc, formulatio
         np.testing.assert_allclose(prediction[k + 1], end_effector.p_E + moved, atol=1e-10)
 
 
-def test_nothing_feeds_through(mpc):
+def test_has_no_direct_feedthrough(mpc):
     assert not mpc.HasAnyDirectFeedthrough()
     timing = mpc.GetUniquePeriodicDiscreteUpdateAttribute()
     assert (timing.period_sec(), timing.offset_sec()) == (DT, 0)
 
 
 @pytest.mark.parametrize("port", ["state", "x_0", "base_setpoint", "horizon", "weights", "delta"])
-def test_a_program_that_fails_leaves_the_shifted_plan(mpc, formulation, values, port):
+def test_unsolved_programs_follow_the_shifted_plan(mpc, formulation, values, port):
     context = mpc.CreateDefaultContext()
     tick(mpc, context, values)
     first = plan(mpc, formulation, context).copy()
@@ -166,7 +166,7 @@ def test_a_program_that_fails_leaves_the_shifted_plan(mpc, formulation, values, 
         np.testing.assert_array_equal(u, first[k] if k < T else np.zeros_like(u))
         assert tuple(status) == (QpStatus.NON_FINITE, 0, k)
 
-    # Nothing of it stays once the inputs are back.
+    # The next valid inputs are solved as if nothing had happened.
     u, prediction, status = tick(mpc, context, values)
     fresh, fresh_prediction, _ = tick(mpc, mpc.CreateDefaultContext(), values)
     assert tuple(status) == (QpStatus.UNCONSTRAINED, 0, 0)
@@ -174,27 +174,7 @@ def test_a_program_that_fails_leaves_the_shifted_plan(mpc, formulation, values, 
     np.testing.assert_array_equal(prediction, fresh_prediction)
 
 
-@pytest.mark.parametrize("fault", list(MpcFault))
-def test_a_tick_with_a_fault_leaves_the_shifted_plan_and_says_why(mpc, formulation, values, fault):
-    context = mpc.CreateDefaultContext()
-    tick(mpc, context, values)
-    first = plan(mpc, formulation, context).copy()
-    ticks = len(mpc.tick_ms)
-    u, _, status = tick(mpc, context, values | {"fault": np.array([fault, 1.0])})
-    expected = {
-        MpcFault.NONE: QpStatus.UNCONSTRAINED,
-        MpcFault.STARVED: QpStatus.ITERATION_LIMIT,
-        MpcFault.INFEASIBLE: QpStatus.INFEASIBLE,
-        MpcFault.NON_FINITE: QpStatus.NON_FINITE,
-        MpcFault.MISSED: QpStatus.MISSED,
-    }[fault]
-    assert status[0] == expected and status[2] == (fault != MpcFault.NONE)
-    if fault != MpcFault.NONE:
-        np.testing.assert_array_equal(u, first[1])
-    assert len(mpc.tick_ms) - ticks == (fault != MpcFault.MISSED)
-
-
-def test_what_a_shifted_plan_is_believed_to_do(mpc, formulation, values):
+def test_prediction_of_a_shifted_plan(mpc, formulation, values):
     """A stage of several ticks is predicted with the plan's input at its start."""
     context = mpc.CreateDefaultContext()
     tick(mpc, context, values)
@@ -211,7 +191,7 @@ def test_what_a_shifted_plan_is_believed_to_do(mpc, formulation, values):
         np.testing.assert_allclose(prediction[k + 1], at.p_E + moved, atol=1e-10)
 
 
-def test_a_target_that_runs_away_is_solved_within_bounds(mpc, formulation, values, vehicle):
+def test_a_target_out_of_reach_is_solved_within_bounds(mpc, formulation, values, vehicle):
     context = mpc.CreateDefaultContext()
     values["horizon"] = values["horizon"] + np.tile([5.0, -5.0, 5.0, 5.0, -5.0, 5.0], N + 1)
     u, prediction, status = tick(mpc, context, values)
@@ -222,17 +202,17 @@ def test_a_target_that_runs_away_is_solved_within_bounds(mpc, formulation, value
     assert (prediction[-1] - prediction[0]) @ [1, -1, 1] > 0
 
 
-def test_wall_times_are_kept_and_do_not_feed_back(mpc, values):
-    tick(mpc, mpc.CreateDefaultContext(), values)
+def test_a_timer_does_not_feed_back(mpc, values):
     u, _, _ = tick(mpc, mpc.CreateDefaultContext(), values)
-    assert len(mpc.tick_ms) == 2 and min(mpc.tick_ms) > 0
-    mpc.tick_ms.clear()
-    again, _, _ = tick(mpc, mpc.CreateDefaultContext(), values)
-    np.testing.assert_array_equal(u, again)
+    timer = TickTimer(mpc)
+    for count in (1, 2):
+        again, _, _ = tick(mpc, mpc.CreateDefaultContext(), values)
+        np.testing.assert_array_equal(u, again)
+        assert len(timer.times_ms) == count and min(timer.times_ms) > 0
 
 
-def test_the_flown_loop_arrives_where_stage_1_predicts(scenario):
-    """20 ms later, to a tenth of the way; gains and weights of a calm flight."""
+def test_stage_1_predicts_the_flown_loop(scenario):
+    """To 10 % of the motion in 20 ms, with the gains and weights of a calm flight."""
     calm = replace(
         scenario,
         settle_s=0.1,
@@ -265,7 +245,7 @@ def test_the_flown_loop_arrives_where_stage_1_predicts(scenario):
     now, later = log["p_E_m"][i], log["p_E_m"][i + 2]
     stages = log["predicted_p_E_m"][i + 1].reshape(len(i), -1, 3)
     np.testing.assert_allclose(stages[:, 0], now, atol=1e-12)
-    way = np.linalg.norm(later - now, axis=1)
-    miss = np.linalg.norm(stages[:, 1] - later, axis=1)
-    assert way.min() > 1e-3
-    assert np.all(miss < 0.1 * way)
+    distance = np.linalg.norm(later - now, axis=1)
+    error = np.linalg.norm(stages[:, 1] - later, axis=1)
+    assert distance.min() > 1e-3
+    assert np.all(error < 0.1 * distance)

@@ -5,7 +5,7 @@ import pytest
 from pydrake.lcm import DrakeLcm
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.mpc.tick import MISSED
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Layout, Phase
 from aerodrake.wire.receiver import WireReceiver
@@ -24,6 +24,7 @@ class Bench:
         self.told_by.phase = Phase.FLYING
         link = Link(lcm, *layouts, is_station=True)
         self.told_by.station = link.station
+        self.link = link
         self.receiver = WireReceiver(link, PERIOD, POLL, 3 * POLL / 8)
         self.simulator = Simulator(self.receiver)
 
@@ -52,7 +53,7 @@ def bench():
 
 def test_before_anything_is_told(bench):
     assert bench.at(0.005) == [0, 0]
-    assert bench.at(0.045, "status") == [QpStatus.MISSED, 0, 3]
+    assert bench.at(0.045, "status") == [MISSED, 0, 3]
 
 
 def test_the_plan_is_followed_until_the_next_answer(bench):
@@ -63,7 +64,7 @@ def test_the_plan_is_followed_until_the_next_answer(bench):
     bench.tell(0.02, 2.0)
     assert bench.at(0.0225) == [2, 2]
     assert bench.at(0.0225, "delta") == [2, -2]
-    assert bench.receiver.tick_ms == pytest.approx([0.1, 0.2])
+    assert bench.link.tick_ms == pytest.approx([0.1, 0.2])
 
 
 def test_the_plan_ends_in_rest(bench):
@@ -74,24 +75,24 @@ def test_the_plan_ends_in_rest(bench):
 def test_ticks_without_an_answer_are_missed_ones(bench):
     bench.tell(0.0, 1.0)
     assert bench.at(0.01, "status") == [1, 7, 2]
-    assert bench.at(0.03, "status") == [QpStatus.MISSED, 0, 3]
-    assert bench.at(0.05, "status") == [QpStatus.MISSED, 0, 4]
+    assert bench.at(0.03, "status") == [MISSED, 0, 3]
+    assert bench.at(0.05, "status") == [MISSED, 0, 4]
     bench.tell(0.04, 1.0)
     assert bench.at(0.055, "status") == [1, 7, 2]
-    assert len(bench.receiver.tick_ms) == 2
+    assert len(bench.link.tick_ms) == 2
 
 
 @pytest.mark.parametrize("time", [0.0, 0.02, 0.06, -0.04, 1e6])
 def test_answers_to_other_ticks_are_not_followed(bench, time):
     bench.at(0.045)
     bench.tell(time, 5.0)
-    assert bench.at(0.055) == [0, 0] and not bench.receiver.tick_ms
+    assert bench.at(0.055) == [0, 0] and not bench.link.tick_ms
 
 
 def test_the_first_answer_counts(bench):
     bench.tell(0.0, 1.0)
     bench.tell(0.0, 2.0)
-    assert bench.at(0.01) == [1, 1] and len(bench.receiver.tick_ms) == 1
+    assert bench.at(0.01) == [1, 1] and len(bench.link.tick_ms) == 1
 
 
 @pytest.mark.parametrize("part", ["segment", "plan"])
@@ -110,7 +111,7 @@ def test_what_is_logged_may_be_none(bench):
 
 def test_a_tick_that_the_coordinator_missed_itself_has_no_time(bench):
     bench.tell(0.0, 1.0, tick_ms=np.array([np.nan]))
-    assert bench.at(0.01) == [1, 1] and bench.receiver.tick_ms == []
+    assert bench.at(0.01) == [1, 1] and bench.link.tick_ms == []
 
 
 @pytest.mark.parametrize("phase", [Phase.WAITING, Phase.OVER])

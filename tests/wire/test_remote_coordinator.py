@@ -9,7 +9,7 @@ from pydrake.lcm import DrakeLcm
 from aerodrake.coordinator import make_coordinator
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.scenario.load import load_scenario
 from aerodrake.support.errors import BadInput
@@ -95,7 +95,7 @@ def test_a_lost_message_hardly_matters(clover, here):
     assert over.exit_reason == "completed"
     assert lcm.companion.service.missed == pytest.approx(125 / 7, abs=2)
     assert figures["missed"] > 25 and figures["missed"] + figures["ticks"] == 125
-    assert over["qp_status"].tolist().count(QpStatus.MISSED) > 20
+    assert over["qp_status"].tolist().count(MISSED) > 20
     assert over.error_m.max() < 0.002
     # Setpoints go on from where they are.
     jumps = np.diff(over["p_Bd_m"], axis=0) - over["v_Bd_m_s"][:-1] * 0.01

@@ -8,7 +8,7 @@ import numpy as np
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.horizon import stage_times
-from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.mpc.tracking import limited_gain
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.vehicle import VehicleModel
@@ -22,12 +22,12 @@ class ClikCommand:
     Attributes:
         velocity: (3 + n,) m/s and rad/s, wanted of [p_B, q].
         u: (3 + n,) m/s^2 and rad/s^2, within the bounds.
-        is_bounded: Whether a bound changed u.
+        is_clipped: Whether a bound changed u.
     """
 
     velocity: np.ndarray
     u: np.ndarray
-    is_bounded: bool
+    is_clipped: bool
 
 
 class InverseKinematics:

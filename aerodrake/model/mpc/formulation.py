@@ -11,10 +11,10 @@ import numpy as np
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.condensing import Condensing, driven, gradient, hessian
 from aerodrake.model.mpc.horizon import stage_ticks
-from aerodrake.model.mpc.inputs import MpcInputs
 from aerodrake.model.mpc.posture import posture_cost
 from aerodrake.model.mpc.prediction import Prediction
 from aerodrake.model.mpc.stage_outputs import StageOutputs
+from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.mpc.tracking import add_tracking, carried_along, limited_gain
 from aerodrake.model.setpoint.braking import braking
 from aerodrake.model.setpoint.integration import SetpointLimits

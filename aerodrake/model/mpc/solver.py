@@ -1,4 +1,4 @@
-"""The MPC's programs, solved."""
+"""Solver of the MPC's programs."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import numpy as np
 
 from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
 from aerodrake.model.mpc.redundancy import Redundancy
-from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult, QpStatus, is_answer
+from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult, QpStatus, is_solved
 
 
 class MpcSolver:
-    """Solves the programs of one formulation, the easy ones without forming their H.
+    """Solves the programs of one formulation.
 
-    Where no z keeps all bounds, they are relaxed as far as physics asks for. Bounds that
-    contradict each other are not: there something is wrong.
+    Forms H only if constraints are active. Infeasible bounds are relaxed as far as full
+    braking requires, but not if lower bounds exceed upper ones, which is an error.
 
     Args:
-        formulation: Whose programs they are.
+        formulation: Forms the programs.
     """
 
     def __init__(self, formulation: MpcFormulation):
@@ -24,26 +24,24 @@ class MpcSolver:
         self._qp = CondensedQp(formulation.A, formulation.config.max_iterations)
         self._redundancy = Redundancy(formulation.condensing, formulation.W_2)
 
-    def solve(
-        self, program: MpcProgram, active: np.ndarray | None = None, budget: int | None = None
-    ) -> QpResult:
+    def solve(self, program: MpcProgram, active: np.ndarray | None = None) -> QpResult:
         """Solves one program.
 
         Args:
-            program: Of the formulation.
-            active: (nz + rows,), the bounds that held the program of the tick before, as
-                `QpResult` has them; None where none did.
-            budget: If given, there is time for so many iterations of OSQP, and nothing else.
+            program: As formed by the formulation.
+            active: (nz + rows,), active set of the last program, as in `QpResult`; None if it
+                had none.
         """
         g, lower, upper = program.g, program.lower, program.upper
-        # Where bounds held the last program, some most likely hold this one.
-        if active is None and budget is None:
+        if active is None:  # Otherwise some constraints are most likely active again.
             z = self._redundancy.minimiser(program.C, g, program.task_jacobian)
-            if z is not None and (result := self._qp.accepted(z, lower, upper)) is not None:
-                return result
-        result = self._qp.solve(program.H, g, lower, upper, active, budget)
-        if is_answer(result.status) or budget is not None or not (lower <= upper).all():
+            if z is not None:
+                result = self._qp.accept_unconstrained(z, lower, upper)
+                if result is not None:
+                    return result
+        result = self._qp.solve(program.H, g, lower, upper, active)
+        if is_solved(result.status) or not (lower <= upper).all():
             return result
         relaxed = self._formulation.relaxed(program)
         again = self._qp.solve(program.H, g, relaxed.lower, relaxed.upper)
-        return again._replace(status=QpStatus.RELAXED) if is_answer(again.status) else result
+        return again._replace(status=QpStatus.RELAXED) if is_solved(again.status) else result

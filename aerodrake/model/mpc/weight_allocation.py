@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 from aerodrake.scenario import Allocation
 
@@ -29,20 +29,19 @@ class Mode(IntEnum):
         return self.name.lower()
 
 
-@dataclass(frozen=True)
-class AllocatedWeights:
-    """What the allocator says.
+class AllocatedWeights(NamedTuple):
+    """Output of the weight allocator.
 
     Attributes:
-        gamma: In [-1, 1], metric of the motion that is wanted of the arm.
-        mode: The motion mode.
+        gamma: In [-1, 1], metric of the desired arm motion.
+        mode: The motion mode, a value of `Mode`.
         w_q: Factor on the base's part of W_2,0.
         w_m: Factor on the joints' part of W_2,0.
         w_d: Factor on W_4,0.
     """
 
     gamma: float
-    mode: Mode
+    mode: float
     w_q: float
     w_m: float
     w_d: float

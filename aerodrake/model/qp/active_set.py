@@ -1,4 +1,4 @@
-"""Exact solution of a quadratic program by exchanging active bounds."""
+"""Dual active-set method for strictly convex quadratic programs."""
 
 from __future__ import annotations
 
@@ -10,70 +10,125 @@ from aerodrake.model.qp.banded_rows import BandedRows, row_dot, rows_dot
 from aerodrake.support.compiled import compiled
 
 TOLERANCE = 1e-9
-"""By how much the solution may be beyond a bound."""
+"""Largest violation of a constraint at the solution."""
 
-MET = 1e-7
-"""By how much it may be off a bound that is active, and a price below zero."""
+ACTIVE_TOLERANCE = 1e-7
+"""Largest residual of an active constraint, and largest negative multiplier."""
 
 DEPENDENT = 1e-9
-"""What of a bound's influence others leave of it, of all, if they imply it."""
+"""Relative squared norm of a constraint normal, after projecting out the active ones, below
+which it is linearly dependent on them."""
 
 
-class Held(NamedTuple):
-    """Bounds n z <= b that are held, in the order in which they were taken in.
+class FactorisedQp(NamedTuple):
+    """Minimise z' H z / 2 + g' z subject to |z| <= 1, lower <= A z <= upper, with H = L L'.
+
+    Constraint i is z_i for i < nz, and row i - nz of A after that.
 
     Attributes:
-        row: (nz,) which, of those of z first.
-        side: (nz,) 1 where it is the upper bound, -1 where the lower one.
-        price: (nz,) multiplier of each.
-        half: (nz, nz), L^-1 n of each, L L' = H.
-        push: (nz, nz), H^-1 n of each.
-        S: (nz, nz), half half', and
-        C: (nz, nz), its lower Cholesky factor.
+        V: (nz, nz), transpose of L^-1.
+        minimiser: (nz,), the unconstrained minimiser.
+        A: (rows, nz).
+        lower, upper: (rows,); infinite where there is no bound.
     """
 
-    row: np.ndarray
+    V: np.ndarray
+    minimiser: np.ndarray
+    A: BandedRows
+    lower: np.ndarray
+    upper: np.ndarray
+
+
+class Constraint(NamedTuple):
+    """A constraint with outward normal n.
+
+    Attributes:
+        index: As in `FactorisedQp`.
+        side: 1 for the upper bound, -1 for the lower one.
+        L_inv_n, H_inv_n: (nz,).
+    """
+
+    index: int
+    side: int
+    L_inv_n: np.ndarray
+    H_inv_n: np.ndarray
+
+
+class ActiveSet(NamedTuple):
+    """Room for nz active constraints; with k of them, only the first k entries are set.
+
+    Attributes:
+        index, side: (nz,), of each constraint.
+        multiplier: (nz,), Lagrange multiplier of each.
+        L_inv_n, H_inv_n: (nz, nz), a row for each.
+        S: (nz, nz), Gram matrix of the rows of `L_inv_n`.
+        C: (nz, nz), lower Cholesky factor of S.
+    """
+
+    index: np.ndarray
     side: np.ndarray
-    price: np.ndarray
-    half: np.ndarray
-    push: np.ndarray
+    multiplier: np.ndarray
+    L_inv_n: np.ndarray
+    H_inv_n: np.ndarray
     S: np.ndarray
     C: np.ndarray
 
 
-@compiled
-def exchange_active_set(
-    V: np.ndarray,
-    free: np.ndarray,
-    A: BandedRows,
-    lower: np.ndarray,
-    upper: np.ndarray,
-    guess: np.ndarray,
-    most: int,
-) -> tuple[bool, np.ndarray, np.ndarray]:
-    """The minimiser of z' H z / 2 + g' z with |z| <= 1 and lower <= A z <= upper.
+class ActiveSetSolution(NamedTuple):
+    """Result of `solve_active_set`.
 
-    The dual active set method (Goldfarb and Idnani 1983), from a guess: those of its bounds
-    are held that have a price. Then the one that is violated most is taken in, and those
-    are let go that this makes worthless, until none is violated. z is always the minimiser
-    at the prices of what is held; in the end it is checked that no bound is exceeded, and
-    that what is held is met and has no negative price: then z is the solution.
+    Attributes:
+        is_optimal: True if the optimality conditions were verified.
+        z: (nz,), the minimiser; the unconstrained one if `is_optimal` is False.
+        active: (nz + rows,), 1 where the upper bound is active, -1 the lower one, else 0.
+    """
+
+    is_optimal: bool
+    z: np.ndarray
+    active: np.ndarray
+
+
+@compiled
+def solve_active_set(qp: FactorisedQp, guess: np.ndarray, max_exchanges: int) -> ActiveSetSolution:
+    """Solves a program by the dual active-set method of Goldfarb and Idnani (1983).
+
+    Starts from the guessed active set without the constraints whose multipliers are negative.
+    Then adds the most violated constraint, dropping those whose multipliers reach zero, until
+    none is violated. z minimises the Lagrangian throughout. At the end, primal feasibility,
+    complementarity and the signs of the multipliers are verified.
 
     Args:
-        V: (nz, nz), the transpose of L^-1, with H = L L'.
-        free: (nz,), the unconstrained minimiser.
-        A: (rows, nz), banded.
-        lower, upper: (rows,); infinite where there is no bound.
-        guess: (nz + rows,), of z first: 1 at its upper bound, -1 at its lower one, else 0.
-        most: How many exchanges are tried.
-
-    Returns:
-        Whether it was found; z (nz,); and the bounds that are active there, as `guess`.
-        It is not found where bounds contradict each other.
+        qp: The program.
+        guess: (nz + rows,), as `ActiveSetSolution.active`.
+        max_exchanges: Largest number of constraints that are added. The method also stops,
+            without a solution, if the constraints are infeasible.
     """
-    nz = len(free)
+    nz = len(qp.minimiser)
+    active, k = _make_active_set(nz), 0
+    for index in np.flatnonzero(guess):
+        side = guess[index]
+        if k < nz and np.isfinite(_violation(qp, index, side, qp.minimiser)):
+            k = _add(active, k, _make_constraint(qp, index, side), 0.0)
+    k = _drop_negative(active, k, qp)
+
+    for _ in range(max_exchanges):
+        z = _minimiser(active, k, qp.minimiser)
+        index, side, violation = _most_violated(z, rows_dot(qp.A, z), qp.lower, qp.upper)
+        if violation <= TOLERANCE:
+            sides = np.zeros(len(guess), dtype=np.int64)
+            for j in range(k):
+                sides[active.index[j]] = active.side[j]
+            return ActiveSetSolution(_is_complementary(active, k, qp, z), z, sides)
+        k = _exchange(active, k, _make_constraint(qp, index, side), violation)
+        if k < 0:
+            break
+    return ActiveSetSolution(False, qp.minimiser, guess)
+
+
+@compiled
+def _make_active_set(nz: int) -> ActiveSet:
     empty = np.empty((nz, nz))
-    held = Held(
+    return ActiveSet(
         np.empty(nz, dtype=np.int64),
         np.empty(nz, dtype=np.int64),
         np.empty(nz),
@@ -82,118 +137,105 @@ def exchange_active_set(
         empty.copy(),
         empty.copy(),
     )
-    k = 0
-    for row in np.flatnonzero(guess):
-        if k < nz and np.isfinite(_excess(row, guess[row], free, A, lower, upper)):
-            half, push = _influence(V, A, row, guess[row])
-            k = _take_in(held, k, row, guess[row], half, push, 0.0)
-    k = _let_go_of_worthless(held, k, free, A, lower, upper)
-
-    for _ in range(most):
-        z = _minimiser(held, k, free)
-        row, side, excess = _most_violated(z, rows_dot(A, z), lower, upper)
-        if excess <= TOLERANCE:
-            active = np.zeros(len(guess), dtype=np.int64)
-            is_met = True
-            for j in range(k):
-                active[held.row[j]] = held.side[j]
-                excess = _excess(held.row[j], held.side[j], z, A, lower, upper)
-                is_met = is_met and abs(excess) < MET and held.price[j] > -MET
-            return is_met, z, active
-        half, push = _influence(V, A, row, side)
-        k = _exchange(held, k, row, side, excess, half, push)
-        if k < 0:
-            break
-    return False, free, guess
 
 
 @compiled
-def _exchange(
-    held: Held, k: int, row: int, side: int, excess: float, half: np.ndarray, push: np.ndarray
-) -> int:
-    """Takes in a bound exceeded by `excess`; how many are held then, -1 if nothing gives way."""
-    whole, paid = half @ half, 0.0
+def _is_complementary(active: ActiveSet, k: int, qp: FactorisedQp, z: np.ndarray) -> bool:
+    """Returns True if active constraints are equalities at z and no multiplier is negative."""
+    for j in range(k):
+        residual = _violation(qp, active.index[j], active.side[j], z)
+        if not (abs(residual) < ACTIVE_TOLERANCE and active.multiplier[j] > -ACTIVE_TOLERANCE):
+            return False
+    return True
+
+
+@compiled
+def _exchange(active: ActiveSet, k: int, constraint: Constraint, violation: float) -> int:
+    """Adds a violated constraint, dropping those whose multipliers reach zero on the way.
+
+    Returns:
+        The number of active constraints; -1 if the constraints are infeasible.
+    """
+    norm2, multiplier = constraint.L_inv_n @ constraint.L_inv_n, 0.0
     while True:
         overlap = np.empty(k)
         for j in range(k):
-            overlap[j] = held.half[j] @ half
-        give = _solved(held.C, overlap, k)  # How prices fall as that of the new bound rises.
-        left = whole - overlap @ give
-        step, first = np.inf, -1
-        if left > DEPENDENT * whole and k < len(half):
-            step = excess / left
+            overlap[j] = active.L_inv_n[j] @ constraint.L_inv_n
+        # Decrease of the active multipliers per increase of the new one.
+        decrease = _solve_cholesky(active.C, overlap, k)
+        projected = norm2 - overlap @ decrease
+        step, blocking = np.inf, -1
+        if projected > DEPENDENT * norm2 and k < len(constraint.L_inv_n):
+            step = violation / projected
         for j in range(k):
-            if give[j] > 0 and held.price[j] < step * give[j]:
-                step, first = held.price[j] / give[j], j
+            if decrease[j] > 0 and active.multiplier[j] < step * decrease[j]:
+                step, blocking = active.multiplier[j] / decrease[j], j
         if not np.isfinite(step):
             return -1
-        held.price[:k] -= step * give
-        paid += step
-        excess -= step * left
-        if first < 0:
-            return _take_in(held, k, row, side, half, push, paid)
-        k = _let_go(held, k, first)
+        active.multiplier[:k] -= step * decrease
+        multiplier += step
+        violation -= step * projected
+        if blocking < 0:
+            return _add(active, k, constraint, multiplier)
+        k = _drop(active, k, blocking)
 
 
 @compiled
-def _let_go_of_worthless(
-    held: Held, k: int, free: np.ndarray, A: BandedRows, lower: np.ndarray, upper: np.ndarray
-) -> int:
-    """Prices what is held, less those that would rather be let go; how many are left."""
+def _drop_negative(active: ActiveSet, k: int, qp: FactorisedQp) -> int:
+    """Computes the multipliers, dropping the most negative one until none is; returns k."""
     while k > 0:
-        excess = np.empty(k)
+        violation = np.empty(k)
         for j in range(k):
-            excess[j] = _excess(held.row[j], held.side[j], free, A, lower, upper)
-        held.price[:k] = _solved(held.C, excess, k)
-        cheapest = np.argmin(held.price[:k])
-        if held.price[cheapest] >= 0:
+            violation[j] = _violation(qp, active.index[j], active.side[j], qp.minimiser)
+        active.multiplier[:k] = _solve_cholesky(active.C, violation, k)
+        least = np.argmin(active.multiplier[:k])
+        if active.multiplier[least] >= 0:
             break
-        k = _let_go(held, k, cheapest)
+        k = _drop(active, k, least)
     return k
 
 
 @compiled
-def _take_in(
-    held: Held, k: int, row: int, side: int, half: np.ndarray, push: np.ndarray, price: float
-) -> int:
-    """Holds one more bound, unless others imply it; how many are held then."""
-    held.row[k], held.side[k], held.price[k] = row, side, price
-    held.half[k], held.push[k] = half, push
+def _add(active: ActiveSet, k: int, constraint: Constraint, multiplier: float) -> int:
+    """Adds a constraint unless it is linearly dependent on the active ones; returns k."""
+    active.index[k], active.side[k] = constraint.index, constraint.side
+    active.multiplier[k] = multiplier
+    active.L_inv_n[k], active.H_inv_n[k] = constraint.L_inv_n, constraint.H_inv_n
     for j in range(k + 1):
-        held.S[k, j] = held.S[j, k] = held.half[j] @ half
-    return k + 1 if _factorise(held.S, held.C, k, k + 1) else k
+        active.S[k, j] = active.S[j, k] = active.L_inv_n[j] @ constraint.L_inv_n
+    return k + 1 if _factorise(active.S, active.C, k, k + 1) else k
 
 
 @compiled
-def _let_go(held: Held, k: int, j: int) -> int:
-    """Holds the j-th bound no longer; how many are held then."""
+def _drop(active: ActiveSet, k: int, j: int) -> int:
+    """Drops the j-th active constraint; returns k."""
     for i in range(j, k - 1):
-        held.row[i], held.side[i] = held.row[i + 1], held.side[i + 1]
-        held.price[i] = held.price[i + 1]
-        held.half[i], held.push[i] = held.half[i + 1], held.push[i + 1]
-        held.S[i, :k] = held.S[i + 1, :k]
+        active.index[i], active.side[i] = active.index[i + 1], active.side[i + 1]
+        active.multiplier[i] = active.multiplier[i + 1]
+        active.L_inv_n[i], active.H_inv_n[i] = active.L_inv_n[i + 1], active.H_inv_n[i + 1]
+        active.S[i, :k] = active.S[i + 1, :k]
     for i in range(j, k - 1):
-        held.S[:k, i] = held.S[:k, i + 1]
-    _factorise(held.S, held.C, j, k - 1)
+        active.S[:k, i] = active.S[:k, i + 1]
+    _factorise(active.S, active.C, j, k - 1)
     return k - 1
 
 
 @compiled
 def _factorise(S: np.ndarray, C: np.ndarray, first: int, k: int) -> bool:
-    """The rows from `first` to k of C, C C' = S; whether none depends on those before it."""
+    """Computes rows `first` to k of C, with C C' = S; returns False if S is singular."""
     for i in range(first, k):
         for j in range(i):
             C[i, j] = (S[i, j] - C[i, :j] @ C[j, :j]) / C[j, j]
-        left = S[i, i] - C[i, :i] @ C[i, :i]
-        if not left > DEPENDENT * S[i, i]:
+        pivot = S[i, i] - C[i, :i] @ C[i, :i]
+        if not pivot > DEPENDENT * S[i, i]:
             return False
-        C[i, i] = np.sqrt(left)
+        C[i, i] = np.sqrt(pivot)
     return True
 
 
 @compiled
-def _solved(C: np.ndarray, b: np.ndarray, k: int) -> np.ndarray:
-    """(k,) x of C C' x = b (k,)."""
+def _solve_cholesky(C: np.ndarray, b: np.ndarray, k: int) -> np.ndarray:
+    """Returns x (k,), with C C' x = b (k,)."""
     x = b.copy()
     for i in range(k):
         x[i] = (x[i] - C[i, :i] @ x[:i]) / C[i, i]
@@ -205,51 +247,50 @@ def _solved(C: np.ndarray, b: np.ndarray, k: int) -> np.ndarray:
 
 
 @compiled
-def _influence(V: np.ndarray, A: BandedRows, row: int, side: int) -> tuple[np.ndarray, np.ndarray]:
-    """(L^-1 n, H^-1 n), each (nz,), of a bound's outward normal n."""
-    nz = len(V)
-    if row < nz:
-        half = side * V[row]
+def _make_constraint(qp: FactorisedQp, index: int, side: int) -> Constraint:
+    """Returns a constraint with its normal in the metrics of L and H."""
+    nz = len(qp.V)
+    if index < nz:
+        L_inv_n = side * qp.V[index]
     else:
-        half = np.zeros(nz)
-        for i in range(A.band.shape[1]):
-            half += (side * A.band[row - nz, i]) * V[A.start[row - nz] + i]
-    return half, V @ half
+        L_inv_n, row = np.zeros(nz), index - nz
+        for i in range(qp.A.band.shape[1]):
+            L_inv_n += (side * qp.A.band[row, i]) * qp.V[qp.A.start[row] + i]
+    return Constraint(index, side, L_inv_n, qp.V @ L_inv_n)
 
 
 @compiled
-def _minimiser(held: Held, k: int, free: np.ndarray) -> np.ndarray:
-    """(nz,) z, at the prices of what is held."""
-    z = free.copy()
+def _minimiser(active: ActiveSet, k: int, unconstrained: np.ndarray) -> np.ndarray:
+    """Returns the minimiser (nz,) of the Lagrangian at the current multipliers."""
+    z = unconstrained.copy()
     for j in range(k):
         for i in range(len(z)):
-            z[i] -= held.price[j] * held.push[j, i]
+            z[i] -= active.multiplier[j] * active.H_inv_n[j, i]
     return z
 
 
 @compiled
-def _excess(
-    row: int, side: int, z: np.ndarray, A: BandedRows, lower: np.ndarray, upper: np.ndarray
-) -> float:
-    """n z - b: by how much z is beyond a bound."""
-    i = row - len(z)
-    if i < 0:
-        return side * z[row] - 1.0
-    return row_dot(A, i, z) - upper[i] if side > 0 else lower[i] - row_dot(A, i, z)
+def _violation(qp: FactorisedQp, index: int, side: int, z: np.ndarray) -> float:
+    """Returns n z - b of a constraint n z <= b."""
+    row = index - len(z)
+    if row < 0:
+        return side * z[index] - 1.0
+    value = row_dot(qp.A, row, z)
+    return value - qp.upper[row] if side > 0 else qp.lower[row] - value
 
 
 @compiled
 def _most_violated(
-    z: np.ndarray, of_rows: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    z: np.ndarray, Az: np.ndarray, lower: np.ndarray, upper: np.ndarray
 ) -> tuple[int, int, float]:
-    """(row, side, excess) of the bound that z or of_rows = A z exceeds most."""
-    row, side, most = -1, 0, -np.inf
+    """Returns (index, side, violation) of the most violated constraint, at z and A z."""
+    index, side, most = -1, 0, -np.inf
     for i in range(len(z)):
         if abs(z[i]) - 1.0 > most:
-            row, side, most = i, 1 if z[i] > 0 else -1, abs(z[i]) - 1.0
-    for i in range(len(of_rows)):
-        if of_rows[i] - upper[i] > most:
-            row, side, most = len(z) + i, 1, of_rows[i] - upper[i]
-        if lower[i] - of_rows[i] > most:
-            row, side, most = len(z) + i, -1, lower[i] - of_rows[i]
-    return row, side, most
+            index, side, most = i, 1 if z[i] > 0 else -1, abs(z[i]) - 1.0
+    for i in range(len(Az)):
+        if Az[i] - upper[i] > most:
+            index, side, most = len(z) + i, 1, Az[i] - upper[i]
+        if lower[i] - Az[i] > most:
+            index, side, most = len(z) + i, -1, lower[i] - Az[i]
+    return index, side, most

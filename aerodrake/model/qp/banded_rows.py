@@ -1,4 +1,4 @@
-"""Rows whose elements stand side by side, as bounds on one axis of many do."""
+"""Banded storage of a matrix."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from aerodrake.support.compiled import compiled
 
 
 class BandedRows(NamedTuple):
-    """A matrix (rows, nz), without the zeros before and behind what each row has.
+    """A matrix (rows, nz), stored without the zeros before and after the entries of each row.
 
     Attributes:
-        band: (rows, w), w the width of the widest.
-        start: (rows,), in which column each begins.
+        band: (rows, w), w the width of the widest row.
+        start: (rows,), first column of each row of `band`.
     """
 
     band: np.ndarray
@@ -22,7 +22,7 @@ class BandedRows(NamedTuple):
 
     @classmethod
     def of(cls, A: np.ndarray) -> BandedRows:
-        """Of a matrix A (rows, nz)."""
+        """Converts a dense matrix A (rows, nz)."""
         rows, nz = A.shape
         first = np.array([np.flatnonzero(row)[0] if row.any() else 0 for row in A], dtype=int)
         last = np.array([np.flatnonzero(row)[-1] if row.any() else 0 for row in A], dtype=int)
@@ -34,16 +34,16 @@ class BandedRows(NamedTuple):
 
 @compiled
 def rows_dot(A: BandedRows, z: np.ndarray) -> np.ndarray:
-    """(rows,), A z of z (nz,)."""
-    found = np.empty(len(A.start))
-    for i in range(len(found)):
-        found[i] = row_dot(A, i, z)
-    return found
+    """Returns A z (rows,) for z (nz,)."""
+    products = np.empty(len(A.start))
+    for i in range(len(products)):
+        products[i] = row_dot(A, i, z)
+    return products
 
 
 @compiled
 def row_dot(A: BandedRows, i: int, z: np.ndarray) -> float:
-    """Row i times z (nz,)."""
+    """Returns the product of row i and z (nz,)."""
     total, start = 0.0, A.start[i]
     for j in range(A.band.shape[1]):
         total += A.band[i, j] * z[start + j]

@@ -1,4 +1,4 @@
-"""A condensed, scaled quadratic program, built once and solved at every tick."""
+"""A condensed, scaled quadratic program, set up once and solved at every tick."""
 
 from __future__ import annotations
 
@@ -9,30 +9,32 @@ import numpy as np
 from pydrake.solvers import MathematicalProgram, OsqpSolver, SolutionResult, SolverOptions
 from scipy.linalg.lapack import dpotrf, dpotrs, dtrtri
 
-from aerodrake.model.qp.active_set import exchange_active_set
-from aerodrake.model.qp.banded_rows import BandedRows, row_dot, rows_dot
-from aerodrake.support.compiled import compiled
+from aerodrake.model.qp.active_set import FactorisedQp, solve_active_set
+from aerodrake.model.qp.banded_rows import BandedRows, rows_dot
+from aerodrake.model.qp.bounds import is_within, violated, without_redundant
 
-FEASIBILITY = 1e-6
-"""By how much the unconstrained minimiser may exceed a scaled bound and still be the solution."""
-
-MOST_EXCHANGES = 100
-"""How many bounds may be exchanged before OSQP is asked."""
+MAX_EXCHANGES = 100
+"""Largest number of constraints that the active-set method adds."""
 
 ACCEPTED_RESIDUAL = 1e-3
-"""Largest scaled OSQP residual with which an iterate counts as an answer."""
+"""Largest scaled OSQP residual of an iterate that is used as an inaccurate solution."""
+
+DIVERGED = 2.0
+"""|z| beyond which an OSQP iterate is discarded; that of an infeasible program is huge."""
 
 
 class QpStatus(IntEnum):
-    """How the answer came about, best first.
+    """Outcome of solving a program, best first; from INFEASIBLE on there is no solution.
 
-    UNCONSTRAINED, EXCHANGED and SOLVED are exact: the conditions of optimality were
-    checked. The active bounds of EXCHANGED were found from those of the tick before or, if
-    it had none, from those that the unconstrained minimiser violates; those of SOLVED from
-    OSQP's iterate. INACCURATE is such an iterate with small residuals. RELAXED is exact for
-    bounds that were widened, since none could keep them. The others are no answers: no z
-    keeps all bounds; iterations ran out; numbers are not finite, or H is not positive
-    definite; and nobody asked.
+    UNCONSTRAINED: exact, the unconstrained minimiser.
+    EXCHANGED: exact, by the active-set method from the last active set or from the
+        constraints that the unconstrained minimiser violates.
+    SOLVED: exact, by the active-set method from OSQP's iterate.
+    INACCURATE: OSQP's iterate, with small residuals.
+    RELAXED: exact for widened bounds; with the given ones the program is infeasible.
+    INFEASIBLE: no z satisfies all bounds.
+    ITERATION_LIMIT: OSQP reached its iteration limit.
+    NON_FINITE: an input is NaN or infinite, or H is not positive definite.
     """
 
     UNCONSTRAINED = 0
@@ -43,32 +45,31 @@ class QpStatus(IntEnum):
     INFEASIBLE = 5
     ITERATION_LIMIT = 6
     NON_FINITE = 7
-    MISSED = 8
 
 
-def is_answer(status: float) -> bool:
-    """Whether there is a z to go by."""
+def is_solved(status: float) -> bool:
+    """Returns True if a program with this status has a solution."""
     return status <= QpStatus.RELAXED
 
 
-def is_bound(status: float) -> bool:
-    """Whether bounds hold the answer, and which they are is known."""
+def is_constrained(status: float) -> bool:
+    """Returns True if a program with this status has a solution with a known active set."""
     return QpStatus.UNCONSTRAINED < status <= QpStatus.RELAXED
 
 
 class QpResult(NamedTuple):
-    """The answer to one program.
+    """Solution of one program.
 
     Attributes:
-        z: (nz,) the minimiser; zeros if there is no answer.
-        status: How it came about.
-        iterations: Of OSQP; 0 where it was not needed.
-        active: (nz + rows,) which bounds hold z, those of the box first: 1 for upper,
-            -1 for lower, 0 for none.
+        z: (nz,), the minimiser; zeros without a solution.
+        status: A `QpStatus`.
+        iterations: Iterations of OSQP; 0 if it was not called.
+        active: (nz + rows,), active set, bounds of z first: 1 for an upper bound, -1 for a
+            lower one, 0 for an inactive constraint.
     """
 
     z: np.ndarray
-    status: QpStatus
+    status: int
     iterations: int
     active: np.ndarray
 
@@ -76,28 +77,28 @@ class QpResult(NamedTuple):
 class CondensedQp:
     """min z' H z / 2 + g' z  subject to  |z| <= 1,  lower <= A z <= upper.
 
-    Scaled by the caller: z by the input bounds, the rows of A to unit norm. A
-    stays, the rest changes from call to call. What makes it fast and exact:
+    The caller scales z by the input bounds and the rows of A to unit norm. A is constant. A
+    program is solved in these steps:
 
-    1. The unconstrained minimiser is the solution whenever it satisfies every bound.
-    2. Rows that no z in the box can violate are screened out.
-    3. Bounds that were active a tick ago mostly still are: a few exchanges of
-       `exchange_active_set` make them those of this program.
-    4. Else OSQP's iterate, of the cost scaled by its mean diagonal, tells which they are.
-
-    Where not even that makes it exact, the iterate counts if its residuals are small.
+    1. The unconstrained minimiser is the solution if it satisfies all bounds.
+    2. Redundant constraints, which no z in the box violates, are removed.
+    3. `solve_active_set` starts from the active set of a similar program, which usually
+       differs by few constraints.
+    4. If that fails, it starts from the active set of OSQP's iterate, for the cost scaled by
+       its mean diagonal.
+    5. If that fails as well, the iterate is used if its residuals are small.
 
     Args:
         A: (rows, nz), rows of unit norm.
-        max_iterations: Of OSQP. A limit in iterations keeps flights
-            repeatable, where one in seconds would not.
+        max_iterations: Iteration limit of OSQP. A time limit would make flights
+            unrepeatable.
     """
 
     def __init__(self, A: np.ndarray, max_iterations: int):
         rows, nz = A.shape
         self.A = A
         self._banded = BandedRows.of(A)
-        self._unbound = np.zeros(nz + rows, dtype=np.int64)
+        self._no_active = np.zeros(nz + rows, dtype=np.int64)
         self._reach = np.abs(A).sum(axis=1)
         self._program = MathematicalProgram()
         z = self._program.NewContinuousVariables(nz, "z")
@@ -107,7 +108,7 @@ class CondensedQp:
         self._rows = self._program.AddLinearConstraint(A, -unbounded, unbounded, z)
         self._solver = OsqpSolver()
         self._max_iterations = max_iterations
-        # What is compiled is loaded now, and not at the first tick that a bound holds.
+        # A constrained program, so that compiled code is loaded before the first tick.
         self.solve(np.eye(nz), -2.0 * np.eye(nz)[0], -unbounded, unbounded)
 
     def solve(
@@ -117,89 +118,111 @@ class CondensedQp:
         lower: np.ndarray,
         upper: np.ndarray,
         active: np.ndarray | None = None,
-        budget: int | None = None,
     ) -> QpResult:
         """Solves one program.
 
         Args:
-            H: (nz, nz), symmetric and positive definite, row by row in memory.
+            H: (nz, nz), symmetric and positive definite, C-contiguous.
             g: (nz,).
             lower, upper: (rows,).
-            active: (nz + rows,), those of a similar program; without, or where none
-                were, the bounds that the unconstrained minimiser violates.
-            budget: If given, there is time for so many iterations of OSQP, and nothing else.
+            active: (nz + rows,), active set of a similar program. If it is None or empty, the
+                bounds that the unconstrained minimiser violates are used.
         """
-        # Symmetric: the transpose, as LAPACK wants it, is the same without a copy.
-        factor, is_indefinite = dpotrf(H.T, lower=1, clean=0)
-        if is_indefinite or not np.isfinite(factor.diagonal()).all():
-            return self._without_answer(QpStatus.NON_FINITE, 0)
-        free, _ = dpotrs(factor, -g, lower=1)
-        if budget is None and (result := self.accepted(free, lower, upper)) is not None:
+        factor = _cholesky(H)
+        if factor is None:
+            return self._unsolved(QpStatus.NON_FINITE)
+        minimiser, _ = dpotrs(factor, -g, lower=1)
+        if (result := self.accept_unconstrained(minimiser, lower, upper)) is not None:
             return result
-        if not np.isfinite(free).all() or np.isnan(lower).any() or np.isnan(upper).any():
-            return self._without_answer(QpStatus.NON_FINITE, 0)
-        if (lower > upper).any():
-            return self._without_answer(QpStatus.INFEASIBLE, 0)
-        lower, upper = screened(lower, upper, self._reach)
-        inverse = np.triu(dtrtri(factor, lower=1)[0].T)
-        if budget is not None:
-            return self._by_osqp(H, g, lower, upper, inverse, free, budget, 0)
+        if (status := _invalid(minimiser, lower, upper)) is not None:
+            return self._unsolved(status)
+        lower, upper = without_redundant(lower, upper, self._reach)
+        V = np.triu(dtrtri(factor, lower=1)[0].T)
+        qp = FactorisedQp(V, minimiser, self._banded, lower, upper)
         if active is None or not active.any():
-            active = violations(free, rows_dot(self._banded, free), lower, upper)
-        is_exact, z, held = exchange_active_set(
-            inverse, free, self._banded, lower, upper, active, MOST_EXCHANGES
-        )
-        if is_exact:
-            return QpResult(z.clip(-1, 1), QpStatus.EXCHANGED, 0, held)
-        return self._by_osqp(
-            H, g, lower, upper, inverse, free, self._max_iterations, MOST_EXCHANGES
-        )
+            active = violated(minimiser, rows_dot(self._banded, minimiser), lower, upper)
+        exact = solve_active_set(qp, active, MAX_EXCHANGES)
+        if exact.is_optimal:
+            return QpResult(exact.z.clip(-1, 1), QpStatus.EXCHANGED, 0, exact.active)
+        result, guess = self._osqp(H, g, lower, upper, self._max_iterations)
+        if guess is None:
+            return result
+        exact = solve_active_set(qp, guess, MAX_EXCHANGES)
+        if exact.is_optimal:
+            z = exact.z.clip(-1, 1)
+            return QpResult(z, QpStatus.SOLVED, result.iterations, exact.active)
+        return result
 
-    def accepted(self, free: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> QpResult | None:
-        """The unconstrained minimiser as the answer; None if it does not keep all bounds.
-
-        Args:
-            free: (nz,), the minimiser.
-            lower, upper: (rows,).
-        """
-        if not is_within(self._banded, free, lower, upper):
-            return None
-        return QpResult(free.clip(-1, 1), QpStatus.UNCONSTRAINED, 0, self._unbound)
-
-    def _by_osqp(
+    def solve_by_osqp(
         self,
         H: np.ndarray,
         g: np.ndarray,
         lower: np.ndarray,
         upper: np.ndarray,
-        inverse: np.ndarray,
-        free: np.ndarray,
         max_iterations: int,
-        exchanges: int,
     ) -> QpResult:
+        """Solves one program by OSQP alone, to its tolerances.
+
+        Args:
+            H, g, lower, upper: As for `solve`.
+            max_iterations: Iteration limit of OSQP.
+        """
+        factor = _cholesky(H)
+        if factor is None:
+            return self._unsolved(QpStatus.NON_FINITE)
+        minimiser, _ = dpotrs(factor, -g, lower=1)
+        if (status := _invalid(minimiser, lower, upper)) is not None:
+            return self._unsolved(status)
+        lower, upper = without_redundant(lower, upper, self._reach)
+        return self._osqp(H, g, lower, upper, max_iterations)[0]
+
+    def accept_unconstrained(
+        self, z: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    ) -> QpResult | None:
+        """Returns the unconstrained minimiser as the solution; None if it violates a bound.
+
+        Args:
+            z: (nz,), the minimiser.
+            lower, upper: (rows,).
+        """
+        if not is_within(self._banded, z, lower, upper):
+            return None
+        return QpResult(z.clip(-1, 1), QpStatus.UNCONSTRAINED, 0, self._no_active)
+
+    def _osqp(
+        self,
+        H: np.ndarray,
+        g: np.ndarray,
+        lower: np.ndarray,
+        upper: np.ndarray,
+        max_iterations: int,
+    ) -> tuple[QpResult, np.ndarray | None]:
+        """Runs OSQP.
+
+        Returns:
+            OSQP's iterate, INACCURATE if its residuals are small, and its active set
+            (nz + rows,); None if the program is infeasible or OSQP diverged.
+        """
         scale = 1 / np.diag(H).mean()
         self._cost.evaluator().UpdateCoefficients(H * scale, g * scale, 0, True)
         self._rows.evaluator().set_bounds(lower, upper)
         result = self._solver.Solve(self._program, None, self._options(max_iterations))
-        details, verdict = result.get_solver_details(), result.get_solution_result()
-        z = result.get_x_val()
-        if verdict is SolutionResult.kInfeasibleConstraints:
-            return self._without_answer(QpStatus.INFEASIBLE, details.iter)
-        if not np.abs(z).max() < 2:  # Of an infeasible program it is huge, but finite.
-            return self._without_answer(QpStatus.ITERATION_LIMIT, details.iter)
-        prices = np.concatenate(
+        details, z = result.get_solver_details(), result.get_x_val()
+        if result.get_solution_result() is SolutionResult.kInfeasibleConstraints:
+            return self._unsolved(QpStatus.INFEASIBLE, details.iter), None
+        unsolved = self._unsolved(QpStatus.ITERATION_LIMIT, details.iter)
+        if not np.abs(z).max() < DIVERGED:
+            return unsolved, None
+        multipliers = np.concatenate(
             [result.GetDualSolution(self._box), result.GetDualSolution(self._rows)]
         )
-        clear = np.abs(prices) > 1e-3 * np.abs(prices).max(initial=0.0)
-        guess = -np.sign(prices).astype(np.int64) * clear  # Prices of upper bounds are negative.
-        is_exact, exact, active = exchange_active_set(
-            inverse, free, self._banded, lower, upper, guess, exchanges
-        )
-        if is_exact:
-            return QpResult(exact.clip(-1, 1), QpStatus.SOLVED, details.iter, active)
+        magnitude = np.abs(multipliers)
+        is_active = magnitude > 1e-3 * magnitude.max(initial=0.0)
+        # Drake's multipliers of upper bounds are negative.
+        guess = -np.sign(multipliers).astype(np.int64) * is_active
         if max(details.primal_res, details.dual_res) < ACCEPTED_RESIDUAL:
-            return QpResult(z.clip(-1, 1), QpStatus.INACCURATE, details.iter, guess)
-        return self._without_answer(QpStatus.ITERATION_LIMIT, details.iter)
+            return QpResult(z.clip(-1, 1), QpStatus.INACCURATE, details.iter, guess), guess
+        return unsolved, guess
 
     def _options(self, max_iterations: int) -> SolverOptions:
         options = SolverOptions()
@@ -216,49 +239,19 @@ class CondensedQp:
             options.SetOption(self._solver.id(), name, value)
         return options
 
-    def _without_answer(self, status: QpStatus, iterations: int) -> QpResult:
-        return QpResult(np.zeros(self.A.shape[1]), status, iterations, self._unbound)
+    def _unsolved(self, status: QpStatus, iterations: int = 0) -> QpResult:
+        return QpResult(np.zeros(self.A.shape[1]), status, iterations, self._no_active)
 
 
-@compiled
-def is_within(A: BandedRows, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
-    """Whether z (nz,) keeps its box, and A z `lower` and `upper` (rows,); not if one is nan."""
-    for x in z:
-        if not abs(x) <= 1 + FEASIBILITY:
-            return False
-    for i in range(len(lower)):
-        x = row_dot(A, i, z)
-        if not (lower[i] - FEASIBILITY <= x <= upper[i] + FEASIBILITY):
-            return False
-    return True
+def _cholesky(H: np.ndarray) -> np.ndarray | None:
+    """Returns the lower Cholesky factor; None if H is not positive definite and finite."""
+    # H is symmetric: its transpose has LAPACK's order without a copy.
+    factor, is_indefinite = dpotrf(H.T, lower=1, clean=0)
+    return None if is_indefinite or not np.isfinite(factor.diagonal()).all() else factor
 
 
-@compiled
-def screened(
-    lower: np.ndarray, upper: np.ndarray, reach: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """(lower, upper), infinite where no value within +- `reach` is beyond; all four (rows,)."""
-    return np.where(lower <= -reach, -np.inf, lower), np.where(upper >= reach, np.inf, upper)
-
-
-@compiled
-def violations(
-    z: np.ndarray, of_rows: np.ndarray, lower: np.ndarray, upper: np.ndarray
-) -> np.ndarray:
-    """(nz + rows,), 1 where z or its rows exceed an upper bound, -1 a lower one, else 0.
-
-    Args:
-        z: (nz,), in a box of +-1.
-        of_rows: (rows,), A z.
-        lower, upper: (rows,), its bounds.
-    """
-    found = np.zeros(len(z) + len(of_rows), dtype=np.int64)
-    for i in range(len(z)):
-        if abs(z[i]) > 1 + FEASIBILITY:
-            found[i] = 1 if z[i] > 0 else -1
-    for i in range(len(of_rows)):
-        if of_rows[i] > upper[i] + FEASIBILITY:
-            found[len(z) + i] = 1
-        elif of_rows[i] < lower[i] - FEASIBILITY:
-            found[len(z) + i] = -1
-    return found
+def _invalid(minimiser: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> QpStatus | None:
+    """Returns why a program is not to be solved: NON_FINITE, INFEASIBLE, or None."""
+    if not np.isfinite(minimiser).all() or np.isnan(lower).any() or np.isnan(upper).any():
+        return QpStatus.NON_FINITE
+    return QpStatus.INFEASIBLE if (lower > upper).any() else None

@@ -1,12 +1,16 @@
-"""What is the matter with the MPC's ticks, and when."""
+"""MPC with faults, in place of `MpcSystem` if a scenario has MPC faults."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+import numpy as np
+from pydrake.systems.framework import Context, DiscreteValues
 
-from aerodrake.model.mpc.fault import MpcFault
+from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
+from aerodrake.model.mpc.tick import MISSED
+from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult
 from aerodrake.scenario import (
     MPC_FAULTS,
     AnyFault,
@@ -14,40 +18,70 @@ from aerodrake.scenario import (
     MpcMissed,
     MpcNonFinite,
     MpcStarved,
+    Scenario,
 )
+from aerodrake.systems.mpc import MpcSystem, SolvedProgram
 
-CODES = {
-    MpcStarved: MpcFault.STARVED,
-    MpcInfeasible: MpcFault.INFEASIBLE,
-    MpcNonFinite: MpcFault.NON_FINITE,
-    MpcMissed: MpcFault.MISSED,
-}
-"""By the kinds of faults that are the MPC's."""
+SEVERITY = (MpcStarved, MpcInfeasible, MpcNonFinite, MpcMissed)
+"""Kinds of MPC faults, the most severe last: of several active faults that one acts."""
 
 
-class MpcFaultSystem(LeafSystem):
-    """Tells the MPC what its ticks suffer from.
+class FaultyMpc(MpcSystem):
+    """MPC whose programs and ticks have the faults of a scenario.
+
+    Reference time is the context's time less `settle_s`. A fault acts from its start until
+    before its end. A missed tick has status `MISSED` and solves no program.
 
     Ports:
-        out `fault` (2): an `MpcFault`, the worst of those that are active, and the
-            iterations of OSQP that are left where it is STARVED.
+        those of `MpcSystem`.
     State, rate:
-        none; a function of time.
+        those of `MpcSystem`.
 
     Args:
-        faults: Of which those of the MPC count.
+        formulation: Cost and bounds.
+        faults: Faults of the scenario; only those of the MPC are used.
         settle_s: s, hover before reference time 0.
     """
 
-    def __init__(self, faults: Sequence[AnyFault], settle_s: float):
-        super().__init__()
+    def __init__(self, formulation: MpcFormulation, faults: Sequence[AnyFault], settle_s: float):
+        super().__init__(formulation)
         self._faults = [fault for fault in faults if isinstance(fault, MPC_FAULTS)]
         self._settle_s = settle_s
-        self.DeclareVectorOutputPort("fault", 2, self._calc_fault, {self.time_ticket()})
+        self._osqp = CondensedQp(formulation.A, formulation.config.max_iterations)
 
-    def _calc_fault(self, context: Context, output: BasicVector) -> None:
+    def active_fault(self, context: Context) -> AnyFault | None:
+        """Returns the fault that acts at a Context's time; of starved ones, the most starved."""
         now = round(context.get_time() - self._settle_s, 9)
-        active = [fault for fault in self._faults if fault.is_active(now)]
-        worst = max((CODES[type(fault)] for fault in active), default=MpcFault.NONE)
-        starved = [fault.iterations for fault in active if isinstance(fault, MpcStarved)]
-        output.SetFromVector([worst, min(starved, default=0)])
+        return max(
+            (fault for fault in self._faults if fault.is_active(now)),
+            key=lambda fault: (SEVERITY.index(type(fault)), -getattr(fault, "iterations", 0)),
+            default=None,
+        )
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        if not isinstance(self.active_fault(context), MpcMissed):
+            super()._update(context, discrete)
+            return
+        tick = self.tick_inputs(context)
+        program = self._formulation.form(tick)
+        no_result = QpResult(np.zeros_like(program.g), MISSED, 0, np.zeros(0))
+        self._apply(context, discrete, tick, SolvedProgram(program, no_result))
+
+    def _solve(self, context: Context, program: MpcProgram) -> QpResult:
+        match self.active_fault(context):
+            case MpcStarved(iterations=iterations):
+                parts = program.H, program.g, program.lower, program.upper
+                return self._osqp.solve_by_osqp(*parts, iterations)
+            case MpcInfeasible():
+                ones = np.ones_like(program.lower)
+                program = replace(program, lower=ones, upper=-ones)
+            case MpcNonFinite():
+                program = replace(program, g=np.full_like(program.g, np.nan))
+        return super()._solve(context, program)
+
+
+def make_mpc(scenario: Scenario, formulation: MpcFormulation) -> MpcSystem:
+    """Returns the scenario's MPC: a `FaultyMpc` if the scenario has MPC faults."""
+    if any(isinstance(fault, MPC_FAULTS) for fault in scenario.faults):
+        return FaultyMpc(formulation, scenario.faults, scenario.settle_s)
+    return MpcSystem(formulation)

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
-from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.mpc.tracking import tilt_matrix
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpStatus
 from aerodrake.model.setpoint.integration import SetpointLimits

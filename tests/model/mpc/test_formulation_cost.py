@@ -8,7 +8,7 @@ import pytest
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.horizon import stage_ticks
-from aerodrake.model.mpc.inputs import MpcInputs
+from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.scenario import Model, Mpc, Scenario
 

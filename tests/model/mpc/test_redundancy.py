@@ -7,9 +7,9 @@ import pytest
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
-from aerodrake.model.mpc.inputs import MpcInputs, Pointing
 from aerodrake.model.mpc.redundancy import Redundancy, motions
 from aerodrake.model.mpc.solver import MpcSolver
+from aerodrake.model.mpc.tick import MpcInputs, Pointing
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpStatus
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
-from aerodrake.model.mpc.inputs import MpcInputs, Pointing
+from aerodrake.model.mpc.tick import MpcInputs, Pointing
 from aerodrake.model.mpc.tracking import limited_gain
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics

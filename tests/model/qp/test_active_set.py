@@ -1,11 +1,11 @@
-"""Exchanging active bounds, against a solver that knows nothing of them."""
+"""Dual active-set method against Clarabel, an interior-point solver."""
 
 import clarabel
 import numpy as np
 import pytest
 from scipy import sparse
 
-from aerodrake.model.qp.active_set import exchange_active_set
+from aerodrake.model.qp.active_set import ActiveSetSolution, FactorisedQp, solve_active_set
 from aerodrake.model.qp.banded_rows import BandedRows
 
 NZ, ROWS = 8, 14
@@ -13,7 +13,7 @@ SEEDS = range(50)
 
 
 def program(seed: int):
-    """A feasible program whose minimiser is held by bounds."""
+    """Returns a feasible program whose minimiser has active constraints."""
     rng = np.random.default_rng(seed)
     root = rng.normal(size=(NZ, NZ))
     H, g = root @ root.T + np.eye(NZ), 10 * rng.normal(size=NZ)
@@ -22,15 +22,14 @@ def program(seed: int):
     return H, g, A, A @ inside - slack[0], A @ inside + slack[1]
 
 
-def exchange(H, g, A, lower, upper, guess, most=100):
+def solve(H, g, A, lower, upper, guess, max_exchanges=100) -> ActiveSetSolution:
     V = np.ascontiguousarray(np.linalg.inv(np.linalg.cholesky(H)).T)
-    return exchange_active_set(
-        V, -np.linalg.solve(H, g), BandedRows.of(A), lower, upper, guess, most
-    )
+    qp = FactorisedQp(V, -np.linalg.solve(H, g), BandedRows.of(A), lower, upper)
+    return solve_active_set(qp, guess, max_exchanges)
 
 
 def by_clarabel(H, g, A, lower, upper) -> tuple[np.ndarray, np.ndarray]:
-    """(minimiser, active bounds)"""
+    """Returns the minimiser and its active set."""
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-12
@@ -40,37 +39,37 @@ def by_clarabel(H, g, A, lower, upper) -> tuple[np.ndarray, np.ndarray]:
     H = sparse.triu(sparse.csc_matrix(H), format="csc")
     cone = [clarabel.NonnegativeConeT(len(h))]
     solution = clarabel.DefaultSolver(H, g, G, h, cone, settings).solve()
-    price = np.array(solution.z).reshape(2, -1) > 1e-6
-    return np.array(solution.x), price[0].astype(np.int64) - price[1]
+    is_active = np.array(solution.z).reshape(2, -1) > 1e-6
+    return np.array(solution.x), is_active[0].astype(np.int64) - is_active[1]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_from_any_guess_to_the_solution(seed):
-    """None, the active bounds themselves, some of them, and any."""
+def test_converges_from_any_guess(seed):
+    """Guesses are empty, the active set itself, close to it, and random."""
     given = program(seed)
     best, active = by_clarabel(*given)
     rng = np.random.default_rng(seed)
     blurred = np.where(rng.random(NZ + ROWS) < 0.3, rng.integers(-1, 2, NZ + ROWS), active)
     for guess in (0 * active, active, blurred, rng.integers(-1, 2, NZ + ROWS)):
-        is_exact, z, found = exchange(*given, guess)
-        assert is_exact
-        np.testing.assert_allclose(z, best, atol=1e-7)
-        np.testing.assert_array_equal(found, active)
+        solution = solve(*given, guess)
+        assert solution.is_optimal
+        np.testing.assert_allclose(solution.z, best, atol=1e-7)
+        np.testing.assert_array_equal(solution.active, active)
 
 
-def test_the_right_guess_needs_no_exchange():
+def test_correct_guess_needs_no_exchange():
     for seed in SEEDS:
         given = program(seed)
         best, active = by_clarabel(*given)
-        assert not exchange(*given, 0 * active, most=1)[0]
-        is_exact, z, _ = exchange(*given, active, most=1)
-        assert is_exact
-        np.testing.assert_allclose(z, best, atol=1e-7)
+        assert not solve(*given, 0 * active, max_exchanges=1).is_optimal
+        solution = solve(*given, active, max_exchanges=1)
+        assert solution.is_optimal
+        np.testing.assert_allclose(solution.z, best, atol=1e-7)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_rows_that_others_imply(seed):
-    """Each row twice, and their sums: more rows at their bounds than z has elements."""
+def test_linearly_dependent_constraints(seed):
+    """Each row twice, and sums of rows: more active constraints than unknowns."""
     H, g, A, lower, upper = program(seed)
     best, _ = by_clarabel(H, g, A, lower, upper)
     sums = A[:-1] + A[1:]
@@ -79,44 +78,42 @@ def test_rows_that_others_imply(seed):
     high = np.concatenate([upper, upper, upper[:-1] + upper[1:]])
     rng = np.random.default_rng(seed)
     for guess in (np.zeros(NZ + len(rows)), rng.integers(-1, 2, NZ + len(rows))):
-        is_exact, z, _ = exchange(H, g, rows, low, high, guess.astype(np.int64))
-        assert is_exact
-        np.testing.assert_allclose(z, best, atol=1e-7)
+        solution = solve(H, g, rows, low, high, guess.astype(np.int64))
+        assert solution.is_optimal
+        np.testing.assert_allclose(solution.z, best, atol=1e-7)
 
 
-def test_a_vertex():
-    """As many active bounds as unknowns."""
+def test_vertex():
+    """As many active constraints as unknowns."""
     best = np.sign(np.random.default_rng(0).normal(size=NZ))
     H, A = np.eye(NZ), np.zeros((0, NZ))
-    is_exact, z, found = exchange(
-        H, -5 * best, A, np.zeros(0), np.zeros(0), np.zeros(NZ, dtype=np.int64)
-    )
-    assert is_exact
-    np.testing.assert_allclose(z, best, atol=1e-12)
-    np.testing.assert_array_equal(found, best)
+    solution = solve(H, -5 * best, A, np.zeros(0), np.zeros(0), np.zeros(NZ, dtype=np.int64))
+    assert solution.is_optimal
+    np.testing.assert_allclose(solution.z, best, atol=1e-12)
+    np.testing.assert_array_equal(solution.active, best)
 
 
-def test_a_minimiser_that_no_bound_holds():
+def test_unconstrained_minimiser():
     H, g, A, *_ = program(4)
     g = 1e-3 * g
     wide = np.full(ROWS, 1e3)
     guess = np.ones(NZ + ROWS, dtype=np.int64)
-    is_exact, z, found = exchange(H, g, A, -wide, wide, guess)
-    assert is_exact and not found.any()
-    np.testing.assert_allclose(z, -np.linalg.solve(H, g), atol=1e-9)
+    solution = solve(H, g, A, -wide, wide, guess)
+    assert solution.is_optimal and not solution.active.any()
+    np.testing.assert_allclose(solution.z, -np.linalg.solve(H, g), atol=1e-9)
 
 
 @pytest.mark.parametrize("guess", [0, 1, -1])
-def test_contradicting_bounds_have_no_minimiser(guess):
+def test_infeasible_bounds_have_no_minimiser(guess):
     H, g, A, lower, upper = program(5)
     A[1], lower[0], upper[0], lower[1], upper[1] = A[0], 0.3, 0.4, -0.4, -0.3
-    assert not exchange(H, g, A, lower, upper, np.full(NZ + ROWS, guess))[0]
+    assert not solve(H, g, A, lower, upper, np.full(NZ + ROWS, guess)).is_optimal
 
 
-def test_bounds_that_are_none_are_not_held():
+def test_infinite_bounds_are_never_active():
     H, g, A, lower, upper = program(6)
     best, _ = by_clarabel(H, g, A, lower, upper + 20)  # Out of reach.
     guess = np.ones(NZ + ROWS, dtype=np.int64)
-    is_exact, z, _ = exchange(H, g, A, lower, np.full(ROWS, np.inf), guess)
-    assert is_exact
-    np.testing.assert_allclose(z, best, atol=1e-7)
+    solution = solve(H, g, A, lower, np.full(ROWS, np.inf), guess)
+    assert solution.is_optimal
+    np.testing.assert_allclose(solution.z, best, atol=1e-7)

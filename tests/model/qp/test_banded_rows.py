@@ -1,4 +1,4 @@
-"""Banded rows against the matrix they are of."""
+"""Banded rows against the dense matrix."""
 
 import numpy as np
 from hypothesis import given
@@ -8,7 +8,7 @@ from aerodrake.model.qp.banded_rows import BandedRows, row_dot, rows_dot
 
 
 @given(st.integers(0, 6), st.integers(1, 8), st.integers(0, 2**31))
-def test_values_are_the_matrixs(rows, nz, seed):
+def test_products_equal_those_of_the_dense_matrix(rows, nz, seed):
     rng = np.random.default_rng(seed)
     A = np.zeros((rows, nz))
     for row in A:  # Of any width, some empty, some with zeros inside.
@@ -20,7 +20,7 @@ def test_values_are_the_matrixs(rows, nz, seed):
         np.testing.assert_allclose(row_dot(banded, i, z), A[i] @ z, atol=1e-12)
 
 
-def test_no_wider_than_the_widest():
+def test_band_is_as_wide_as_the_widest_row():
     A = np.zeros((3, 9))
     A[0, 1:3], A[1, 8], A[2, 4:7] = 1, 2, 3
     banded = BandedRows.of(A)

@@ -1,4 +1,4 @@
-"""The condensed QP's solver: its shortcut, its screening and its statuses, against Clarabel."""
+"""CondensedQp: solutions, redundant constraints and statuses, against Clarabel."""
 
 import itertools
 
@@ -8,24 +8,24 @@ import pytest
 from scipy import sparse
 
 from aerodrake.model.qp import condensed_qp as qp
-from aerodrake.model.qp.active_set import exchange_active_set
-from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult, QpStatus, is_answer
+from aerodrake.model.qp.active_set import ActiveSetSolution, solve_active_set
+from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult, QpStatus, is_solved
 
 NZ, ROWS = 12, 20
 
 
 @pytest.fixture
-def without_exchange(monkeypatch):
-    """Active bounds are never found by exchanging them: all is left to OSQP."""
-    monkeypatch.setattr(
-        qp,
-        "exchange_active_set",
-        lambda V, free, A, lower, upper, guess, most: (False, free, guess),
-    )
+def without_active_set_method(monkeypatch):
+    """Makes the active-set method fail, so that only OSQP's iterate is left."""
+    monkeypatch.setattr(qp, "solve_active_set", failing)
+
+
+def failing(program, guess, max_exchanges) -> ActiveSetSolution:
+    return ActiveSetSolution(False, program.minimiser, guess)
 
 
 def random_program(seed: int, pull: float, slack: float):
-    """(A, H, g, lower, upper), feasible, with the free minimiser `pull` times the box."""
+    """(A, H, g, lower, upper), feasible; `pull` is the size of the unconstrained minimiser."""
     rng = np.random.default_rng(seed)
     A = rng.normal(size=(ROWS, NZ))
     A /= np.linalg.norm(A, axis=1)[:, None]
@@ -69,7 +69,7 @@ def test_constrained_optimum(seed, pull, slack):
     result = solve(*program)
     assert result.status is QpStatus.EXCHANGED and result.iterations == 0
     np.testing.assert_allclose(result.z, by_clarabel(*program), atol=1e-4)
-    # And from any guess, good or bad.
+    # Also from any guess, good or bad.
     qp = CondensedQp(program[0], 20_000)
     for guess in (result.active, np.random.default_rng(seed).integers(-1, 2, NZ + ROWS)):
         again = qp.solve(*program[1:], guess)
@@ -79,30 +79,29 @@ def test_constrained_optimum(seed, pull, slack):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_active_bounds_are_those_that_hold_the_answer(seed):
+def test_active_set_satisfies_the_optimality_conditions(seed):
     A, H, g, lower, upper = random_program(seed, pull=2.0, slack=0.3)
     result = solve(A, H, g, lower, upper)
     value = np.concatenate([result.z, A @ result.z])
     high, low = np.concatenate([np.ones(NZ), upper]), np.concatenate([-np.ones(NZ), lower])
     np.testing.assert_allclose(value[result.active > 0], high[result.active > 0], atol=1e-7)
     np.testing.assert_allclose(value[result.active < 0], low[result.active < 0], atol=1e-7)
-    pull = -(H @ result.z + g)  # Made up by the prices of those bounds, each with its sign.
+    gradient = H @ result.z + g
     normals = np.vstack([np.eye(NZ), A])[result.active != 0]
-    prices = np.linalg.lstsq(normals.T, pull, rcond=None)[0]
-    np.testing.assert_allclose(normals.T @ prices, pull, atol=1e-6)
-    assert np.all(prices * result.active[result.active != 0] > -1e-6)
+    multipliers = np.linalg.lstsq(normals.T, -gradient, rcond=None)[0]
+    np.testing.assert_allclose(normals.T @ multipliers, -gradient, atol=1e-6)
+    assert np.all(multipliers * result.active[result.active != 0] > -1e-6)
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_unconstrained_optimum_is_the_constrained_one(seed):
-    """Where no bound is active the shortcut says what a solver would."""
+def test_unconstrained_minimiser_is_the_solution_if_no_bound_is_active(seed):
     A, H, g, _, _ = random_program(seed, pull=0.9, slack=1.0)
     free = -np.linalg.solve(H, g)
     lower, upper = A @ free - 0.1, A @ free + 0.1
     result = solve(A, H, g, lower, upper)
     assert result.status is QpStatus.UNCONSTRAINED and result.iterations == 0
     np.testing.assert_allclose(result.z, by_clarabel(A, H, g, lower, upper), atol=1e-6)
-    # A bound that cuts it off brings the solver in.
+    # A bound that excludes it.
     upper[0] = A[0] @ free - 1e-2
     cut = solve(A, H, g, lower, upper)
     assert cut.status is QpStatus.EXCHANGED
@@ -110,7 +109,7 @@ def test_unconstrained_optimum_is_the_constrained_one(seed):
 
 
 @pytest.mark.parametrize("bound", ["lower", "upper", "box"])
-def test_each_kind_of_bound_ends_the_shortcut(bound):
+def test_each_kind_of_bound_excludes_the_unconstrained_minimiser(bound):
     A, H, g = np.eye(2), np.eye(2), np.array([0.0, -0.5])
     lower, upper = np.array([-2.0, -2.0]), np.array([2.0, 2.0])
     if bound == "lower":
@@ -125,8 +124,8 @@ def test_each_kind_of_bound_ends_the_shortcut(bound):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_rows_out_of_reach_change_nothing(seed):
-    """A row that no z in the box can violate is as good as none."""
+def test_redundant_constraints_change_nothing(seed):
+    """A row that no z in the box violates has the effect of an infinite bound."""
     A, H, g, lower, upper = random_program(seed, pull=2.0, slack=0.3)
     reach = np.abs(A).sum(axis=1)
     loose_lower, loose_upper = lower.copy(), upper.copy()
@@ -138,7 +137,7 @@ def test_rows_out_of_reach_change_nothing(seed):
     np.testing.assert_allclose(bounded.z, by_clarabel(A, H, g, loose_lower, loose_upper), atol=1e-4)
 
 
-def test_infeasible_programs_fail():
+def test_infeasible_programs_are_not_solved():
     A, H, g, lower, upper = random_program(0, pull=2.0, slack=0.3)
     A[1] = A[0]
     lower[0], upper[0], lower[1], upper[1] = 0.3, 0.4, -0.4, -0.3
@@ -155,7 +154,7 @@ def test_infeasible_programs_fail():
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 @pytest.mark.parametrize("place", ["H", "g", "lower", "upper"])
-def test_numbers_that_are_none_fail(value, place):
+def test_nan_or_infinite_inputs_are_not_solved(value, place):
     A, H, g, lower, upper = random_program(0, pull=2.0, slack=0.3)
     program = {"H": H, "g": g, "lower": lower, "upper": upper}
     program[place][0] = -value if place == "upper" else value
@@ -165,20 +164,20 @@ def test_numbers_that_are_none_fail(value, place):
     np.testing.assert_array_equal(result.z, 0)
 
 
-def test_costs_without_a_minimum_fail():
+def test_indefinite_costs_are_not_solved():
     A, H, g, lower, upper = random_program(0, pull=2.0, slack=0.3)
     assert solve(A, H - 1e3 * np.eye(NZ), g, lower, upper).status is QpStatus.NON_FINITE
 
 
-def test_few_iterations_are_enough_to_tell_the_active_bounds(monkeypatch):
-    """OSQP is asked where the first exchange is made to fail."""
+def test_active_set_from_few_osqp_iterations_is_solved_exactly(monkeypatch):
+    """OSQP is called because the first active-set solution is made to fail."""
     calls = itertools.count()
 
     def every_other(*arguments):
         is_first = next(calls) % 2 == 0
-        return (False, *arguments[1:3]) if is_first else exchange_active_set(*arguments)
+        return (failing if is_first else solve_active_set)(*arguments)
 
-    monkeypatch.setattr(qp, "exchange_active_set", every_other)
+    monkeypatch.setattr(qp, "solve_active_set", every_other)
     for seed in range(40):
         program = random_program(seed, pull=2.0, slack=10.0)
         result = solve(*program, max_iterations=50)
@@ -186,8 +185,8 @@ def test_few_iterations_are_enough_to_tell_the_active_bounds(monkeypatch):
         np.testing.assert_allclose(result.z, by_clarabel(*program), atol=1e-4)
 
 
-def test_the_iteration_limit_is_told_and_keeps_only_what_is_nearly_solved(without_exchange):
-    """Without exact active bounds, an answer is near the optimum and called inaccurate, or none."""
+def test_osqp_iterate_is_used_if_it_is_near_the_optimum(without_active_set_method):
+    """Otherwise the status is ITERATION_LIMIT."""
     statuses = set()
     for seed in range(40):
         program = random_program(seed, pull=2.0, slack=10.0)
@@ -201,30 +200,30 @@ def test_the_iteration_limit_is_told_and_keeps_only_what_is_nearly_solved(withou
     assert statuses == {QpStatus.INACCURATE, QpStatus.ITERATION_LIMIT}
 
 
-@pytest.mark.parametrize("budget", [1, 40, 2000])
-def test_a_budget_is_all_there_is(budget):
-    """However easy the program: what OSQP has by then counts if it is near the optimum."""
+@pytest.mark.parametrize("limit", [1, 40, 2000])
+def test_osqp_alone_keeps_its_iteration_limit(limit):
+    """Easy programs are not solved otherwise, and an iterate is used if it is near the optimum."""
     statuses = set()
     for seed in range(20):
         A, *program = random_program(seed, pull=2.0, slack=10.0)
-        result = CondensedQp(A, 200).solve(*program, budget=budget)
+        result = CondensedQp(A, 200).solve_by_osqp(*program, limit)
         statuses.add(result.status)
-        assert result.iterations <= budget
-        if is_answer(result.status):
+        assert result.iterations <= limit
+        if is_solved(result.status):
             np.testing.assert_allclose(result.z, by_clarabel(A, *program), atol=0.05)
-    assert (QpStatus.ITERATION_LIMIT in statuses) == (budget < 2000)
-    assert (QpStatus.INACCURATE in statuses) == (budget > 1)
+    assert (QpStatus.ITERATION_LIMIT in statuses) == (limit < 2000)
+    assert (QpStatus.INACCURATE in statuses) == (limit > 1)
     assert statuses <= {QpStatus.INACCURATE, QpStatus.ITERATION_LIMIT}
 
 
-def test_answers_stay_in_the_box():
+def test_solutions_stay_in_the_box():
     for seed in range(20):
         result = solve(*random_program(seed, pull=5.0, slack=10.0))
         assert 1 - 1e-9 < np.abs(result.z).max() <= 1.0
 
 
-def test_the_same_object_solves_one_program_after_another():
-    """Nothing of an earlier program, be it infeasible, is left in the next one's answer."""
+def test_solutions_do_not_depend_on_earlier_programs():
+    """Even after an infeasible one."""
     A, *program = random_program(1, pull=2.0, slack=0.3)
     _, H, g, _, upper = random_program(2, pull=2.0, slack=0.3)
     qp = CondensedQp(A, 20_000)

@@ -1,21 +1,39 @@
-"""What one tick of the MPC, or of what stands in its place, is about."""
+"""Inputs and status of one tick of the MPC, or of a controller in its place."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from aerodrake.model.vehicle.kinematics import EndEffector, ToolAxis
 
+MISSED = 8
+"""Status of a tick that solved no program; the smaller numbers are those of `QpStatus`."""
+
+
+class TickStatus(NamedTuple):
+    """Status of the last tick, as controllers report it.
+
+    Attributes:
+        status: A `QpStatus`, or `MISSED`.
+        iterations: Iterations of OSQP.
+        ticks_since_solved: 0 if this tick solved its program.
+    """
+
+    status: float
+    iterations: float
+    ticks_since_solved: float
+
 
 @dataclass(frozen=True)
 class Pointing:
-    """The orientation task at one tick.
+    """Inputs of the orientation task at one tick.
 
     Attributes:
-        axis: The tool's, at the measured state.
-        reference: (N + 1, 6), its wanted direction d and d' [1/s], in the world, now
+        axis: The tool's axis at the measured state.
+        reference: (N + 1, 6), its desired direction d and d' [1/s], in the world, now
             and at each stage.
     """
 
@@ -25,7 +43,7 @@ class Pointing:
 
 @dataclass(frozen=True)
 class MpcInputs:
-    """What one tick is about.
+    """Measurements, reference and weights at one tick.
 
     Attributes:
         x_0: (nx,) state of the equivalent model.
@@ -34,8 +52,8 @@ class MpcInputs:
         rpy_rates: (3,) rad/s, measured rates of roll, pitch (the paper's xi_u) and yaw.
         reference: (N + 1, 6), p_Ed [m] and p_Ed' [m/s] now and at each stage.
         delta: (3,) m/s, residual velocity.
-        w_q, w_m, w_d: From the weight allocator.
-        pointing: None where the tool may point where it likes.
+        w_q, w_m, w_d: Factors from the weight allocator.
+        pointing: The orientation task; None without one.
     """
 
     x_0: np.ndarray
