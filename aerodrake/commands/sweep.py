@@ -90,7 +90,7 @@ def main(arguments: argparse.Namespace) -> int:
         try:
             with tqdm(
                 total=plan.trials,
-                initial=len(folder.flown),
+                initial=len(folder.recorded),
                 desc=scenario.name,
                 unit="trial",
                 disable=arguments.quiet,
@@ -105,7 +105,7 @@ def main(arguments: argparse.Namespace) -> int:
 
                 sweep(folder, executor, progress)
         except (KeyboardInterrupt, ProcessDied):
-            done = f"{len(folder.flown)} of {plan.trials} trials are in {target}"
+            done = f"{len(folder.recorded)} of {plan.trials} trials are in {target}"
             print(f"aerodrake: {done}; to go on: {_resume(arguments, target)}", file=sys.stderr)
             raise
         summary = write_report(folder)

@@ -1,1 +1,1 @@
-"""Many flights of varied scenarios."""
+"""Many flights of a scenario with varied keys."""

@@ -1,4 +1,4 @@
-"""Calls in a process apart, which is there for the next one, but not for ever."""
+"""Function calls in child processes that are reused."""
 
 from __future__ import annotations
 
@@ -20,38 +20,37 @@ from aerodrake.support.processes import cause_of_death
 Result = TypeVar("Result")
 
 MOST_CALLS = 40
-"""Of one child. Drake's diagrams are never collected, at 7 MB each, and a new child takes 4 s."""
+"""Calls per child. Each leaks a Drake diagram of 7 MB, and a new child takes 4 s to start."""
 
 IDLE_S = 60.0
-"""A child that was not called for so long ends: whose caller lives on, in a cluster say."""
+"""s without a call after which a child ends, even if its caller lives on."""
 
-BEGUN = None
-"""What a child says once it has imported what it is to call."""
+STARTED = None
+"""Message of a child that has imported the function and now calls it."""
 
 _own = threading.local()
 _children: set[_Child] = set()
 
 
-class NeverBegan(ProcessDied):
-    """A child died before it came to what it was called for."""
+class DiedBeforeCall(ProcessDied):
+    """A child process that died before it called the function."""
 
 
-def apart(function: Callable[..., Result], *arguments: Any) -> Result:
-    """Calls a function in a child process, of which each thread that calls has one.
+def call_in_child(function: Callable[..., Result], *arguments: Any) -> Result:
+    """Calls a function in the child process of the calling thread.
 
-    A child takes `MOST_CALLS` calls; then another takes its place. It ends with this
-    process, however that ends. Unlike those of `multiprocessing` it can be had by a
-    process that is a daemon itself, as a cluster's workers are, and does not import the
-    caller's main module.
+    A child is replaced after `MOST_CALLS` calls, and ends with this process, however that ends.
+    Unlike a process of `multiprocessing`, a daemon can start it, such as a worker of a cluster,
+    and it does not import the caller's main module.
 
     Args:
-        function: Importable by name; it, its arguments and what it returns are pickled.
-        arguments: What to call it with.
+        function: Importable by name; function, arguments and result are pickled.
+        arguments: Positional arguments of the function.
 
     Raises:
-        ProcessDied: if the child did; `NeverBegan` if it was not yet in the function.
-        OSError: if there is no process to be had.
-        Exception: what the function raises.
+        ProcessDied: if the child dies; `DiedBeforeCall` if it has not yet called the function.
+        OSError: if no process can be started.
+        Exception: as raised by the function.
     """
     child = getattr(_own, "child", None)
     if child is None or child.is_spent:
@@ -62,65 +61,65 @@ def apart(function: Callable[..., Result], *arguments: Any) -> Result:
     return result
 
 
-def end_children() -> None:
-    """Ends all children of this process at once, whatever they do: their calls raise."""
+def kill_children() -> None:
+    """Kills all children of this process; calls in progress raise ProcessDied."""
     for child in list(_children):
         child.kill()
 
 
 class _Child:
-    """A process that waits for calls, as its parent's end of a pipe."""
+    """Child process that executes calls, and the parent's end of the pipe to it."""
 
     def __init__(self):
-        self._pipe, theirs = Pipe()
-        # Where this process finds its modules the child does.
-        path = os.pathsep.join(place or os.getcwd() for place in sys.path)
-        with theirs:
+        self._pipe, remote = Pipe()
+        # The child imports modules from the same folders.
+        path = os.pathsep.join(folder or os.getcwd() for folder in sys.path)
+        with remote:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "aerodrake.sweeps.child", str(theirs.fileno())],
-                pass_fds=[theirs.fileno()],
+                [sys.executable, "-P", "-m", "aerodrake.sweeps.child", str(remote.fileno())],
+                pass_fds=[remote.fileno()],
                 env={**os.environ, "PYTHONPATH": path},
                 stdin=subprocess.DEVNULL,
-                process_group=0,  # Ctrl-C is for the parent.
+                process_group=0,  # Ctrl-C goes to the parent alone.
             )
         self._calls = 0
         _children.add(self)
 
     @property
     def is_spent(self) -> bool:
-        """Whether it takes no more calls."""
+        """Returns True if the child takes no more calls."""
         if self._process.poll() is not None:
             _children.discard(self)
         return self not in _children
 
     def call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-        """(result, None) or (None, error) of one call."""
+        """Returns (result, None) or (None, error) of one call."""
         self._calls += 1
-        has_begun = False
+        has_started = False
         try:
             self._pipe.send((function, arguments))
             outcome = self._pipe.recv()
-            if has_begun := outcome is BEGUN:
+            if has_started := outcome is STARTED:
                 outcome = self._pipe.recv()
         except (EOFError, OSError):
             self.kill()
             cause = f"its process died of {cause_of_death(self._process.returncode)}"
-            if has_begun:
+            if has_started:
                 raise ProcessDied(cause) from None
-            raise NeverBegan(f"{cause} before it began") from None
+            raise DiedBeforeCall(f"{cause} before the call") from None
         if self._calls == MOST_CALLS:
             self.kill()
         return outcome
 
     def kill(self) -> None:
-        """Ends it, if it has not ended."""
+        """Kills the process if it is alive."""
         self._process.kill()
         self._process.wait()
         _children.discard(self)
 
 
 def main(pipe: Connection) -> None:
-    """Takes calls until none comes any more, or nobody is there to call."""
+    """Executes calls until the parent ends, or no call comes for `IDLE_S`."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
 
@@ -128,7 +127,7 @@ def main(pipe: Connection) -> None:
         with contextlib.suppress(EOFError, OSError):
             while True:
                 calls.put(pipe.recv_bytes())
-        os._exit(1)  # Whoever called is gone.
+        os._exit(1)  # The parent has ended.
 
     threading.Thread(target=read, daemon=True).start()
     while True:
@@ -138,7 +137,7 @@ def main(pipe: Connection) -> None:
             return
         try:
             function, arguments = pickle.loads(call)
-            pipe.send(BEGUN)
+            pipe.send(STARTED)
             outcome = function(*arguments), None
         except Exception as error:
             outcome = None, error

@@ -1,4 +1,4 @@
-"""A Dask cluster as an executor."""
+"""Executor of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -12,23 +12,22 @@ from aerodrake.support.errors import BadInput
 
 SCHEDULER = "--scheduler"
 
-PATIENCE_S = 10.0
-"""For the scheduler's answer."""
+TIMEOUT_S = 10.0
+"""s, timeout of the connection to the scheduler."""
 
 
 @contextmanager
 def cluster(address: str) -> Iterator[Executor]:
-    """An executor that is a Dask cluster which is there already; it lives on.
+    """Yields an executor of a running Dask cluster, which keeps running afterwards.
 
-    Its workers fly in children of theirs: one for each thread, which ends when
-    it has had nothing to do for a minute.
+    Each thread of its workers flies in a child process, which ends after a minute without calls.
 
     Args:
-        address: Of the scheduler, such as tcp://127.0.0.1:8786.
+        address: Address of the scheduler, such as tcp://127.0.0.1:8786.
 
     Raises:
-        BadInput: if `distributed` is not installed, nobody answers, or a worker
-            has another version of aerodrake, or none.
+        BadInput: if `distributed` is not installed, the scheduler does not respond, or a worker
+            does not have this version of aerodrake.
     """
     try:
         from distributed import Client
@@ -36,32 +35,32 @@ def cluster(address: str) -> Iterator[Executor]:
     except ImportError:
         message = "expected the extra [cluster]: pip install 'aerodrake[cluster]'"
         raise BadInput(SCHEDULER, "", message) from None
-    for logger in ("distributed", "distributed.client"):  # What happens is told here, once.
+    for logger in ("distributed", "distributed.client"):  # Errors are reported below.
         logging.getLogger(logger).setLevel(logging.CRITICAL)
     try:
-        get_address_host_port(address)  # A client that was made of a bad one does not end.
-        client = Client(address, timeout=PATIENCE_S, set_as_default=False)
+        get_address_host_port(address)  # A client of an invalid address never ends.
+        client = Client(address, timeout=TIMEOUT_S, set_as_default=False)
     except (OSError, ValueError, NotImplementedError) as error:
-        reason = f"expected the address of a Dask scheduler: no answer from {address}: {error}"
+        reason = f"expected the address of a Dask scheduler: no response from {address}: {error}"
         raise BadInput(SCHEDULER, "", reason) from None
     try:
         _check_workers(client)
         yield client.get_executor(pure=False)
     finally:
-        client.close(timeout=PATIENCE_S)
+        client.close(timeout=TIMEOUT_S)
 
 
 def installed() -> str:
-    """The version of aerodrake where this is called."""
+    """Returns the version of aerodrake on the machine that calls this."""
     return version("aerodrake")
 
 
 def _check_workers(client) -> None:
     try:
-        found = client.run(installed, on_error="return")
-    except Exception as error:  # As many kinds as there are ways to be disconnected.
-        raise BadInput(SCHEDULER, "", f"expected workers that answer: {error}") from None
-    for worker, answer in found.items():
-        if answer != installed():
-            expected = f"expected aerodrake {installed()} on worker {worker}, got {answer!r}"
+        versions = client.run(installed, on_error="return")
+    except Exception as error:  # Lost connections raise many types.
+        raise BadInput(SCHEDULER, "", f"expected workers that respond: {error}") from None
+    for worker, version_there in versions.items():
+        if version_there != installed():
+            expected = f"expected aerodrake {installed()} on worker {worker}, got {version_there!r}"
             raise BadInput(SCHEDULER, "", expected)

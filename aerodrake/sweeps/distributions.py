@@ -1,4 +1,4 @@
-"""From what the values of a scenario's key are taken, and how a person writes it."""
+"""Distributions of the values of a scenario's key, and their notation."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from aerodrake.support.errors import BadInput, nearest
 VARY = "--vary"
 
 MOST_STEPS = 100_000
-"""Of a grid along one key."""
+"""Largest number of values of a grid along one key."""
 
 
 @dataclass(frozen=True)
 class Uniform:
-    """Any number from `low` to `high`, each as likely.
+    """Uniform distribution from `low` to `high`.
 
     Raises:
-        ValueError: with what was expected instead.
+        ValueError: with the expected arguments.
     """
 
     low: float
@@ -40,20 +40,20 @@ class Uniform:
 
     @property
     def probes(self) -> tuple[float, ...]:
-        """Values that are valid for a key if all are."""
+        """Returns the ends: if they are valid for a key, all values are."""
         return self.low, self.high
 
     def draw(self, rng: np.random.Generator) -> float:
-        """One value."""
+        """Draws one value."""
         return float(rng.uniform(self.low, self.high))
 
 
 @dataclass(frozen=True)
 class Normal:
-    """Numbers around `mean`, most of them no further than `deviation`.
+    """Normal distribution of mean `mean` and standard deviation `deviation`.
 
     Raises:
-        ValueError: with what was expected instead.
+        ValueError: with the expected arguments.
     """
 
     mean: float
@@ -70,20 +70,20 @@ class Normal:
 
     @property
     def probes(self) -> tuple[float, ...]:
-        """The mean: a value far from it may be out of a key's range."""
+        """Returns the mean; values far from it may be out of the key's range."""
         return (self.mean,)
 
     def draw(self, rng: np.random.Generator) -> float:
-        """One value."""
+        """Draws one value."""
         return float(rng.normal(self.mean, self.deviation))
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One of some values, each as likely: numbers, words, truth values, or lists of numbers.
+    """Equally likely values: numbers, words, booleans, or lists of numbers.
 
     Raises:
-        ValueError: with what was expected instead.
+        ValueError: with the expected arguments.
     """
 
     values: tuple[Any, ...]
@@ -99,20 +99,20 @@ class Choice:
 
     @property
     def probes(self) -> tuple[Any, ...]:
-        """All of them."""
+        """Returns all values."""
         return self.values
 
     def draw(self, rng: np.random.Generator) -> Any:
-        """One value."""
+        """Draws one value."""
         return self.values[int(rng.integers(len(self.values)))]
 
 
 @dataclass(frozen=True)
 class Linspace:
-    """A grid: `count` numbers at even distances, from `low` to `high`.
+    """Grid of `count` evenly spaced numbers from `low` to `high`.
 
     Raises:
-        ValueError: with what was expected instead.
+        ValueError: with the expected arguments.
     """
 
     low: float
@@ -131,13 +131,13 @@ class Linspace:
 
     @property
     def probes(self) -> tuple[float, ...]:
-        """The ends, and the one after the first, which tells whether all are whole numbers."""
+        """Returns the ends, and the second value, which is whole only if all values are."""
         return self.value(0), self.value(1), self.value(self.count - 1)
 
     def value(self, index: int) -> float:
-        """One of them, by its place in the grid."""
-        share = index / (self.count - 1)
-        return float(self.low * (1 - share) + self.high * share)
+        """Returns the value at an index of the grid."""
+        fraction = index / (self.count - 1)
+        return float(self.low * (1 - fraction) + self.high * fraction)
 
 
 Distribution = Uniform | Normal | Choice | Linspace
@@ -154,20 +154,20 @@ def parse_distribution(text: str, key: str) -> Distribution:
     """Reads `uniform(0, 2)` and the like.
 
     Args:
-        text: What a person wrote.
-        key: The scenario's key that it is for, named in errors.
+        text: Distribution as typed.
+        key: Key of the scenario, named in errors.
 
     Raises:
-        BadInput: that names `--vary`, the key and what was expected.
+        BadInput: with `--vary`, the key and the expected form.
     """
-    found = re.fullmatch(r"\s*(\w+)\s*\((.*)\)\s*", text)
-    if not found:
+    match = re.fullmatch(r"\s*(\w+)\s*\((.*)\)\s*", text)
+    if not match:
         forms = ", ".join(kind.form for kind in KINDS.values())
         raise BadInput(VARY, key, f"expected one of {forms}, got '{text}'")
-    name, inside = found.groups()
+    name, arguments = match.groups()
     if name not in KINDS:
         raise BadInput(VARY, key, f"no such distribution '{name}'; {nearest(name, KINDS)}")
-    kind, values = KINDS[name], parse(f"[{inside}]", VARY, key)
+    kind, values = KINDS[name], parse(f"[{arguments}]", VARY, key)
     try:
         return Choice(tuple(values)) if kind is Choice else kind(*values)
     except (TypeError, ValueError) as error:
@@ -176,7 +176,7 @@ def parse_distribution(text: str, key: str) -> Distribution:
 
 
 def make_rng(seed: int, trial: int, key: str) -> np.random.Generator:
-    """What a key's value of a trial is drawn by: a function of these three and of nothing else."""
+    """Returns the random generator of a key in a trial, a function of these three alone."""
     return np.random.default_rng(np.random.SeedSequence([seed, trial, *key.encode()]))
 
 

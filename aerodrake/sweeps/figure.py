@@ -1,4 +1,4 @@
-"""The figure of a sweep: how the error is spread, and against each key that is varied."""
+"""Figure of a sweep: distribution of the error, and error against each varied key."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ COLUMNS, MOST_PANELS = 3, 12
 PANEL_IN = (4.6, 3.4)
 POINTS: dict[str, Any] = {"linestyle": "", "marker": ".", "alpha": 0.6, "color": INK}
 ENDED: dict[str, Any] = {"linestyle": "", "marker": "x", "color": ACCENT}
-MOST_PLACES = 8
-"""Numbers that are drawn side by side."""
+MOST_CATEGORIES = 8
+"""Largest number of distinct numbers that are drawn as categories."""
 TOP = 0.95
-"""Where those that were not completed are, as a share of a panel's height."""
+"""Height of the marks of flights that were not completed, as a fraction of the panel."""
 
 
 def plot_sweep(outcomes: Outcomes, title: str, path: Path) -> None:
     """Writes the figure.
 
     Args:
-        outcomes: Of the sweep's rows.
+        outcomes: Outcomes of the trials.
         title: Plain text.
-        path: A PNG.
+        path: PNG file to write.
     """
     names = list(outcomes.parameters)[: MOST_PANELS - 1]
     columns = min(COLUMNS, 1 + len(names))
@@ -54,13 +54,13 @@ def plot_sweep(outcomes: Outcomes, title: str, path: Path) -> None:
 
 
 def _draw_distribution(axes: Axes, outcomes: Outcomes) -> None:
-    """The share of completed flights with so much error or less."""
+    """Draws the cumulative distribution of the error of completed flights."""
     error = 1e3 * np.sort(outcomes.error_m[outcomes.completed])
-    axes.set(xlabel=_label(outcomes), ylabel="share of completed flights", ylim=(0, 1.02))
+    axes.set(xlabel=_label(outcomes), ylabel="fraction of completed flights", ylim=(0, 1.02))
     if not len(error):
         return
-    share = np.arange(1, len(error) + 1) / len(error)
-    axes.step(np.append(error[0], error), np.append(0, share), where="post", color=INK)
+    fraction = np.arange(1, len(error) + 1) / len(error)
+    axes.step(np.append(error[0], error), np.append(0, fraction), where="post", color=INK)
     for quantile in (50, 90, 95):
         value = np.percentile(error, quantile)
         axes.axvline(value, color=ACCENT, linewidth=0.8)
@@ -68,27 +68,27 @@ def _draw_distribution(axes: Axes, outcomes: Outcomes) -> None:
 
 
 def _draw_parameter(axes: Axes, outcomes: Outcomes, name: str) -> None:
-    """Error against a key's values; few of them, and words, side by side with their medians."""
+    """Draws error against the values of a key; words and few numbers as categories with medians."""
     values, done = outcomes.parameters[name], outcomes.completed
     axes.set_xlabel(name, parse_math=False)
     axes.set_ylabel(_label(outcomes))
-    if are_numbers(values) and len({*values}) > MOST_PLACES:
+    if are_numbers(values) and len({*values}) > MOST_CATEGORIES:
         x = np.array(values, dtype=float)
     else:
-        places = {dump_line(v): v for v in values}
-        words = sorted(places, key=places.get) if are_numbers(values) else sorted(places)
+        by_word = {dump_line(v): v for v in values}
+        words = sorted(by_word, key=by_word.get) if are_numbers(values) else sorted(by_word)
         x = np.array([words.index(dump_line(value)) for value in values], dtype=float)
         axes.set_xticks(range(len(words)), [word[:20] for word in words], parse_math=False)
-        for place in range(len(words)):
-            here = outcomes.error_m[(x == place) & done]
-            if len(here):
-                axes.plot(place, 1e3 * np.median(here), "_", color=ACCENT, markersize=24)
+        for category in range(len(words)):
+            error = outcomes.error_m[(x == category) & done]
+            if len(error):
+                axes.plot(category, 1e3 * np.median(error), "_", color=ACCENT, markersize=24)
     axes.plot(x[done], 1e3 * outcomes.error_m[done], **POINTS)
     ended = x[~done]
     axes.plot(ended, np.full(len(ended), TOP), transform=axes.get_xaxis_transform(), **ENDED)
     axes.margins(y=0.15)
-    if found := outcomes.correlation(name):
-        axes.set_title(f"rank correlation {found[0]:+.2f}", fontsize=9, color=INK)
+    if correlation := outcomes.correlation(name):
+        axes.set_title(f"rank correlation {correlation[0]:+.2f}", fontsize=9, color=INK)
 
 
 def _label(outcomes: Outcomes) -> str:

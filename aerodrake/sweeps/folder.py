@@ -1,4 +1,4 @@
-"""The folder of a sweep: its plan, a row for each trial that has ended, and what came of them."""
+"""Folder of a sweep: its plan, a row for each trial that has ended, and the results."""
 
 from __future__ import annotations
 
@@ -22,57 +22,57 @@ from aerodrake.sweeps.plan import Plan
 ROWS, TIMINGS = "trials.jsonl", "timings.jsonl"
 SUMMARY, FIGURE = "sweep_summary.json", "sweep.png"
 FILES = (SCENARIO, PLAN, ROWS, TIMINGS, SUMMARY, FIGURE)
-"""What a finished sweep leaves behind; an unfinished one has no summary."""
+"""Files of a finished sweep; an unfinished one has no summary."""
 
 
 class SweepFolder:
-    """Where the rows of a sweep go, one after another.
+    """Folder to which the rows of a sweep are appended.
 
     Attributes:
-        path: The folder.
-        plan: What is flown: the scenario is the folder's own.
-        flown: The trials that have a row.
+        path: Path of the folder.
+        plan: Plan of the sweep, with the scenario that the folder contains.
+        recorded: Indices of the trials that have a row.
     """
 
     def __init__(self, path: Path, plan: Plan):
         self.path = path
         self.plan = replace(plan, scenario=load_scenario(str(path / SCENARIO)))
-        self.flown: set[int] = set()
+        self.recorded: set[int] = set()
         for name in (ROWS, TIMINGS):
             _drop_torn_line(path / name)
         for number, row in enumerate(read_rows(path), 1):
-            if row["trial"] in self.flown or not 0 <= row["trial"] < plan.trials:
+            if row["trial"] in self.recorded or not 0 <= row["trial"] < plan.trials:
                 raise BadInput(path / ROWS, "", f"line {number}: expected each trial once")
-            self.flown.add(row["trial"])
+            self.recorded.add(row["trial"])
 
     def append(self, row: dict[str, Any], timing: dict[str, Any] | None) -> None:
-        """Writes a trial's row to the disk, and how long it took.
+        """Writes the row and the timing of a trial to the disk.
 
         Raises:
-            BadInput: if it cannot.
+            BadInput: if they cannot be written.
         """
         with writing(self.path):
             _append(self.path / ROWS, row)
-            self.flown.add(row["trial"])
+            self.recorded.add(row["trial"])
             if timing:
                 _append(self.path / TIMINGS, timing)
 
 
 @contextmanager
 def sweep_folder(target: Path, plan: Plan, resumes: bool) -> Iterator[SweepFolder]:
-    """The folder of a sweep, which nobody else writes to meanwhile.
+    """Yields the folder of a sweep, locked against other sweeps.
 
-    A finished sweep in it is replaced as a whole, at once. One that is not finished goes
-    on if that is what is asked for; with as many trials as before, or more.
+    Without `resumes`, a finished sweep in the folder is replaced as a whole. With it, the sweep in
+    the folder is resumed, with the same number of trials or more.
 
     Args:
-        target: Where it is to be.
-        plan: What is to be flown.
-        resumes: Whether there is one, to go on.
+        target: Path of the folder.
+        plan: Plan of the sweep.
+        resumes: True to resume the sweep in the folder.
 
     Raises:
-        BadInput: if `target` cannot be written, holds something else, is in use by
-            another sweep, or has another plan.
+        BadInput: if `target` cannot be written, contains other files, is in use by another
+            sweep, or has another plan.
     """
     with contextlib.ExitStack() as locks:
         with writing(target):
@@ -87,10 +87,10 @@ def sweep_folder(target: Path, plan: Plan, resumes: bool) -> Iterator[SweepFolde
 
 
 def read_rows(path: Path) -> Iterator[dict[str, Any]]:
-    """The rows of a sweep's folder, in the order in which its trials ended.
+    """Yields the rows of a sweep's folder, in the order in which its trials ended.
 
     Raises:
-        BadInput: if one is none.
+        BadInput: if a line is not a row.
     """
     with open(path / ROWS, encoding="utf-8", errors="replace") as lines:
         for number, line in enumerate(lines, 1):
@@ -105,32 +105,32 @@ def read_rows(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def _are_figures(error: object) -> bool:
-    """Whether it is what rows have as `error`: numbers by name, or none."""
+    """Returns True if `error` is a mapping of names to numbers or null."""
     return isinstance(error, dict) and all(
         figure is None or type(figure) in (int, float) for figure in error.values()
     )
 
 
 def _begin(target: Path, plan: Plan, locks: contextlib.ExitStack) -> None:
-    """A new sweep's folder, in the place of a finished one if there is one."""
+    """Creates the folder of a new sweep, or replaces that of a finished one."""
     is_new = not target.exists()
     target.mkdir(parents=True, exist_ok=True)
     try:
         with contextlib.ExitStack() as earlier:
             _lock(target, earlier)
             if (target / PLAN).is_file() and not (target / SUMMARY).is_file():
-                message = f"{target} holds a sweep that is not finished; --resume goes on with it"
+                message = f"{target} contains an unfinished sweep; --resume continues it"
                 raise BadInput("--out", "", message)
             with run_folder(target, FILES) as folder:
                 save_scenario(plan.scenario, folder)
                 (folder / PLAN).write_text(_plan_text(plan), encoding="utf-8")
                 for name in (ROWS, TIMINGS):
                     (folder / name).touch()
-                # Before it has its place, so that nobody comes in between.
+                # Before the folder gets its name, so that no other sweep can lock it first.
                 _lock(folder, locks)
     except BaseException:
         if is_new:
-            with contextlib.suppress(OSError):  # Unless there is something in it.
+            with contextlib.suppress(OSError):  # If it is not empty.
                 target.rmdir()
         raise
 
@@ -148,7 +148,7 @@ def _plan_text(plan: Plan) -> str:
 
 @contextmanager
 def writing(target: Path) -> Iterator[None]:
-    """Within it a folder that cannot be written is bad input."""
+    """Raises BadInput in place of errors of writing to `target`."""
     try:
         yield
     except (OSError, ValueError) as error:
@@ -157,7 +157,7 @@ def writing(target: Path) -> Iterator[None]:
 
 
 def _lock(folder: Path, locks: contextlib.ExitStack) -> None:
-    """Until `locks` are closed, or this process ends."""
+    """Locks the folder until `locks` are closed or this process ends."""
     if not folder.is_dir():
         raise BadInput("--resume", "", f"expected the folder of a sweep, got {folder}")
     lock = os.open(folder, os.O_RDONLY)
@@ -167,7 +167,7 @@ def _lock(folder: Path, locks: contextlib.ExitStack) -> None:
     except BlockingIOError:
         raise BadInput("--out", "", f"another sweep writes to {folder}") from None
     except OSError:
-        return  # Of a file system without locks.
+        return  # The file system has no locks.
     if not os.path.samestat(os.fstat(lock), os.stat(folder)):
         raise BadInput("--out", "", f"another sweep writes to {folder}")
 
@@ -181,6 +181,6 @@ def _append(path: Path, row: dict[str, Any]) -> None:
 
 
 def _drop_torn_line(path: Path) -> None:
-    """The last one, if its process was killed while it wrote it."""
+    """Removes the last line if it is incomplete, because its process was killed."""
     with open(path, "rb+") as file:
         file.truncate(sum(len(line) for line in file if line.endswith(b"\n")))

@@ -1,4 +1,4 @@
-"""Whether the sweep that a folder holds is the one that is asked for."""
+"""Comparison of the sweep in a folder with a plan, before it is resumed."""
 
 from __future__ import annotations
 
@@ -17,53 +17,52 @@ from aerodrake.sweeps.distributions import Distribution, Linspace, parse_distrib
 from aerodrake.sweeps.plan import Plan
 
 SCENARIO, PLAN = "scenario.yaml", "sweep.json"
-"""The files that tell what is flown; the scenario's own are beside them."""
+"""Files that define a sweep, beside the files that the scenario names."""
 
 MAX_BYTES = 10_000_000
 
 
 def check_same(target: Path, plan: Plan) -> None:
-    """Whether the sweep in a folder is that of a plan, but for more trials.
+    """Checks that a folder contains the sweep of a plan, which may have more trials.
 
     Args:
-        target: The sweep's folder.
-        plan: What is asked for.
+        target: Folder of the sweep.
+        plan: Plan to compare with.
 
     Raises:
-        BadInput: if it is none, or another one: with the first key that differs.
-        OSError: if it cannot be read.
+        BadInput: if the folder contains no sweep, or another one: with the first key that differs.
+        OSError: if the folder cannot be read.
     """
-    found = _read_plan(target)
-    ours = _flat(found) | {"vary": _grid(found["vary"])}
+    stored = _read_plan(target)
+    ours = _flat(stored) | {"vary": _grid(stored["vary"])}
     with tempfile.TemporaryDirectory() as temporary:
-        asked = Path(temporary)
-        save_scenario(plan.scenario, asked)
-        ours = _described(target) | ours
-        wanted = {**plan.as_mapping(), "vary": plan.vary}
-        theirs = _described(asked) | _flat(wanted) | {"vary": _grid(plan.vary)}
-        files = {p.relative_to(f) for f in (target, asked) for p in f.glob("inputs*/**/*")}
+        saved = Path(temporary)
+        save_scenario(plan.scenario, saved)
+        ours = _read_scenario(target) | ours
+        mapping = {**plan.as_mapping(), "vary": plan.vary}
+        theirs = _read_scenario(saved) | _flat(mapping) | {"vary": _grid(plan.vary)}
+        files = {p.relative_to(f) for f in (target, saved) for p in f.glob("inputs*/**/*")}
         for file in sorted(files):
-            if not all((f / file).is_dir() for f in (target, asked)):
-                ours[str(file)], theirs[str(file)] = (_content(f / file) for f in (target, asked))
+            if not all((f / file).is_dir() for f in (target, saved)):
+                ours[str(file)], theirs[str(file)] = (_content(f / file) for f in (target, saved))
     if ours["trials"] < theirs["trials"]:
         del ours["trials"], theirs["trials"]
     for key in {**ours, **theirs}:
         if ours.get(key) != theirs.get(key):
-            mine, asked_for = (_shown(values.get(key)) for values in (ours, theirs))
-            message = f"the sweep in {target} has {mine}, not {asked_for}"
-            raise BadInput("--resume", key, message)
+            own, other = (_shown(values.get(key)) for values in (ours, theirs))
+            raise BadInput("--resume", key, f"the sweep in {target} has {own}, not {other}")
 
 
 def _grid(vary: Mapping[str, Distribution]) -> list[str]:
-    """The keys of a grid, whose order is that of its trials."""
+    """Returns the keys of a grid, whose order determines that of the trials."""
     return [key for key, distribution in vary.items() if isinstance(distribution, Linspace)]
 
 
 def _read_plan(target: Path) -> dict[str, Any]:
-    """With the distributions themselves, which can be written in more than one way."""
+    """Returns the plan with parsed distributions, since their notation is not unique."""
     path = target / PLAN
     if not path.is_file():
-        raise BadInput("--resume", "", f"{target} holds no sweep")
+        raise BadInput("--resume", "", f"{target} contains no sweep")
     try:
         plan = json.loads(read_bounded(path, MAX_BYTES))
         if isinstance(plan["trials"], int):
@@ -74,26 +73,27 @@ def _read_plan(target: Path) -> dict[str, Any]:
     raise BadInput(path, "", "expected the plan of a sweep")
 
 
-def _described(folder: Path) -> dict[str, Any]:
+def _read_scenario(folder: Path) -> dict[str, Any]:
     content = read_bounded(folder / SCENARIO, MAX_BYTES)
-    described = parse(content.decode(errors="replace"), folder / SCENARIO)
-    if not isinstance(described, dict):
+    scenario = parse(content.decode(errors="replace"), folder / SCENARIO)
+    if not isinstance(scenario, dict):
         raise BadInput(folder / SCENARIO, "", "expected the scenario of a sweep")
-    return _flat(described)
+    return _flat(scenario)
 
 
 def _flat(data: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    """Returns the values of nested mappings by dotted key."""
+    flat: dict[str, Any] = {}
     for key, value in data.items():
         if isinstance(value, dict):
-            found |= _flat(value, f"{prefix}{key}.")
+            flat |= _flat(value, f"{prefix}{key}.")
         else:
-            found[f"{prefix}{key}"] = value
-    return found
+            flat[f"{prefix}{key}"] = value
+    return flat
 
 
 def _content(file: Path) -> str:
-    """Told by its SHA-256."""
+    """Returns a label of a file's content, from its SHA-256."""
     if not file.is_file():
         return "no such file"
     return f"content {hashlib.sha256(file.read_bytes()).hexdigest()[:16]}"

@@ -1,4 +1,4 @@
-"""What came of a sweep: how its flights ended, and how large their errors were."""
+"""Outcomes of a sweep: exit reasons and errors of its flights."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.trial import FAILURES
 
 FEWEST = 3
-"""Trials of which there is a rank correlation."""
+"""Smallest number of trials for a rank correlation."""
 
 
 @dataclass(frozen=True)
 class Outcomes:
-    """What the rows of a sweep say, one element a trial, in their order.
+    """Outcomes of T trials, in the order of their indices.
 
     Attributes:
-        trials: (T,) their indices.
-        endings: How each flight ended.
-        error_m: (T,) m, the headline error of each; nan where the flight was not completed.
-        parameters: The values of each key that is varied.
-        key: Of a row's `error`: which of them it is.
+        trials: (T,) index of each trial.
+        endings: Exit reason of each trial.
+        error_m: (T,) m, headline error of each trial; NaN if the flight was not completed.
+        parameters: Values of each varied key.
+        key: Key of the headline error in a row's `error`.
     """
 
     trials: np.ndarray
@@ -39,7 +39,10 @@ class Outcomes:
 
     @classmethod
     def read(cls, folder: Path, plan: Plan) -> Outcomes:
-        """From the rows of a sweep's folder: the first headline that each completed flight has."""
+        """Reads the rows of a sweep's folder.
+
+        The headline is the first of `HEADLINES` that all completed flights have.
+        """
         trials, endings = [], []
         errors: dict[str, list[float]] = {key: [] for key in HEADLINES}
         for trial, ending, error in sorted(_brief(folder), key=lambda brief: brief[0]):
@@ -58,19 +61,19 @@ class Outcomes:
 
     @property
     def completed(self) -> np.ndarray:
-        """(T,) which of them have an error."""
+        """Returns (T,) True for each completed flight."""
         return np.isfinite(self.error_m)
 
     def worst(self, most: int) -> list[int]:
-        """Places of the worst: those not completed, then those of the largest error."""
+        """Returns indices of the worst outcomes: not completed first, then by error, descending."""
         order = np.lexsort((self.trials, -np.nan_to_num(self.error_m, nan=np.inf)))
-        return [int(place) for place in order[:most]]
+        return [int(index) for index in order[:most]]
 
     def correlation(self, name: str) -> tuple[float, float] | None:
-        """Spearman's rank correlation of a key with the error, and its p-value.
+        """Returns Spearman's rank correlation of a key with the error, and its p-value.
 
-        Of all flights: those that were not completed have the worst rank.
-        None if the key's values are no numbers, or they or the errors are all the same.
+        Flights that were not completed have the worst rank. Returns None if the key's values are
+        not numbers, if they or the errors are all equal, or if there are too few flights.
         """
         values = self.parameters[name]
         if not are_numbers(values):
@@ -80,17 +83,17 @@ class Outcomes:
         y = np.where(np.isfinite(y), y, np.inf)
         if len(x) < FEWEST or min(len(np.unique(x)), len(np.unique(y))) == 1:
             return None
-        found = spearmanr(x, y)
-        return float(found.statistic), float(found.pvalue)
+        result = spearmanr(x, y)
+        return float(result.statistic), float(result.pvalue)
 
 
 def are_numbers(values: Sequence[Any]) -> bool:
-    """Whether values of a key have an order and distances."""
+    """Returns True if all values are numbers."""
     return all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
 
 
 def _brief(folder: Path) -> list[tuple[int, str, dict[str, Any]]]:
-    """Trial, ending and headline errors: of a hundred thousand rows no more than is needed."""
+    """Returns index, exit reason and headline errors of each row; whole rows need much memory."""
     return [
         (row["trial"], row["exit_reason"], {k: row.get("error", {}).get(k) for k in HEADLINES})
         for row in read_rows(folder)

@@ -1,4 +1,4 @@
-"""What a sweep flies: a scenario, some of whose keys have another value in each trial."""
+"""Plan of a sweep: a scenario and distributions of some of its keys."""
 
 from __future__ import annotations
 
@@ -23,41 +23,41 @@ from aerodrake.sweeps.trial import Trial
 MOST_TRIALS = 100_000
 
 TRIED = 10
-"""Trials of which one at least must be of a scenario that can be flown."""
+"""Number of trials of which at least one must be a scenario that can be flown."""
 
 MOST_SEED = 2**31
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A sweep. Each trial of it is known without the others.
+    """Plan of a sweep, from which each trial follows independently of the others.
 
     Attributes:
-        scenario: What all trials have in common; its seed is the sweep's.
-        trials: How many.
-        vary: From what the values of keys are taken, by key.
-        whole: Keys whose values are whole numbers.
+        scenario: Scenario that all trials share; its seed is the sweep's.
+        trials: Number of trials.
+        vary: Distribution of each varied key.
+        integer_keys: Varied keys whose values are whole numbers.
     """
 
     scenario: Scenario
     trials: int
     vary: Mapping[str, Distribution]
-    whole: frozenset[str] = frozenset()
+    integer_keys: frozenset[str] = frozenset()
 
     @classmethod
     def make(cls, scenario: Scenario, vary: Iterable[str], trials: int | None = None) -> Plan:
-        """A plan that was looked through: no value is out of its key's range.
+        """Returns a plan in which each distribution is checked against the range of its key.
 
-        That leaves values drawn by `normal`, and such as do not fit each other: their
-        trials are refused when it is their turn.
+        Values of `normal` may still be out of range, and values may contradict each other; the
+        rows of such trials have the exit reason `refused`.
 
         Args:
-            scenario: What is varied.
-            vary: `KEY=DISTRIBUTION`, each as `--vary` takes it.
-            trials: How many; None for the grid, once.
+            scenario: Scenario that all trials share.
+            vary: `KEY=DISTRIBUTION`, as for `--vary`.
+            trials: Number of trials; None for one pass over the grid.
 
         Raises:
-            BadInput: that names the option and the key.
+            BadInput: with the option and the key.
         """
         distributions: dict[str, Distribution] = {}
         for text in vary:
@@ -67,40 +67,42 @@ class Plan:
                 raise BadInput(VARY, "", f"expected dotted.key=distribution, got '{text}'")
             for other in distributions:
                 if _overlap(key, other):
-                    raise BadInput(VARY, key, f"expected each key once, but {other} holds it too")
+                    raise BadInput(VARY, key, f"expected each key once, but {other} contains it")
             distributions[key] = parse(distribution, key)
         grid = math.prod(d.count for d in distributions.values() if isinstance(d, Linspace))
         is_grid = any(isinstance(d, Linspace) for d in distributions.values())
         if trials is None and not is_grid:
-            raise BadInput("--trials", "", "expected how many, since no linspace() spans a grid")
+            raise BadInput(
+                "--trials", "", "expected a number of trials, since no linspace() spans a grid"
+            )
         count = grid if trials is None else trials
         if not 1 <= count <= MOST_TRIALS:
             raise BadInput("--trials", "", f"expected 1 to {MOST_TRIALS}, got {count}")
-        return cls(scenario, count, distributions, _whole(scenario, distributions))
+        return cls(scenario, count, distributions, _integer_keys(scenario, distributions))
 
     def trial(self, index: int) -> Trial:
-        """One trial: a function of the sweep's seed, its index and each key alone.
+        """Returns a trial, in which each value depends on seed, index and key alone.
 
-        A grid's first key changes fastest, so that a key more leaves the others as they are.
+        The first key of a grid changes fastest, so that another key does not change its values.
         """
         seed = int(make_rng(self.scenario.seed, index, "seed").integers(MOST_SEED))
         parameters: dict[str, Any] = {}
         cell = index
         for key, distribution in self.vary.items():
             if isinstance(distribution, Linspace):
-                cell, place = divmod(cell, distribution.count)
-                value: Any = distribution.value(place)
+                cell, step = divmod(cell, distribution.count)
+                value: Any = distribution.value(step)
             else:
                 value = distribution.draw(make_rng(self.scenario.seed, index, key))
-            parameters[key] = _as_whole(value) if key in self.whole else value
+            parameters[key] = _as_integer(value) if key in self.integer_keys else value
         return Trial(index, int(parameters.get("seed", seed)), parameters, self.scenario)
 
     def check(self) -> None:
-        """Builds the closed loop of a trial, which reads the files it names.
+        """Builds the closed loop of a trial, which reads the files that the scenario names.
 
         Raises:
-            BadInput: if none of the first ten can be flown: what is wrong with the scenario
-                that they share, or else with the values of the first.
+            BadInput: if none of the first `TRIED` trials can be flown: the error of the scenario
+                that they share, or else that of the first trial.
         """
         refusals = []
         for index in range(min(TRIED, self.trials)):
@@ -114,7 +116,7 @@ class Plan:
         raise ScenarioError(VARY, key, f"trial 0: {message}")
 
     def as_mapping(self) -> dict[str, Any]:
-        """What `sweep.json` holds; the scenario stands beside it."""
+        """Returns the content of `sweep.json`; the scenario has a file of its own."""
         return {
             "scenario": self.scenario.name,
             "version": version("aerodrake"),
@@ -124,31 +126,36 @@ class Plan:
         }
 
 
-def _whole(scenario: Scenario, vary: Mapping[str, Distribution]) -> frozenset[str]:
-    """The keys of whole numbers, after a look at what each distribution can give.
+def _integer_keys(scenario: Scenario, vary: Mapping[str, Distribution]) -> frozenset[str]:
+    """Returns the keys of whole numbers, after a check of the values of each distribution.
 
-    A key stands on those before it: `reference.kind` makes keys that another kind has not.
+    Keys are set in order, since some exist only with an earlier one: `reference.kind` determines
+    the other keys of `reference`.
     """
-    whole, files = set(), {*named_files(scenario)}
+    keys, files = set(), {*named_files(scenario)}
     for key, distribution in vary.items():
         probed = [
             set_key(scenario, VARY, f"{key}={dump_line(value)}") for value in distribution.probes
         ]
         for other in probed:
             if {*named_files(other)} - files:
-                raise BadInput(VARY, key, "expected no file of your own; set it for a whole sweep")
+                raise BadInput(
+                    VARY,
+                    key,
+                    "expected a packaged file; others are set once for the sweep, with --set",
+                )
         scenario = probed[0]
         if type(_value(scenario, key)) is int:
             if not isinstance(distribution, Choice | Linspace):
                 raise BadInput(
                     VARY, key, "is a whole number; expected choice(x, y, ...) or linspace(a, b, n)"
                 )
-            whole.add(key)
-    return frozenset(whole)
+            keys.add(key)
+    return frozenset(keys)
 
 
 def _overlap(one: str, other: str) -> bool:
-    """Whether a dotted key is another one, or a part of it."""
+    """Returns True if two dotted keys are equal, or one contains the other."""
     short, long = sorted((_parts(one), _parts(other)), key=len)
     return long[: len(short)] == short
 
@@ -158,7 +165,7 @@ def _parts(key: str) -> list[str | int]:
     return [int(w[1:-1]) if re.fullmatch(r"\[\d+\]", w) else w for w in words]
 
 
-def _as_whole(value: Any) -> Any:
+def _as_integer(value: Any) -> Any:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 

@@ -1,4 +1,4 @@
-"""What a person reads of a sweep: its figures, and the table of them."""
+"""Summary, table and figure of a sweep."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ QUANTILES = {"median_m": 50, "p90_m": 90, "p95_m": 95, "max_m": 100}
 WORST = 5
 
 NARROWEST = 38
-"""Column of names in the table."""
+"""Smallest width of the column of names in the table."""
 
 
 def write_report(folder: SweepFolder) -> dict[str, Any]:
-    """Writes the figure and `sweep_summary.json`, by which a sweep is finished.
+    """Writes the figure and `sweep_summary.json`, which finish a sweep.
 
     Returns:
-        What the latter holds.
+        The content of `sweep_summary.json`.
 
     Raises:
-        BadInput: if they cannot be written.
+        BadInput: if a file cannot be written.
     """
     outcomes = Outcomes.read(folder.path, folder.plan)
-    summary = figures(outcomes, folder.plan, folder.path)
+    summary = summarize_sweep(outcomes, folder.plan, folder.path)
     title = f"{summary['scenario']}, {summary['trials']} trials, seed {summary['seed']}"
     with held_interrupts(), writing(folder.path), scratch_folder(folder.path) as scratch:
         plot_sweep(outcomes, title, scratch / FIGURE)
@@ -47,46 +47,45 @@ def write_report(folder: SweepFolder) -> dict[str, Any]:
     return summary
 
 
-def figures(outcomes: Outcomes, plan: Plan, folder: Path) -> dict[str, Any]:
-    """What `sweep_summary.json` holds.
+def summarize_sweep(outcomes: Outcomes, plan: Plan, folder: Path) -> dict[str, Any]:
+    """Returns the content of `sweep_summary.json`.
 
     Keys:
-        endings: How many flights ended how.
-        error: Which key of a row's `error` it is; its distribution over the
-            flights that were completed, in m.
-        correlations: By key, Spearman's rank correlation with that error, and
-            its p-value; flights that were not completed have the worst rank.
-            Null where there is none.
-        worst: Of the five worst trials: what flies each alone.
+        endings: Number of flights by exit reason.
+        error: Key of the headline error in a row's `error`, and its distribution over the
+            completed flights, in m.
+        correlations: Spearman's rank correlation of each key with that error, and its p-value,
+            or null; flights that were not completed have the worst rank.
+        worst: The five worst trials, with the command that flies each alone.
 
     Args:
-        outcomes: Of the sweep's rows.
-        plan: Of the sweep.
-        folder: The sweep's.
+        outcomes: Outcomes of the trials.
+        plan: Plan of the sweep.
+        folder: Folder of the sweep.
     """
-    found = {name: outcomes.correlation(name) for name in outcomes.parameters}
+    correlations = {name: outcomes.correlation(name) for name in outcomes.parameters}
     return {
         **plan.as_mapping(),
         "endings": dict(sorted(Counter(outcomes.endings).items())),
         "error": _spread(outcomes),
         "correlations": {
             name: {"spearman": rounded(pair[0]), "p_value": rounded(pair[1])} if pair else None
-            for name, pair in found.items()
+            for name, pair in correlations.items()
         },
         "worst": [
             {
-                "trial": int(outcomes.trials[place]),
-                "exit_reason": outcomes.endings[place],
-                "error_m": rounded(outcomes.error_m[place]),
-                "command": plan.trial(int(outcomes.trials[place])).command(folder / SCENARIO),
+                "trial": int(outcomes.trials[index]),
+                "exit_reason": outcomes.endings[index],
+                "error_m": rounded(outcomes.error_m[index]),
+                "command": plan.trial(int(outcomes.trials[index])).command(folder / SCENARIO),
             }
-            for place in outcomes.worst(WORST)
+            for index in outcomes.worst(WORST)
         ],
     }
 
 
 def _spread(outcomes: Outcomes) -> dict[str, Any] | None:
-    """Of the error over the flights that were completed; None if there are none."""
+    """Returns the distribution of the error of the completed flights; None without any."""
     error = outcomes.error_m[outcomes.completed]
     if not len(error):
         return None
@@ -95,33 +94,33 @@ def _spread(outcomes: Outcomes) -> dict[str, Any] | None:
 
 
 def sweep_table(summary: Mapping[str, Any]) -> str:
-    """The figures of a sweep, for a terminal.
+    """Returns the results of a sweep as text for a terminal.
 
     Args:
-        summary: As from `figures`.
+        summary: As from `summarize_sweep`.
     """
     endings = ", ".join(f"{count} {ending}" for ending, count in summary["endings"].items())
     lines = [
         f"{summary['scenario']}, seed {summary['seed']}: {summary['trials']} trials, {endings}"
     ]
-    error, found = summary["error"], summary["correlations"]
-    spreads = {name: f"  {name}: {summary['vary'][name]}" for name in found}
-    width = max([NARROWEST, *(len(spread) + 1 for spread in spreads.values())])
+    error, correlations = summary["error"], summary["correlations"]
+    labels = {name: f"  {name}: {summary['vary'][name]}" for name in correlations}
+    width = max([NARROWEST, *(len(label) + 1 for label in labels.values())])
     if error:
         titles = ("mean", "median", "90 %", "95 %", "max")
         values = [millimetres(error[key]) for key in ("mean_m", *QUANTILES)]
         label = f"end-effector error, {HEADLINES[error['key']]}, mm".replace(", mean,", ",")
         lines += ["", " " * width + "".join(f"{title:>9}" for title in titles)]
         lines += [f"{label:<{width}}" + "".join(f"{value:>9}" for value in values)]
-    if found:
+    if correlations:
         lines += ["", f"{'rank correlation with the error':<{width}}{'':9}{'p':>9}"]
-    for name, spread in spreads.items():
-        pair = found[name]
+    for name, label in labels.items():
+        pair = correlations[name]
         cells = f"{pair['spearman']:>+9.2f}{pair['p_value']:>9.0e}" if pair else f"{'-':>9}"
-        lines.append(f"{spread:<{width}}{cells}")
-    lines += ["", "worst, with what flies each alone"]
+        lines.append(f"{label:<{width}}{cells}")
+    lines += ["", "worst trials, with the command that flies each alone"]
     for worst in summary["worst"]:
         error_m = worst["error_m"]
-        how = worst["exit_reason"] if error_m is None else f"{millimetres(error_m)} mm"
-        lines.append(f"  trial {worst['trial']}, {how}: {worst['command']}")
+        result = worst["exit_reason"] if error_m is None else f"{millimetres(error_m)} mm"
+        lines.append(f"  trial {worst['trial']}, {result}: {worst['command']}")
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""One flight of a sweep, and the row that tells of it."""
+"""One flight of a sweep, and its row."""
 
 from __future__ import annotations
 
@@ -20,19 +20,18 @@ from aerodrake.support.errors import BadInput, ScenarioError
 from aerodrake.support.threads import single_thread
 
 FAILURES = ("failed", "refused")
-"""What a row's `exit_reason` is where there was no flight: its process died or raised, or the
-values do not make a scenario."""
+"""Exit reasons of rows without a flight: the process died or raised; the values are invalid."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One flight of a sweep: what `aerodrake run SCENARIO` flies with these options.
+    """One flight of a sweep, as `aerodrake run SCENARIO` flies it with the options of `overrides`.
 
     Attributes:
-        index: Of the trial, from 0.
-        seed: Of its scenario.
-        parameters: The values of the keys that the sweep varies, by key.
-        scenario: What all trials have in common.
+        index: Index of the trial, from 0.
+        seed: Seed of the trial's scenario.
+        parameters: Values of the varied keys.
+        scenario: Scenario that all trials share.
     """
 
     index: int
@@ -41,23 +40,23 @@ class Trial:
     scenario: Scenario
 
     def overrides(self) -> list[tuple[str, str]]:
-        """The options and assignments, as `load_scenario` takes them."""
+        """Returns the options and assignments, as for `load_scenario`."""
         keys = [f"{key}={dump_line(v)}" for key, v in self.parameters.items() if key != "seed"]
         return [*(("--set", assignment) for assignment in keys), ("--seed", f"seed={self.seed}")]
 
     def resolved(self) -> Scenario:
-        """The scenario that is flown.
+        """Returns the scenario of the trial.
 
         Raises:
-            ScenarioError: if the values do not make one.
+            ScenarioError: if the values are invalid.
         """
         return override(self.scenario, self.overrides())
 
     def command(self, scenario: Path) -> str:
-        """What flies this trial alone, for a shell.
+        """Returns the shell command that flies this trial alone.
 
         Args:
-            scenario: The sweep's `scenario.yaml`.
+            scenario: `scenario.yaml` of the sweep.
         """
         words = ["aerodrake", "run", str(scenario)]
         for option, assignment in self.overrides():
@@ -67,8 +66,8 @@ class Trial:
             ]
         return shlex.join(words)
 
-    def head(self) -> dict[str, Any]:
-        """What a row begins with, however the flight ends."""
+    def header(self) -> dict[str, Any]:
+        """Returns the first entries of the row, which do not depend on the flight."""
         return {"trial": self.index, "seed": self.seed, "parameters": dict(self.parameters)}
 
 
@@ -76,12 +75,12 @@ def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
     """Flies a trial.
 
     Returns:
-        Its row: index, seed and parameters, then the figures of `summary.json` that
-        are the same whenever it is flown, or `exit_reason` and `exit_cause` alone
-        where there was no flight. And its timing: `trial`, `wall_s`, `host`, `process`.
+        Row: index, seed and parameters, then the entries of `summary.json` that are repeatable,
+        or `exit_reason` and `exit_cause` alone if there was no flight. Timing: `trial`,
+        `wall_s`, `host`, `process`.
 
     Raises:
-        Exception: what is of the machine, not of the trial: no room on disk or in memory, say.
+        Exception: an error of the machine, not of the trial, such as a full disk or memory.
     """
     start = time.perf_counter()
     try:
@@ -89,10 +88,10 @@ def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
         with single_thread():
             figures = repeatable(summarize(scenario, FlightSimulation(scenario).fly()))
         ending = {k: v for k, v in figures.items() if k not in ("scenario", "seed", "version")}
-    except (Exception, SystemExit) as error:  # Drake's conditions are the latter.
-        if _is_of_machine(error):
+    except (Exception, SystemExit) as error:  # Drake raises SystemExit.
+        if _is_machine_error(error):
             raise
-        # Without the source, which is where the sweep's folder happens to be.
+        # Without the source, which depends on the path of the sweep's folder.
         ending = refusal(error) if isinstance(error, ScenarioError) else failure(error)
     timing = {
         "trial": trial.index,
@@ -100,22 +99,22 @@ def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
         "host": socket.gethostname(),
         "process": os.getpid(),
     }
-    return {**trial.head(), **ending}, timing
+    return {**trial.header(), **ending}, timing
 
 
-def _is_of_machine(error: BaseException) -> bool:
-    """Whether it began with what the machine refused, as much bad input does.
+def _is_machine_error(error: BaseException) -> bool:
+    """Returns True if the first cause of an error is the operating system.
 
-    That the scenario names a file which is not there is its own.
+    A missing file that the scenario names is an error of the scenario.
     """
-    began: BaseException | None = error
-    while began is not None and not isinstance(began, OSError | MemoryError):
-        began = began.__context__
-    is_missing = isinstance(error, ScenarioError) and isinstance(began, FileNotFoundError)
-    return began is not None and not is_missing
+    cause: BaseException | None = error
+    while cause is not None and not isinstance(cause, OSError | MemoryError):
+        cause = cause.__context__
+    is_missing = isinstance(error, ScenarioError) and isinstance(cause, FileNotFoundError)
+    return cause is not None and not is_missing
 
 
 def refusal(error: BadInput) -> dict[str, str]:
-    """What stands for the figures of a trial whose values do not make a scenario."""
-    said = str(type(error)("", *error.args[1:]))
-    return {"exit_reason": "refused", "exit_cause": said}
+    """Returns the end of the row of a trial whose values are invalid."""
+    message = str(type(error)("", *error.args[1:]))
+    return {"exit_reason": "refused", "exit_cause": message}

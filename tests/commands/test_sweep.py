@@ -12,7 +12,7 @@ from aerodrake.sweeps.folder import ROWS, SUMMARY, read_rows
 @pytest.fixture
 def _here(monkeypatch):
     """Flights in this process, where what they are flown by is of no matter."""
-    monkeypatch.setattr(module, "apart", lambda function, *arguments: function(*arguments))
+    monkeypatch.setattr(module, "call_in_child", lambda function, *arguments: function(*arguments))
 
 
 @pytest.mark.usefixtures("_here")
@@ -42,7 +42,7 @@ def test_lost_flights_are_results(tmp_path):
     ("options", "said"),
     [
         (["clovr", "--trials", "1"], "did you mean 'clover'?"),
-        (["hover"], "--trials: expected how many, since no linspace() spans a grid"),
+        (["hover"], "--trials: expected a number of trials, since no linspace() spans a grid"),
         (["hover", "--trials", "2", "--vary", "duraton=uniform(1,2)"], "--vary: duraton: unknown"),
         (["hover", "--trials", "2", "--vary", "duration=gamma(1)"], "no such distribution 'gamma'"),
         (["hover", "--trials", "2", "--resume"], "--resume: expected the folder of a sweep"),

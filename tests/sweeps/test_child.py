@@ -1,4 +1,4 @@
-"""Children: they are called again, replaced, and end with whoever calls."""
+"""Children are reused, replaced, and end with their parent."""
 
 import contextlib
 import multiprocessing
@@ -16,13 +16,13 @@ import pytest
 
 from aerodrake.support.errors import ProcessDied
 from aerodrake.sweeps import child
-from aerodrake.sweeps.child import NeverBegan, apart, end_children
+from aerodrake.sweeps.child import DiedBeforeCall, call_in_child, kill_children
 
 
 @pytest.fixture(autouse=True)
-def _nobody_is_left():
+def _no_child_is_left():
     yield
-    end_children()
+    kill_children()
 
 
 def is_alive(pid: int) -> bool:
@@ -40,8 +40,8 @@ def wait_until(condition) -> None:
         time.sleep(0.01)
 
 
-def test_a_thread_calls_the_same_child_again():
-    pids = {apart(os.getpid) for _ in range(3)}
+def test_a_thread_reuses_its_child():
+    pids = {call_in_child(os.getpid) for _ in range(3)}
     assert len(pids) == 1 and os.getpid() not in pids
 
 
@@ -50,80 +50,80 @@ def test_threads_have_children_of_their_own():
 
     def call(_: int) -> int:
         barrier.wait()
-        return apart(os.getpid)
+        return call_in_child(os.getpid)
 
     with ThreadPoolExecutor(2) as executor:
         assert len(set(executor.map(call, range(2)))) == 2
 
 
-def test_a_child_is_replaced_after_so_many_calls(monkeypatch):
+def test_a_child_is_replaced_after_a_number_of_calls(monkeypatch):
     monkeypatch.setattr(child, "MOST_CALLS", 2)
-    pids = [apart(os.getpid) for _ in range(5)]
+    pids = [call_in_child(os.getpid) for _ in range(5)]
     assert pids[0] == pids[1] != pids[2] == pids[3] != pids[4]
     assert not is_alive(pids[0]) and not is_alive(pids[2])
 
 
-def test_what_it_raises_is_raised_here_and_it_lives_on():
-    pid = apart(os.getpid)
+def test_errors_are_raised_in_the_parent_and_the_child_is_reused():
+    pid = call_in_child(os.getpid)
     with pytest.raises(ValueError, match="invalid literal"):
-        apart(int, "x")
-    assert apart(os.getpid) == pid
+        call_in_child(int, "x")
+    assert call_in_child(os.getpid) == pid
 
 
-def test_what_cannot_be_imported_there_is_raised_here(monkeypatch):
+def test_import_errors_of_the_child_are_raised_in_the_parent(monkeypatch):
     module = types.ModuleType("nowhere")
     exec("def here():\n    return 1", module.__dict__)
     monkeypatch.setitem(sys.modules, "nowhere", module)
     with pytest.raises(ModuleNotFoundError, match="nowhere"):
-        apart(module.here)
-    assert apart(os.getpid)
+        call_in_child(module.here)
+    assert call_in_child(os.getpid)
 
 
 @pytest.mark.parametrize(
     ("code", "cause"),
     [("import os; os._exit(3)", "exit code 3"), ("raise SystemExit(4)", "exit code 4")],
 )
-def test_one_that_dies_is_told_and_replaced(code, cause):
-    pid = apart(os.getpid)
+def test_a_child_that_dies_raises_and_is_replaced(code, cause):
+    pid = call_in_child(os.getpid)
     with pytest.raises(ProcessDied, match=f"its process died of {cause}"):
-        apart(exec, code)
-    assert apart(os.getpid) != pid
+        call_in_child(exec, code)
+    assert call_in_child(os.getpid) != pid
 
 
-def test_one_that_dies_before_it_begins_is_told_apart(monkeypatch):
+def test_a_child_that_dies_before_the_call_raises_its_own_error(monkeypatch):
     monkeypatch.setattr(sys, "executable", "/bin/false")
-    with pytest.raises(NeverBegan, match="its process died of exit code 1 before it began"):
-        apart(os.getpid)
+    with pytest.raises(DiedBeforeCall, match="its process died of exit code 1 before the call"):
+        call_in_child(os.getpid)
     monkeypatch.setattr(sys, "executable", "/no/such/python")
     with pytest.raises(FileNotFoundError):
-        apart(os.getpid)
+        call_in_child(os.getpid)
 
 
-def test_killed_while_nobody_calls_it_is_replaced():
-    pid = apart(os.getpid)
+def test_a_child_killed_between_calls_is_replaced():
+    pid = call_in_child(os.getpid)
     os.kill(pid, signal.SIGKILL)
     wait_until(lambda: not is_alive(pid))
     with contextlib.suppress(ProcessDied):  # Its threads may end a little later.
-        apart(os.getpid)
-    assert apart(os.getpid) != pid
+        call_in_child(os.getpid)
+    assert call_in_child(os.getpid) != pid
 
 
-def test_all_are_ended_at_once_whatever_they_do():
+def test_all_children_can_be_killed_during_calls():
     with ThreadPoolExecutor(1) as executor:
-        pid = executor.submit(apart, os.getpid).result()
-        future = executor.submit(apart, time.sleep, 600)
+        pid = executor.submit(call_in_child, os.getpid).result()
+        future = executor.submit(call_in_child, time.sleep, 600)
         time.sleep(0.1)
-        end_children()
+        kill_children()
         assert isinstance(future.exception(), ProcessDied | None)
         assert not is_alive(pid)
 
 
-def test_children_end_with_their_parent_even_if_it_is_killed_and_they_fly():
+def test_children_end_with_their_parent_even_if_it_is_killed_during_a_call():
     code = (
         "import os, time\n"
-        "from aerodrake.sweeps.child import apart\n"
-        "print(apart(os.getpid), flush=True)\n"
-        "apart(time.sleep, 600)\n"
+        "from aerodrake.sweeps.child import call_in_child\n"
+        "print(call_in_child(os.getpid), flush=True)\n"
+        "call_in_child(time.sleep, 600)\n"
     )
     parent = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
     pid = int(parent.stdout.readline())
@@ -133,13 +133,13 @@ def test_children_end_with_their_parent_even_if_it_is_killed_and_they_fly():
     wait_until(lambda: not is_alive(pid))
 
 
-def test_one_that_is_not_called_ends():
+def test_an_idle_child_ends():
     code = (
         "from multiprocessing.connection import Pipe\n"
         "from aerodrake.sweeps import child\n"
         "child.IDLE_S = 0.05\n"
-        "ours, theirs = Pipe()\n"
-        "child.main(theirs)\n"
+        "local, remote = Pipe()\n"
+        "child.main(remote)\n"
         "print('ended')\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
@@ -147,16 +147,16 @@ def test_one_that_is_not_called_ends():
 
 
 def call_from_a_daemon(pipe) -> None:
-    pipe.send((multiprocessing.current_process().daemon, apart(os.getpid), os.getpid()))
+    pipe.send((multiprocessing.current_process().daemon, call_in_child(os.getpid), os.getpid()))
 
 
-def test_a_daemon_may_have_one_as_well():
-    """As the workers of a cluster are."""
+def test_a_daemon_can_have_a_child():
+    """Workers of a cluster are daemons."""
     context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
-    process = context.Process(target=call_from_a_daemon, args=[theirs], daemon=True)
+    local, remote = context.Pipe()
+    process = context.Process(target=call_from_a_daemon, args=[remote], daemon=True)
     process.start()
-    is_daemon, pid, parent = ours.recv()
+    is_daemon, pid, parent = local.recv()
     process.join()
     assert is_daemon and pid != parent
     wait_until(lambda: not is_alive(pid))

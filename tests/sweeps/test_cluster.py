@@ -1,4 +1,4 @@
-"""A Dask cluster of two worker processes on loopback."""
+"""Sweeps on a Dask cluster of two worker processes on loopback."""
 
 import json
 import os
@@ -29,7 +29,7 @@ VARY = "wind.gust_m_s[0]=uniform(0, 2)"
 
 @pytest.fixture(scope="module")
 def scheduler(tmp_path_factory) -> str:
-    """Its address. Its workers are daemons under a nanny, as `dask worker` makes them."""
+    """Address of a scheduler whose workers are daemons of a nanny, as `dask worker` starts them."""
     folder = tmp_path_factory.mktemp("dask")
     local = distributed.LocalCluster(
         n_workers=2,
@@ -57,7 +57,7 @@ def rows(folder: Path) -> list[str]:
     return (folder / ROWS).read_text().splitlines()
 
 
-def test_rows_are_those_of_flights_one_by_one(scheduler, flown, tmp_path, capsys):
+def test_rows_equal_those_of_single_flights(scheduler, flown, tmp_path, capsys):
     out = tmp_path / "sweep"
     options = [word for change in CHANGES for word in change]
     options += ["--trials", str(TRIALS), "--vary", VARY, "--out", str(out), "--quiet"]
@@ -68,7 +68,7 @@ def test_rows_are_those_of_flights_one_by_one(scheduler, flown, tmp_path, capsys
     assert capsys.readouterr() == ("", "")
 
 
-def test_a_worker_that_is_killed_is_none_of_our_business(scheduler, plan, flown, tmp_path):
+def test_a_killed_worker_does_not_change_the_rows(scheduler, plan, flown, tmp_path):
     with cluster(scheduler) as executor, sweep_folder(tmp_path / "s", plan, False) as folder:
         pid, killed = executor.submit(os.getpid).result(), []
 
@@ -78,23 +78,23 @@ def test_a_worker_that_is_killed_is_none_of_our_business(scheduler, plan, flown,
                 killed.append(pid)
 
         sweep(folder, executor, progress)
-        while True:  # Its nanny has another one.
+        while True:  # Until its nanny has started another one.
             time.sleep(0.05)
             if len(executor._client.scheduler_info()["workers"]) == 2:
                 break
     assert killed and len(rows(tmp_path / "s")) == TRIALS and set(rows(tmp_path / "s")) == flown
 
 
-def test_a_worker_of_another_version_is_told(scheduler, monkeypatch):
-    monkeypatch.setattr(module, "version", lambda _: "0.0.0")  # Here, not there.
+def test_a_worker_of_another_version_is_refused(scheduler, monkeypatch):
+    monkeypatch.setattr(module, "version", lambda _: "0.0.0")  # In this process only.
     expected = "--scheduler: expected aerodrake 0.0.0 on worker tcp:.*got '"
     with pytest.raises(BadInput, match=expected), cluster(scheduler):
         pytest.fail("connected")
 
 
 @pytest.mark.parametrize("address", ["nonsense", "", "tcp://127.0.0.1", "closed"])
-def test_nobody_answers(address, monkeypatch, capsys):
-    monkeypatch.setattr(module, "PATIENCE_S", 0.5)
+def test_a_scheduler_that_does_not_respond_is_bad_input(address, monkeypatch, capsys):
+    monkeypatch.setattr(module, "TIMEOUT_S", 0.5)
     if address == "closed":
         with socket.create_server(("127.0.0.1", 0)) as server:
             address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
@@ -104,7 +104,7 @@ def test_nobody_answers(address, monkeypatch, capsys):
     assert len(error.splitlines()) == 1
 
 
-def test_without_the_extra_it_says_so(monkeypatch):
+def test_a_missing_extra_is_bad_input(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     expected = r"--scheduler: expected the extra \[cluster\]"
     with pytest.raises(BadInput, match=expected), cluster("tcp://127.0.0.1:8786"):

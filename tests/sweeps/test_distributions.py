@@ -1,4 +1,4 @@
-"""Distributions: what is written, what is drawn, and on what it depends."""
+"""Distributions: notation, samples, and their dependence on seed, trial and key."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ distributions = (
 
 
 @given(distributions)
-def test_what_one_says_of_itself_is_read_back(distribution):
+def test_text_of_a_distribution_is_parsed_to_the_same(distribution):
     assert parse_distribution(str(distribution), "key") == distribution
 
 
@@ -59,14 +59,14 @@ def test_draws_are_repeatable_and_in_range(distribution, seed, trial, key):
         (Normal(2, 0.5), ("norm", (2, 0.5))),
     ],
 )
-def test_over_trials_they_are_spread_as_they_say(distribution, cdf):
+def test_samples_over_trials_have_the_distribution(distribution, cdf):
     drawn = [distribution.draw(make_rng(0, trial, "key")) for trial in range(2000)]
     assert kstest(drawn, *cdf).pvalue > 0.01
     others = [distribution.draw(make_rng(0, trial, "yek")) for trial in range(2000)]
     assert abs(np.corrcoef(drawn, others)[0, 1]) < 0.08
 
 
-def test_each_choice_has_its_share():
+def test_choices_are_equally_likely():
     drawn = [Choice(("a", "b", "c")).draw(make_rng(0, trial, "key")) for trial in range(3000)]
     assert all(900 < drawn.count(value) < 1100 for value in "abc")
 
@@ -80,12 +80,12 @@ def test_each_choice_has_its_share():
         ("choice('a, b', true)", ("a, b", True)),
     ],
 )
-def test_choices_are_of_anything_plain(text, values):
+def test_choices_may_be_any_plain_values(text, values):
     assert parse_distribution(text, "key").values == values
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("", "expected one of uniform(a, b), normal(m, s), choice(x, y, ...), linspace(a, b, n)"),
         ("3", "expected one of uniform"),
@@ -114,8 +114,8 @@ def test_choices_are_of_anything_plain(text, values):
         ("choice(&a 1)", "expected a value without anchors"),
     ],
 )
-def test_what_is_none_is_refused_by_key(text, said):
+def test_invalid_distributions_are_refused_with_the_key(text, message):
     with pytest.raises(BadInput) as refused:
         parse_distribution(text, "wind.gust")
-    assert str(refused.value).startswith("--vary: wind.gust") and said in str(refused.value)
+    assert str(refused.value).startswith("--vary: wind.gust") and message in str(refused.value)
     assert len(str(refused.value).splitlines()) == 1

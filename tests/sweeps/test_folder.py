@@ -1,4 +1,4 @@
-"""The folder of a sweep: begun, gone on with, replaced, and never anybody else's."""
+"""Folder of a sweep: created, resumed, replaced, and locked."""
 
 import json
 from pathlib import Path
@@ -40,20 +40,20 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
-def test_it_holds_the_plan_from_the_first_and_a_row_for_each_trial(tmp_path):
+def test_the_folder_contains_the_plan_and_a_row_for_each_trial(tmp_path):
     target, plan = tmp_path / "deep" / "sweep", make()
     with sweep_folder(target, plan, resumes=False) as folder:
         assert {path.name for path in target.iterdir()} == {*FILES[:4]}
         assert as_mapping(folder.plan.scenario) == as_mapping(plan.scenario)
         folder.append(row(3), None)
-        assert [*read_rows(target)] == [row(3)] and folder.flown == {3}
-    described = json.loads((target / "sweep.json").read_text())
-    assert described["vary"] == {"wind.gust_m_s[0]": "uniform(0, 1)"}
-    assert (described["trials"], described["seed"], described["scenario"]) == (5, 0, "hover")
+        assert [*read_rows(target)] == [row(3)] and folder.recorded == {3}
+    stored = json.loads((target / "sweep.json").read_text())
+    assert stored["vary"] == {"wind.gust_m_s[0]": "uniform(0, 1)"}
+    assert (stored["trials"], stored["seed"], stored["scenario"]) == (5, 0, "hover")
     assert [path.name for path in target.parent.iterdir()] == ["sweep"]
 
 
-def test_files_of_the_scenario_are_its_own(tmp_path):
+def test_files_of_the_scenario_are_copied_and_compared(tmp_path):
     path = tmp_path / "path.csv"
     path.write_text("t,x,y,z\n0,0,0.2,1.2\n1,0.1,0.2,1.2\n")
     plan = make(scenario="waypoints", changes=[f"reference.file={path}"])
@@ -69,7 +69,7 @@ def test_files_of_the_scenario_are_its_own(tmp_path):
 
 
 @pytest.mark.parametrize("torn", [b'{"trial": 2', b'{"trial": 2}', b"\0\0\0", b""])
-def test_a_torn_row_is_dropped_and_the_others_stay(torn, tmp_path):
+def test_an_incomplete_row_is_dropped_and_the_others_stay(torn, tmp_path):
     begin(tmp_path / "sweep", make(), 4, 1)
     with open(tmp_path / "sweep" / ROWS, "ab") as rows:
         rows.write(torn)
@@ -80,27 +80,27 @@ def test_a_torn_row_is_dropped_and_the_others_stay(torn, tmp_path):
 @pytest.mark.parametrize(
     "line", ["{", "[]", "3", '{"trial": 9}', '{"trial": 4}', '{"trial": "0"}', "{}"]
 )
-def test_a_row_that_is_none_is_told(line, tmp_path):
+def test_an_invalid_row_is_reported(line, tmp_path):
     begin(tmp_path / "sweep", make(), 4, 1)
     with open(tmp_path / "sweep" / ROWS, "a") as rows:
         rows.write(line + "\n")
     assert "trials.jsonl: line 3: expected " in refusal(tmp_path / "sweep", make(), True)
 
 
-def test_it_goes_on_with_more_trials_but_not_with_fewer(tmp_path):
+def test_a_sweep_is_resumed_with_more_trials_but_not_with_fewer(tmp_path):
     target = tmp_path / "sweep"
     begin(target, make(), 0, 1, 2, 3, 4)
     (target / SUMMARY).touch()
     with sweep_folder(target, make(), True):
         assert (target / SUMMARY).exists()
     with sweep_folder(target, make(trials=7), True) as folder:
-        assert not (target / SUMMARY).exists() and folder.flown == {0, 1, 2, 3, 4}
+        assert not (target / SUMMARY).exists() and folder.recorded == {0, 1, 2, 3, 4}
     assert json.loads((target / "sweep.json").read_text())["trials"] == 7
     assert "--resume: trials: the sweep in" in refusal(target, make(), True)
 
 
 @pytest.mark.parametrize(
-    ("other", "said"),
+    ("other", "expected"),
     [
         (make("payload.mass_kg=uniform(0, 1)"), "vary.wind.gust_m_s[0]: the sweep"),
         (make("wind.gust_m_s[0]=uniform(0, 2)"), "has uniform(0, 1), not uniform(0, 2)"),
@@ -110,35 +110,35 @@ def test_it_goes_on_with_more_trials_but_not_with_fewer(tmp_path):
         (make(scenario="clover"), "the sweep"),
     ],
 )
-def test_another_plan_is_refused_by_the_key_that_differs(other, said, tmp_path):
+def test_another_plan_is_refused_with_the_key_that_differs(other, expected, tmp_path):
     begin(tmp_path / "sweep", make(), 1)
     before = files(tmp_path)
     message = refusal(tmp_path / "sweep", other, True)
-    assert message.startswith("--resume: ") and said in message
+    assert message.startswith("--resume: ") and expected in message
     assert files(tmp_path) == before
 
 
-def test_the_same_distributions_may_be_written_otherwise(tmp_path):
+def test_equal_distributions_may_differ_in_notation(tmp_path):
     words = "residual.mode=choice(off,online)"
     begin(tmp_path / "sweep", make(GUSTS, words), 1)
     again = make("wind.gust_m_s[0]=uniform( 0.0, 1e0 )", "residual.mode=choice('off', online)")
     with sweep_folder(tmp_path / "sweep", again, True) as folder:
-        assert folder.flown == {1}
+        assert folder.recorded == {1}
 
 
-def test_a_grid_in_another_order_is_another_one(tmp_path):
-    """Its first key changes fastest; what is drawn is the same in any order."""
+def test_a_grid_in_another_order_is_another_plan(tmp_path):
+    """The first key changes fastest; random values are the same in any order."""
     across, along = (f"wind.velocity_m_s[{axis}]=linspace(0, 1, 2)" for axis in (0, 1))
     begin(tmp_path / "sweep", make(across, along, GUSTS), 1)
     with sweep_folder(tmp_path / "sweep", make(GUSTS, across, along), True) as folder:
-        assert folder.flown == {1}
-    said = refusal(tmp_path / "sweep", make(along, across, GUSTS), True)
-    assert said.startswith("--resume: vary: the sweep in ") and said.endswith(
+        assert folder.recorded == {1}
+    message = refusal(tmp_path / "sweep", make(along, across, GUSTS), True)
+    assert message.startswith("--resume: vary: the sweep in ") and message.endswith(
         "[1]', 'wind.velocity_m_s[0]']"
     )
 
 
-def test_distributions_that_cannot_be_read_are_no_plan(tmp_path):
+def test_a_plan_with_invalid_distributions_is_refused(tmp_path):
     begin(tmp_path / "sweep", make(), 1)
     plan = tmp_path / "sweep" / "sweep.json"
     plan.write_text(plan.read_text().replace("uniform(", "uniform"))
@@ -156,7 +156,7 @@ def test_an_unfinished_sweep_is_not_replaced_but_a_finished_one_is(tmp_path):
     target = tmp_path / "sweep"
     begin(target, make(), 1)
     before = files(target)
-    assert "--resume goes on with it" in refusal(target, make(), False)
+    assert "--resume continues it" in refusal(target, make(), False)
     assert files(target) == before
     for name in (SUMMARY, "sweep.png"):
         (target / name).touch()
@@ -165,31 +165,31 @@ def test_an_unfinished_sweep_is_not_replaced_but_a_finished_one_is(tmp_path):
 
 
 @pytest.mark.parametrize("resumes", [False, True])
-def test_a_folder_of_your_own_is_left_alone(resumes, tmp_path):
+def test_a_folder_with_other_files_is_left_alone(resumes, tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / ROWS).write_text("precious")
     (tmp_path / "file").write_text("precious")
-    expected = "holds no sweep" if resumes else "holds files that are not of an earlier run"
+    expected = "contains no sweep" if resumes else "holds files that are not of an earlier run"
     assert expected in refusal(tmp_path / "mine", make(), resumes)
     refusal(tmp_path / "file", make(), resumes)
     refusal(tmp_path / "file" / "below", make(), resumes)
     assert files(tmp_path) == {f"mine/{ROWS}": b"precious", "file": b"precious"}
 
 
-def test_nothing_to_resume(tmp_path):
+def test_a_missing_folder_cannot_be_resumed(tmp_path):
     assert "expected the folder of a sweep" in refusal(tmp_path / "none", make(), True)
     assert not (tmp_path / "none").exists()
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"trials": 1}', '{"trials": "1", "vary": {}}'])
-def test_a_plan_that_is_none_is_told(text, tmp_path):
+def test_an_invalid_plan_is_reported(text, tmp_path):
     begin(tmp_path / "sweep", make(), 1)
     (tmp_path / "sweep" / "sweep.json").write_text(text)
     assert "sweep.json: expected the plan of a sweep" in refusal(tmp_path / "sweep", make(), True)
 
 
 @pytest.mark.parametrize("resumes", [False, True])
-def test_one_sweep_at_a_time(resumes, tmp_path):
+def test_a_folder_is_locked_by_one_sweep(resumes, tmp_path):
     target = tmp_path / "sweep"
     with sweep_folder(target, make(), False) as folder:
         assert "another sweep writes to" in refusal(target, make(), resumes)
@@ -198,7 +198,7 @@ def test_one_sweep_at_a_time(resumes, tmp_path):
     assert len([*read_rows(target)]) == 2
 
 
-def test_a_finished_one_is_not_replaced_under_who_adds_to_it(tmp_path):
+def test_a_finished_sweep_is_not_replaced_while_trials_are_added(tmp_path):
     target = tmp_path / "sweep"
     begin(target, make(), 0)
     for name in (SUMMARY, "sweep.png"):

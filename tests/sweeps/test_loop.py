@@ -1,4 +1,4 @@
-"""Sweeps: the same rows however they are flown, whoever is killed."""
+"""Sweeps: rows do not depend on the executor or on processes that die."""
 
 import json
 import os
@@ -39,34 +39,34 @@ def plan() -> Plan:
 
 @pytest.fixture(scope="module")
 def flown(plan) -> dict[int, str]:
-    """The rows, by trial, of flights one by one in this process."""
+    """Rows of single flights in this process, by trial."""
     return {i: json.dumps(fly_trial(plan.trial(i))[0]) for i in range(TRIALS)}
 
 
 @pytest.fixture
-def _here(monkeypatch):
-    """Flights in this process, where what they are flown by is of no matter."""
-    monkeypatch.setattr(module, "apart", lambda function, *arguments: function(*arguments))
+def _without_children(monkeypatch):
+    """Flies trials in this process, for tests that do not depend on children."""
+    monkeypatch.setattr(module, "call_in_child", lambda function, *arguments: function(*arguments))
 
 
 def rows(folder: Path) -> dict[int, str]:
     lines = (folder / ROWS).read_text().splitlines()
-    found = {json.loads(line)["trial"]: line for line in lines}
-    assert len(found) == len(lines)
-    return found
+    by_trial = {json.loads(line)["trial"]: line for line in lines}
+    assert len(by_trial) == len(lines)
+    return by_trial
 
 
 def children(pid: int) -> list[int]:
-    """The processes that fly for another."""
-    found = []
-    for place in Path("/proc").glob("[0-9]*"):
+    """Returns the child processes of another process that execute calls."""
+    pids = []
+    for folder in Path("/proc").glob("[0-9]*"):
         try:
-            parent = int((place / "stat").read_text().rpartition(")")[2].split()[1])
-            if parent == pid and b"aerodrake.sweeps.child" in (place / "cmdline").read_bytes():
-                found.append(int(place.name))
+            parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
+            if parent == pid and b"aerodrake.sweeps.child" in (folder / "cmdline").read_bytes():
+                pids.append(int(folder.name))
         except OSError:
             continue
-    return found
+    return pids
 
 
 def wait_until(condition) -> None:
@@ -93,10 +93,10 @@ def call(folder: Path, *more: str) -> subprocess.Popen:
     return subprocess.Popen(argv, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-# Whoever flies them.
+# Executors.
 
 
-def test_rows_of_two_processes_are_those_of_flights_one_by_one(flown, tmp_path, capsys):
+def test_rows_of_two_processes_equal_those_of_single_flights(flown, tmp_path, capsys):
     out = tmp_path / "sweep"
     assert main(["sweep", *OPTIONS, "--jobs", "2", "--out", str(out), "--quiet"]) == 0
     assert rows(out) == flown and capsys.readouterr().out == ""
@@ -106,15 +106,15 @@ def test_rows_of_two_processes_are_those_of_flights_one_by_one(flown, tmp_path, 
     assert children(os.getpid()) == []
 
 
-@pytest.mark.usefixtures("_here")
-def test_so_many_are_in_flight_and_no_more(plan, tmp_path, monkeypatch):
+@pytest.mark.usefixtures("_without_children")
+def test_the_number_of_submitted_trials_is_bounded(plan, tmp_path, monkeypatch):
     class Slow(ThreadPoolExecutor):
         waiting = most = 0
 
         def submit(self, function, *arguments):
             self.waiting += 1
             self.most = max(self.most, self.waiting)
-            return super().submit(function, answer, arguments[-1])
+            return super().submit(function, complete, arguments[-1])
 
     executor = Slow(1)
 
@@ -127,11 +127,11 @@ def test_so_many_are_in_flight_and_no_more(plan, tmp_path, monkeypatch):
     assert executor.most == 3 and len(rows(tmp_path / "sweep")) == TRIALS
 
 
-def answer(trial):
-    return {**trial.head(), "exit_reason": "completed"}, {"trial": trial.index}
+def complete(trial):
+    return {**trial.header(), "exit_reason": "completed"}, {"trial": trial.index}
 
 
-# Whoever is killed.
+# Processes that die.
 
 
 def test_a_trial_whose_process_is_killed_is_flown_again(plan, flown, tmp_path):
@@ -152,26 +152,26 @@ def test_a_trial_whose_process_is_killed_is_flown_again(plan, flown, tmp_path):
 def die(trial):
     if trial.index == 1:
         os.kill(os.getpid(), signal.SIGKILL)
-    return answer(trial)
+    return complete(trial)
 
 
-def test_a_trial_that_kills_its_process_is_a_row_in_the_end(plan, tmp_path, monkeypatch):
+def test_a_trial_that_kills_its_process_is_recorded_as_failed(plan, tmp_path, monkeypatch):
     monkeypatch.setattr(module, "fly_trial", die)
     monkeypatch.setattr(module, "MOST_DEATHS", 2)
     with processes(1) as executor:
         fly(plan, tmp_path / "sweep", executor)
-    found = {row["trial"]: row for row in read_rows(tmp_path / "sweep")}
-    assert len(found) == TRIALS
-    failed = found.pop(1)
+    recorded = {row["trial"]: row for row in read_rows(tmp_path / "sweep")}
+    assert len(recorded) == TRIALS
+    failed = recorded.pop(1)
     assert failed == {
-        **plan.trial(1).head(),
+        **plan.trial(1).header(),
         "exit_reason": "failed",
         "exit_cause": "ProcessDied: its process died of SIGKILL",
     }
-    assert {row["exit_reason"] for row in found.values()} == {"completed"}
+    assert {row["exit_reason"] for row in recorded.values()} == {"completed"}
 
 
-def test_an_engine_that_gives_up_is_told(plan, tmp_path):
+def test_an_executor_that_fails_is_reported(plan, tmp_path):
     class Gone(Executor):
         def submit(self, *_):
             future = Future()
@@ -179,12 +179,12 @@ def test_an_engine_that_gives_up_is_told(plan, tmp_path):
             future.set_running_or_notify_cancel()
             return future
 
-    with pytest.raises(ProcessDied, match="what runs the trials has given up"):
+    with pytest.raises(ProcessDied, match="the executor failed"):
         fly(plan, tmp_path / "sweep", Gone())
     assert rows(tmp_path / "sweep") == {}
 
 
-def test_killed_at_any_time_it_goes_on_with_what_is_missing(flown, tmp_path, long):
+def test_a_sweep_killed_at_any_time_can_be_resumed(flown, tmp_path, long):
     out = tmp_path / "sweep"
     process = call(out, "--jobs", "1")
     for enough in (0, 1, 1, 2, 4, 5) if long else (2,):
@@ -195,18 +195,18 @@ def test_killed_at_any_time_it_goes_on_with_what_is_missing(flown, tmp_path, lon
         wait_until(lambda helpers=helpers: not any(is_alive(pid) for pid in helpers))
         assert not (out / SUMMARY).exists()
         process = call(out, "--jobs", "1", "--resume")
-    said, error = process.communicate(timeout=120)
+    output, error = process.communicate(timeout=120)
     assert process.returncode == 0 and "Traceback" not in error
-    assert rows(out) == flown and f"{TRIALS} trials, {TRIALS} completed" in said
+    assert rows(out) == flown and f"{TRIALS} trials, {TRIALS} completed" in output
     assert json.loads((out / SUMMARY).read_text())["endings"] == {"completed": TRIALS}
 
 
 def rows_now(folder: Path) -> list[bytes]:
-    """Whole ones, of a sweep that goes on."""
+    """Returns the rows of a running sweep."""
     return (folder / ROWS).read_bytes().splitlines()
 
 
-def test_interrupted_it_ends_at_once_and_says_how_to_go_on(tmp_path):
+def test_an_interrupted_sweep_ends_at_once_and_prints_how_to_resume(tmp_path):
     out = tmp_path / "my sweep"
     code = "import signal, sys\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
     code += "from aerodrake.cli import main\nsys.exit(main(sys.argv[1:]))"
@@ -234,8 +234,8 @@ def test_interrupted_it_ends_at_once_and_says_how_to_go_on(tmp_path):
     assert not (out / SUMMARY).exists()
 
 
-@pytest.mark.usefixtures("_here")
-def test_finished_it_can_be_resumed_for_more(flown, tmp_path):
+@pytest.mark.usefixtures("_without_children")
+def test_a_finished_sweep_can_be_resumed_with_more_trials(flown, tmp_path):
     out, quiet = str(tmp_path / "sweep"), ["--quiet", "--jobs", "1"]
     fewer = ["2" if word == str(TRIALS) else word for word in OPTIONS]
     assert main(["sweep", *fewer, "--out", out, *quiet]) == 0

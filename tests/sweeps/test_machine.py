@@ -1,4 +1,4 @@
-"""What the machine has no room for ends a sweep, and is flown when it goes on."""
+"""Errors of the machine end a sweep without a row; the trial is flown when it is resumed."""
 
 import json
 import sys
@@ -24,26 +24,26 @@ def plan() -> Plan:
     return Plan.make(load_scenario("hover"), [], 3)
 
 
-def test_a_disk_that_is_full_leaves_no_row(tmp_path, monkeypatch, capfd):
-    """Large enough for the sweep's folder, too small for a flight."""
+def test_a_full_disk_writes_no_row(tmp_path, monkeypatch, capfd):
+    """The disk has room for the sweep's folder, but not for a flight."""
     monkeypatch.chdir(tmp_path)
     with room_for(12_000):
         code = main(ARGV)
-    said, errors = capfd.readouterr()
-    assert code == 1 and said == ""
-    hint, said = errors.splitlines()
+    output, errors = capfd.readouterr()
+    assert code == 1 and output == ""
+    hint, error = errors.splitlines()
     assert "0 of 2 trials are in swept; to go on: aerodrake sweep hover" in hint
-    assert said.startswith("aerodrake: trial 0 could not be flown: ") and "File too large" in said
+    assert error.startswith("aerodrake: trial 0 could not be flown: ") and "File too large" in error
     assert [*read_rows(tmp_path / "swept")] == []
     assert main([*ARGV, "--resume"]) == 0
     assert {row["exit_reason"] for row in read_rows(tmp_path / "swept")} == {"completed"}
 
 
 @pytest.mark.parametrize("python", ["/bin/false", "/no/such/python"])
-def test_a_child_that_cannot_start_leaves_no_row(plan, python, tmp_path, monkeypatch):
+def test_a_child_that_cannot_start_writes_no_row(plan, python, tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "executable", python)
     with (
-        pytest.raises(ProcessDied, match="before it began|could not be flown: FileNotFound"),
+        pytest.raises(ProcessDied, match="before the call|could not be flown: FileNotFound"),
         processes(2) as executor,
         sweep_folder(tmp_path / "swept", plan, False) as folder,
     ):
@@ -51,13 +51,13 @@ def test_a_child_that_cannot_start_leaves_no_row(plan, python, tmp_path, monkeyp
     assert (tmp_path / "swept" / ROWS).read_text() == ""
 
 
-def test_rows_that_came_before_stay(plan, tmp_path, monkeypatch):
-    def apart(_, trial):
+def test_earlier_rows_remain(plan, tmp_path, monkeypatch):
+    def call_in_child(_, trial):
         if trial.index == 1:
             raise MemoryError
-        return {**trial.head(), "exit_reason": "completed"}, None
+        return {**trial.header(), "exit_reason": "completed"}, None
 
-    monkeypatch.setattr(module, "apart", apart)
+    monkeypatch.setattr(module, "call_in_child", call_in_child)
     with (
         pytest.raises(ProcessDied, match="^trial 1 could not be flown: MemoryError$"),
         ThreadPoolExecutor(1) as executor,

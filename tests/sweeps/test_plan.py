@@ -1,4 +1,4 @@
-"""Plans: which trials there are, what each depends on, and what is refused before any flies."""
+"""Plans: their trials, what each depends on, and errors before any flight."""
 
 import itertools
 
@@ -31,29 +31,29 @@ def vary(*keys: str) -> list[str]:
     st.integers(0, 99),
     st.integers(1, 1000),
 )
-def test_a_trial_depends_on_the_seed_its_index_and_each_key_alone(keys, count, index, more):
-    """Not on the other keys, their order, or how many trials there are."""
+def test_a_trial_depends_on_seed_index_and_key_alone(keys, count, index, more):
+    """Other keys, their order and the number of trials do not matter."""
     whole = Plan.make(Scenario(), vary(*DRAWN), 100).trial(index)
     part = Plan.make(Scenario(), vary(*keys[:count]), index + more).trial(index)
     assert part.seed == whole.seed
     assert part.parameters == {key: whole.parameters[key] for key in keys[:count]}
 
 
-def test_seeds_differ_by_trial_and_by_the_sweeps():
+def test_seeds_differ_between_trials_and_sweeps():
     plans = [Plan.make(Scenario(seed=seed), vary("payload.mass_kg"), 50) for seed in (0, 1)]
     trials = [plan.trial(index) for plan in plans for index in range(50)]
     assert len({trial.seed for trial in trials}) == 100
     assert len({trial.parameters["payload.mass_kg"] for trial in trials}) == 100
 
 
-def test_a_grid_is_flown_once_its_first_key_fastest():
+def test_a_grid_is_flown_once_with_its_first_key_fastest():
     plan = Plan.make(Scenario(), ["mpc.horizon=linspace(10, 20, 3)", "duration=linspace(1, 2, 2)"])
     cells = [tuple(plan.trial(i).parameters.values()) for i in range(plan.trials)]
     assert cells == [(n, d) for d, n in itertools.product((1.0, 2.0), (10, 15, 20))]
     assert all(type(horizon) is int for horizon, _ in cells)
 
 
-def test_more_trials_go_round_a_grid_and_a_key_more_leaves_it():
+def test_more_trials_repeat_a_grid_and_another_key_does_not_change_it():
     one = Plan.make(Scenario(), ["duration=linspace(1, 3, 3)"], 7)
     two = Plan.make(Scenario(), ["duration=linspace(1, 3, 3)", "settle_s=linspace(0, 1, 2)"], 7)
     durations = [plan.trial(i).parameters["duration"] for plan in (one, two) for i in range(7)]
@@ -69,7 +69,7 @@ def test_seeds_may_be_a_grid():
 
 @settings(max_examples=40)
 @given(st.integers(0, 99_999))
-def test_what_is_drawn_is_what_is_flown_to_the_last_bit(index):
+def test_the_drawn_values_are_flown_to_the_last_bit(index):
     trial = Plan.make(Scenario(), vary(*DRAWN), 100_000).trial(index)
     flown = as_mapping(trial.resolved())
     assert flown["seed"] == trial.seed
@@ -79,7 +79,7 @@ def test_what_is_drawn_is_what_is_flown_to_the_last_bit(index):
     assert flown["mpc"]["horizon"] == trial.parameters["mpc.horizon"]
 
 
-def test_vectors_faults_and_kinds():
+def test_vectors_faults_and_kinds_can_be_varied():
     fault = "faults=[{kind: rotor_degraded, rotor: 2, remaining: 0.8, start_s: 8, duration_s: 30}]"
     scenario = load_scenario("hover", [("--set", fault)])
     plan = Plan.make(
@@ -98,7 +98,7 @@ def test_vectors_faults_and_kinds():
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         (["duration"], "--vary: expected dotted.key=distribution, got 'duration'"),
         (["=uniform(1,2)"], "--vary: expected dotted.key=distribution"),
@@ -124,40 +124,40 @@ def test_vectors_faults_and_kinds():
         (["mpc.horizon=linspace(10,15,5)"], "mpc.horizon: expected a whole number"),
         (["residual.mode=choice(of)"], "unknown value 'of'; did you mean 'off'?"),
         (["wind.velocity_m_s=uniform(0,1)"], "expected a list of 3 numbers in m/s, got 0"),
-        (["wind.velocity_m_s[3]=uniform(0,1)"], "wind.velocity_m_s: has 3 elements, got [3]"),
+        (["wind.velocity_m_s[3]=uniform(0,1)"], "wind.velocity_m_s: expected an index below 3, got [3]"),
         (["faults[0].start_s=uniform(0,1)"], "--vary: faults[0]: unknown section"),
-        (["vehicle.robot=choice(my.urdf)"], "--vary: vehicle.robot: expected no file of your own"),
+        (["vehicle.robot=choice(my.urdf)"], "--vary: vehicle.robot: expected a packaged file"),
     ],
 )
-def test_what_cannot_be_flown_is_told_before_anything_is(options, said):
+def test_invalid_plans_are_refused(options, message):
     with pytest.raises(BadInput) as refused:
         Plan.make(Scenario(), options, 5)
-    assert said in str(refused.value) and str(refused.value).startswith("--vary: ")
+    assert message in str(refused.value) and str(refused.value).startswith("--vary: ")
 
 
-def test_trials_are_asked_for_unless_there_is_a_grid():
+def test_the_number_of_trials_is_required_without_a_grid():
     for options in ([], ["duration=uniform(1, 2)"]):
-        with pytest.raises(BadInput, match="--trials: expected how many"):
+        with pytest.raises(BadInput, match="--trials: expected a number of trials"):
             Plan.make(Scenario(), options)
     with pytest.raises(BadInput, match="--trials: expected 1 to 100000, got 100002"):
         Plan.make(Scenario(), ["duration=linspace(1, 2, 50001)", "settle_s=linspace(0, 1, 2)"])
 
 
-def test_values_that_never_fit_each_other_are_told_before_anything_is_flown():
+def test_values_that_always_contradict_each_other_are_refused():
     late = Plan.make(Scenario(), ["sensors.base_delay_s=uniform(0.001, 0.009)"], 5)
     with pytest.raises(BadInput, match="sensors.base_delay_s: trial 0: expected a multiple"):
         late.check()
     Plan.make(Scenario(), ["sensors.base_delay_s=choice(0.0011, 0.002)"], 20).check()
 
 
-def test_values_that_are_out_of_range_are_of_what_draws_them():
+def test_errors_of_drawn_values_name_the_distribution():
     drawn = Plan.make(Scenario(seed=5), ["payload.mass_kg=normal(0, 0.1)"], 1)
     assert drawn.trial(0).parameters["payload.mass_kg"] < 0
     with pytest.raises(BadInput, match=r"^--vary: payload.mass_kg: trial 0: expected .* got -0\."):
         drawn.check()
 
 
-def test_what_is_wrong_with_every_trial_is_not_of_what_is_drawn():
+def test_errors_of_the_shared_scenario_name_the_scenario():
     scenario = load_scenario("hover", [("--set", "vehicle.working_rad=[0, 1]")])
     with pytest.raises(BadInput, match=r"hover.yaml .*: vehicle.working_rad: expected 6 angles"):
         Plan.make(scenario, ["duration=uniform(1, 2)"], 3).check()

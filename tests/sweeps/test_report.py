@@ -1,4 +1,4 @@
-"""What is said of a sweep: its figures, the table and the picture."""
+"""Summary, table and figure of a sweep."""
 
 import json
 import shlex
@@ -20,13 +20,13 @@ VARY = ["wind.gust_m_s[0]=uniform(0, 2)", "residual.mode=choice(off, online)"]
 
 def row(trial, reason="completed", lap=None, settled=None, mean=None) -> dict:
     if reason == "failed":
-        return {**trial.head(), "exit_reason": reason, "exit_cause": "bad luck"}
+        return {**trial.header(), "exit_reason": reason, "exit_cause": "bad luck"}
     error = {"lap_mean_m": lap, "settled_mean_m": settled, "mean_m": mean}
-    return {**trial.head(), "exit_reason": reason, "exit_cause": "", "error": error}
+    return {**trial.header(), "exit_reason": reason, "exit_cause": "", "error": error}
 
 
 def write(folder: Path, rows, vary=VARY) -> tuple[Plan, dict]:
-    """A sweep of such rows; its trials end in reverse."""
+    """Writes a sweep with these rows, in reverse order."""
     plan = Plan.make(load_scenario("hover"), vary, len(rows))
     with sweep_folder(folder, plan, resumes=False) as opened:
         for index in reversed(range(len(rows))):
@@ -37,7 +37,7 @@ def write(folder: Path, rows, vary=VARY) -> tuple[Plan, dict]:
     return plan, summary
 
 
-def test_errors_are_of_completed_flights_and_endings_of_all(tmp_path):
+def test_errors_count_completed_flights_and_endings_all_flights(tmp_path):
     errors = np.random.default_rng(0).uniform(0, 0.01, 20)
     rows = [{"mean": error} for error in errors]
     rows += [{"reason": "lost", "mean": 1.0}, {"reason": "failed"}, {"reason": "lost", "mean": 2.0}]
@@ -53,27 +53,27 @@ def test_errors_are_of_completed_flights_and_endings_of_all(tmp_path):
         assert f"{1e3 * value:9.2f}" in table
 
 
-def test_ranks_are_correlated_with_the_error_of_numbers_alone(tmp_path):
+def test_only_keys_with_numbers_have_a_rank_correlation(tmp_path):
     errors = np.random.default_rng(1).uniform(0, 0.01, 12)
     plan, summary = write(tmp_path / "sweep", [{"mean": error} for error in errors])
     gusts = [plan.trial(i).parameters["wind.gust_m_s[0]"] for i in range(12)]
     expected = np.corrcoef(rankdata(gusts), rankdata(errors))[0, 1]
-    found = summary["correlations"]
-    assert found["wind.gust_m_s[0]"]["spearman"] == pytest.approx(expected, abs=1e-11)
-    assert 0 < found["wind.gust_m_s[0]"]["p_value"] < 1
-    assert found["residual.mode"] is None
+    correlations = summary["correlations"]
+    assert correlations["wind.gust_m_s[0]"]["spearman"] == pytest.approx(expected, abs=1e-11)
+    assert 0 < correlations["wind.gust_m_s[0]"]["p_value"] < 1
+    assert correlations["residual.mode"] is None
     lines = [line.split() for line in sweep_table(summary).splitlines()]
     assert ["wind.gust_m_s[0]:", "uniform(0,", "2)", f"{expected:+.2f}"] in [x[:4] for x in lines]
     assert ["residual.mode:", "choice(off,", "online)", "-"] in lines
 
 
-def test_flights_that_were_not_completed_have_the_worst_rank_and_failures_none(tmp_path):
+def test_lost_flights_have_the_worst_rank_and_failed_ones_none(tmp_path):
     vary = ["wind.gust_m_s[0]=linspace(0, 3, 12)"]
     rows = [{"mean": 1e-3}] * 6 + [{"reason": "lost", "mean": 1.0}] * 3 + [{"reason": "failed"}] * 3
     _, summary = write(tmp_path / "sweep", rows, vary)
     expected = np.corrcoef(np.arange(9), [0] * 6 + [1] * 3)[0, 1]
-    found = summary["correlations"]["wind.gust_m_s[0]"]
-    assert found["spearman"] == pytest.approx(expected, abs=1e-11)
+    correlation = summary["correlations"]["wind.gust_m_s[0]"]
+    assert correlation["spearman"] == pytest.approx(expected, abs=1e-11)
 
 
 @pytest.mark.parametrize(
@@ -84,13 +84,13 @@ def test_flights_that_were_not_completed_have_the_worst_rank_and_failures_none(t
         ([{"lap": 1e-3, "mean": 3e-3}, {"reason": "lost", "mean": 1}], "lap_mean_m"),
     ],
 )  # fmt: skip
-def test_the_headline_is_one_that_all_completed_flights_have(rows, key, tmp_path):
+def test_all_completed_flights_have_the_headline_error(rows, key, tmp_path):
     _, summary = write(tmp_path / "sweep", rows)
     assert summary["error"]["key"] == key
-    assert summary["correlations"]["wind.gust_m_s[0]"] is None  # All the same, or too few.
+    assert summary["correlations"]["wind.gust_m_s[0]"] is None  # Equal errors, or too few.
 
 
-def test_the_worst_are_those_without_a_completed_flight_then_the_largest_errors(tmp_path):
+def test_the_worst_are_flights_not_completed_then_the_largest_errors(tmp_path):
     rows = [{"mean": 1e-3 * i} for i in range(6)] + [{"reason": "lost"}, {"reason": "failed"}]
     plan, summary = write(tmp_path / "sweep", rows)
     assert [worst["trial"] for worst in summary["worst"]] == [6, 7, 5, 4, 3]
@@ -101,13 +101,13 @@ def test_the_worst_are_those_without_a_completed_flight_then_the_largest_errors(
         assert worst["command"] in sweep_table(summary)
 
 
-def test_nothing_completed_and_nothing_varied(tmp_path):
+def test_a_sweep_without_completed_flights_and_varied_keys(tmp_path):
     _, summary = write(tmp_path / "sweep", [{"reason": "lost"}] * 2, vary=[])
     assert summary["error"] is None and summary["correlations"] == {}
     assert "2 trials, 2 lost" in sweep_table(summary)
 
 
-def test_many_keys_are_too_many_for_one_figure(tmp_path):
+def test_a_figure_shows_a_bounded_number_of_keys(tmp_path):
     vary = [f"wind.{name}[{i}]=uniform(0, 1)" for name in ("velocity_m_s", "gust_m_s")
             for i in range(3)]  # fmt: skip
     vary += [f"flight.{name}_gain[{i}]=uniform(1, 2)" for name in ("position", "velocity")
@@ -116,7 +116,7 @@ def test_many_keys_are_too_many_for_one_figure(tmp_path):
     assert len(summary["correlations"]) == 12
 
 
-def test_rows_are_read_by_trial_whatever_their_order(tmp_path):
+def test_outcomes_are_in_the_order_of_trials(tmp_path):
     plan, _ = write(tmp_path / "sweep", [{"mean": 1e-3 * i} for i in range(4)])
     assert [r["trial"] for r in read_rows(tmp_path / "sweep")] == [3, 2, 1, 0]
     outcomes = Outcomes.read(tmp_path / "sweep", plan)
@@ -125,17 +125,19 @@ def test_rows_are_read_by_trial_whatever_their_order(tmp_path):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_the_worst_ones_command_flies_it_again_to_the_same_error(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("aerodrake.sweeps.loop.apart", lambda function, *trial: function(*trial))
+def test_the_command_of_the_worst_trial_repeats_its_error(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(
+        "aerodrake.sweeps.loop.call_in_child", lambda function, *trial: function(*trial)
+    )
     out, short = tmp_path / "my sweep", ["--set", "settle_s=0.02", "--set", "duration=0.06"]
     options = ["--trials", "2", "--vary", VARY[0], *short, "--jobs", "1", "--out", str(out)]
     assert main(["sweep", "hover", *options]) == 0
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     worst = json.loads((out / SUMMARY).read_text())["worst"][0]
-    (line,) = (line for line in said.splitlines() if line.endswith(worst["command"]))
+    (line,) = (line for line in output.splitlines() if line.endswith(worst["command"]))
     assert line.startswith(f"  trial {worst['trial']}, {1e3 * worst['error_m']:.3f} mm: aerodrake")
     _, *words = shlex.split(worst["command"])
     assert main([*words, "--quiet", "--out", str(tmp_path / "run")]) == 0
     figures = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert figures["error"]["mean_m"] == worst["error_m"]
-    assert f"{out}: scenario.yaml, sweep.json, trials.jsonl" in said
+    assert f"{out}: scenario.yaml, sweep.json, trials.jsonl" in output

@@ -1,4 +1,4 @@
-"""Trials: what `aerodrake run` flies, and a row however it ends."""
+"""Trials: each equals a flight of `aerodrake run` and has a row whatever its end."""
 
 import errno
 import json
@@ -24,8 +24,8 @@ def make(*vary: str, scenario="hover", changes=()):
     return Plan.make(load_scenario(scenario, [*NOISY, *changes]), vary, 9)
 
 
-def test_a_row_is_the_summary_of_the_run_without_wall_times(tmp_path):
-    """By the very command that the row's trial gives, in a shell."""
+def test_a_row_equals_the_summary_of_the_run_without_wall_times(tmp_path):
+    """The run is started by the command of the trial."""
     plan = make("wind.gust_m_s[1]=uniform(0, 2)", "residual.mode=choice(off, online)")
     path = save_scenario(plan.scenario, tmp_path)
     trial = plan.trial(4)
@@ -45,22 +45,21 @@ def test_a_row_is_the_summary_of_the_run_without_wall_times(tmp_path):
     assert set(timing) == {"trial", "wall_s", "host", "process"} and timing["wall_s"] > 0
 
 
-def test_rows_say_the_same_every_time_and_other_trials_something_else():
+def test_rows_are_repeatable_and_differ_between_trials():
     plan = make("wind.gust_m_s[1]=uniform(0, 2)")
     assert fly_trial(plan.trial(1))[0] == fly_trial(plan.trial(1))[0]
     first, second = (fly_trial(plan.trial(i))[0] for i in (0, 1))
     assert first["seed"] != second["seed"] and first["error"] != second["error"]
 
 
-def test_a_lost_flight_is_a_row_like_any_other():
+def test_a_lost_flight_has_a_row():
     weak = ["vehicle.rotor.max_thrust_n=2", "vehicle.base_position_m=[0, 0, 9]", "duration=2"]
     plan = make(changes=[("--set", change) for change in weak])
     row, _ = fly_trial(plan.trial(0))
     assert row["exit_reason"] == "lost" and row["simulated_s"] < 2 and row["error"]["mean_m"] > 0
 
 
-def test_values_out_of_range_are_a_row_that_tells_them():
-    """Drawn by a normal distribution, say."""
+def test_values_out_of_range_are_refused_in_the_row():
     plan = make("payload.mass_kg=normal(0, 0.1)")
     rows = [fly_trial(plan.trial(i))[0] for i in range(9)]
     refused = [row for row in rows if row["exit_reason"] == "refused"]
@@ -77,8 +76,8 @@ def test_values_out_of_range_are_a_row_that_tells_them():
 
 
 @pytest.mark.parametrize("error", [RuntimeError("no such\nluck"), SystemExit("no such")])
-def test_an_error_is_a_row_that_tells_it(error, monkeypatch):
-    """Drake's conditions are the latter."""
+def test_an_error_has_a_row_with_its_cause(error, monkeypatch):
+    """Drake raises SystemExit for violated conditions."""
 
     def fail(_):
         raise error
@@ -93,25 +92,25 @@ def test_an_error_is_a_row_that_tells_it(error, monkeypatch):
     "error",
     [OSError(errno.ENOSPC, "No space left on device"), MemoryError(), FileNotFoundError("/tmp")],
 )
-def test_what_the_machine_refuses_is_no_row(error, monkeypatch):
-    """Also if it was told as bad input."""
+def test_errors_of_the_machine_are_raised(error, monkeypatch):
+    """Errors that were converted to BadInput count as well."""
 
     def fail(_):
         raise error
 
-    def told(_):
+    def convert(_):
         try:
             fail(_)
         except (OSError, MemoryError):
             raise BadInput("/tmp", "", "cannot be written") from None
 
-    for flight, kind in ((fail, type(error)), (told, BadInput)):
+    for flight, kind in ((fail, type(error)), (convert, BadInput)):
         monkeypatch.setattr(module, "FlightSimulation", flight)
         with pytest.raises(kind):
             fly_trial(make().trial(0))
 
 
-def test_a_file_that_is_not_there_is_of_the_trial():
+def test_a_missing_file_is_refused_in_the_row():
     plan = make("vehicle.robot=choice(package://aerodrake/robots/none.urdf)")
     row, _ = fly_trial(plan.trial(0))
     assert row["exit_reason"] == "refused"
@@ -121,7 +120,7 @@ def test_a_file_that_is_not_there_is_of_the_trial():
 
 
 @pytest.mark.parametrize("value", ["a b", "x'y", '"', "true", "1", "é"])
-def test_words_survive_the_shell(value, tmp_path):
+def test_values_are_quoted_for_the_shell(value, tmp_path):
     plan = make(f"name=choice({json.dumps(value)})")
     words = shlex.split(plan.trial(0).command(tmp_path / "my scenario.yaml"))
     assert words[:3] == ["aerodrake", "run", str(tmp_path / "my scenario.yaml")]
