@@ -1,4 +1,4 @@
-"""`python -m aerodrake`."""
+"""Entry point of `python -m aerodrake`."""
 
 import sys
 

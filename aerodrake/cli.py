@@ -1,4 +1,4 @@
-"""The command line, `aerodrake COMMAND`: see `aerodrake --help`."""
+"""Command line `aerodrake COMMAND`; see `aerodrake --help`."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ COMMANDS = {
     "graph": graph,
     "bench": bench,
 }
-"""By name, in the order of `aerodrake --help`."""
+"""Commands by name, in the order of `aerodrake --help`."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command.
 
     Returns:
-        0 on success, 1 on a flight that did not complete, a variant that failed or a
-        process that died, 2 on bad input, 130 if interrupted outside of the flight.
+        0 on success; 1 if a flight did not complete, a variant failed or a process died;
+        2 on bad input; 130 on an interrupt outside of the flight.
     """
     arguments = make_parser().parse_args(argv)
     try:
@@ -44,7 +44,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def make_parser() -> argparse.ArgumentParser:
-    """The parser of all commands; what it returns holds the command's function as `command`."""
+    """Returns the parser of all commands; its result has the command's function as `command`."""
     parser = _Parser(
         prog="aerodrake",
         description="Predictive kinematic control of aerial manipulators as a Drake diagram.",
@@ -59,7 +59,7 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, as every other bad input does."""
+    """Parser that prints errors in one line, as for all other bad input."""
 
     def error(self, message: str) -> None:
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")

@@ -1,45 +1,45 @@
-"""`aerodrake bench`."""
+"""Command `aerodrake bench`."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from aerodrake.commands.options import add_output, new_folder
+from aerodrake.commands.options import add_output, new_folder, printer
 
-HELP = "measure what a tick, a flight and a start cost"
+HELP = "measure computation times and memory"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Declares its arguments."""
-    command.add_argument("--quick", action="store_true", help="less of everything, in a minute")
+    """Declares the arguments of the command."""
+    command.add_argument("--quick", action="store_true", help="fewer repetitions; takes a minute")
     command.add_argument(
-        "--json", type=Path, metavar="FILE", help="writes the figures there, too; replaces a file"
+        "--json", type=Path, metavar="FILE", help="also write the figures to FILE; replaces it"
     )
-    add_output(command, "runs/bench-TIME; an earlier one there is replaced as a whole")
+    add_output(command, "runs/bench-TIME; replaces an earlier benchmark in it")
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Measures the MPC's tick beside other solvers, the closed loop beside its plant, and memory.
+    """Measures the MPC's tick and other solvers, the closed loop and its plant, and memory.
 
-    Solvers that are not installed are left out: pip install aerodrake[bench].
+    Skips solvers that are not installed; pip install aerodrake[bench] installs them.
     """
     from tqdm import tqdm
 
     from aerodrake.support.errors import BadInput
-    from aerodrake.support.files import write_whole
+    from aerodrake.support.files import write_atomically
     from aerodrake.support.run_folder import run_folder
 
     file = arguments.json
     if file is not None and (file.is_dir() or not file.parent.is_dir()):
-        raise BadInput("--json", "", f"expected a file in a folder that exists, got {file}")
+        raise BadInput("--json", "", f"expected a file in an existing folder, got {file}")
     target = arguments.out or new_folder("bench")
 
     from aerodrake.bench.report import FILES, bench_table, missing_peers, plot_bench
     from aerodrake.bench.suite import FULL, QUICK, STEPS, bench
     from aerodrake.flight.summary import to_json
 
-    say = (lambda line: None) if arguments.quiet else print
+    say = printer(arguments)
     for note in missing_peers():
         say(f"note: {note}")
     with run_folder(target, FILES) as folder:
@@ -53,7 +53,7 @@ def main(arguments: argparse.Namespace) -> int:
         (folder / FILES[0]).write_text(to_json(figures), encoding="utf-8")
         plot_bench(figures, folder / FILES[1])
     if file is not None:
-        write_whole(file, to_json(figures).encode())
+        write_atomically(file, to_json(figures).encode())
     say(bench_table(figures))
     say(f"\n{target}: {', '.join(FILES)}")
     return 0

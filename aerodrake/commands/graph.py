@@ -1,4 +1,4 @@
-"""`aerodrake graph [NAME]`."""
+"""Command `aerodrake graph [NAME]`."""
 
 from __future__ import annotations
 
@@ -7,22 +7,28 @@ from pathlib import Path
 
 from aerodrake.commands.options import whole_number
 
-HELP = "draw diagrams"
+HELP = "export diagrams and systems as graphs and pages"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Declares its arguments."""
+    """Declares the arguments of the command."""
     command.add_argument(
         "name", nargs="?", help="closed_loop, station, coordinator or a system; default: all"
     )
-    command.add_argument("--out", type=Path, default=Path("graphs"), metavar="DIR")
     command.add_argument(
-        "--depth", type=whole_number(0, 100), default=2, metavar="N", help="levels of nesting"
+        "--out", type=Path, default=Path("graphs"), metavar="DIR", help="folder; default: graphs"
+    )
+    command.add_argument(
+        "--depth",
+        type=whole_number(0, 100),
+        default=2,
+        metavar="N",
+        help="levels of nested diagrams; default: 2",
     )
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Writes pages and graphs of the closed loop, its two sides, or single systems."""
+    """Exports the closed loop, station, coordinator or single systems as graphs and pages."""
     from aerodrake.gallery.export import export_all, gallery
 
     names = [arguments.name] if arguments.name else []

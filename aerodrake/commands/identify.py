@@ -1,4 +1,4 @@
-"""`aerodrake identify [SCENARIO]`."""
+"""Command `aerodrake identify [SCENARIO]`."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ from aerodrake.commands.options import (
     add_scenario,
     new_folder,
     overrides,
+    printer,
 )
 from aerodrake.support.errors import BadInput
 
-HELP = "identify K_B of a scenario's model"
+HELP = "identify K_B of a scenario's equivalent model"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Declares its arguments."""
+    """Declares the arguments of the command."""
     add_scenario(command, default="clover_paper")
     command.add_argument(
-        "--write", action="store_true", help="put K_B into the scenario's file, at model.k_b"
+        "--write", action="store_true", help="write K_B to model.k_b of the scenario's file"
     )
     add_jobs(command)
-    add_output(command, "runs/identify-SCENARIO-TIME; an earlier one there is replaced as a whole")
+    add_output(command, "runs/identify-SCENARIO-TIME; replaces an earlier identification in it")
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Identifies K_B of a scenario's equivalent model; writes and prints it."""
+    """Identifies K_B of a scenario's equivalent model, writes the results and prints a table."""
     from tqdm import tqdm
 
     from aerodrake.scenario.edit import check_replaceable, replace_numbers
@@ -39,17 +40,17 @@ def main(arguments: argparse.Namespace) -> int:
     scenario = load_scenario(arguments.scenario, overrides(arguments))
     if arguments.write:
         if arguments.set:
-            raise BadInput("--write", "", "expected no --set, for K_B is that of the file as it is")
+            raise BadInput("--write", "", "expected no --set, since K_B is written to the file")
         check_replaceable(Path(scenario.source), "model.k_b")
     target = arguments.out or new_folder(f"identify-{scenario.name}")
 
     from aerodrake.identification import report
     from aerodrake.identification.identify import DURATION_S, FLIGHTS, identify
     from aerodrake.scenario.inputs import frozen
-    from aerodrake.support.interrupts import held_interrupts
+    from aerodrake.support.interrupts import deferred_interrupts
     from aerodrake.support.run_folder import run_folder
 
-    say = (lambda line: None) if arguments.quiet else print
+    say = printer(arguments)
     options = [f"--set={assignment}" for assignment in arguments.set]
     command = shlex.join(["aerodrake", "identify", arguments.scenario, *options])
     with frozen(scenario) as copied, run_folder(target, report.FILES) as folder:
@@ -60,12 +61,12 @@ def main(arguments: argparse.Namespace) -> int:
             disable=arguments.quiet,
             bar_format=FLIGHT_BAR,
         ) as bar:
-            found = identify(copied, arguments.jobs, progress=bar.update)
-        with held_interrupts():
-            report.write(found, command, folder)
+            identification = identify(copied, arguments.jobs, progress=bar.update)
+        with deferred_interrupts():
+            report.write(identification, command, folder)
     say(f"{target}: {', '.join(report.FILES)}")
     if arguments.write:
-        replace_numbers(Path(scenario.source), "model.k_b", found.k_b)
+        replace_numbers(Path(scenario.source), "model.k_b", identification.k_b)
         say(f"{scenario.source}: model.k_b replaced")
-    say(f"\n{report.table(found)}")
+    say(f"\n{report.table(identification)}")
     return 0

@@ -1,4 +1,4 @@
-"""What several commands have in common: options, folders and progress bars."""
+"""Arguments, notes, folders and progress bars that several commands share."""
 
 from __future__ import annotations
 
@@ -7,8 +7,12 @@ import itertools
 import math
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from aerodrake.scenario import Scenario
 
 FLIGHT_BAR = (
     "{desc} {percentage:3.0f}%|{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}, {rate_fmt}]"
@@ -16,45 +20,50 @@ FLIGHT_BAR = (
 """Format of a progress bar over simulated time."""
 
 LIVE_BAR = "{desc} {n:.1f}/{total:.1f} s{postfix} |{bar}|"
-"""Of one that tells how the flight goes; it fits into 80 columns."""
-
+"""Format of a progress bar with the flight's state; fits into 80 columns."""
 
 LCM_URL = "udpm://239.255.76.67:7667?ttl=0"
-"""LCM's own address, on this machine alone; ttl=1 reaches the others on its network."""
+"""LCM's default address, on this machine alone; ttl=1 includes the local network."""
 
 
 def add_scenario(command: argparse.ArgumentParser, default: str = "") -> None:
-    """The scenario, and what overrides its keys."""
-    place = "a packaged name, or the path of a YAML file"
+    """Adds the scenario and the option that overrides its keys."""
+    text = "name of a packaged scenario, or path of a YAML file"
     if default:
-        place += f"; default: {default}"
-        command.add_argument("scenario", nargs="?", default=default, help=place)
+        text += f"; default: {default}"
+        command.add_argument("scenario", nargs="?", default=default, help=text)
     else:
-        command.add_argument("scenario", help=place)
+        command.add_argument("scenario", help=text)
     command.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="overrides a dotted key"
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="override a dotted key of the scenario; may be given several times",
     )
 
 
 def add_output(command: argparse.ArgumentParser, default: str) -> None:
-    """Where results go, and whether it is said."""
-    command.add_argument("--out", type=Path, metavar="DIR", help=f"default: {default}")
-    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    """Adds the folder of the results and the option not to print."""
+    command.add_argument(
+        "--out", type=Path, metavar="DIR", help=f"folder of the results; default: {default}"
+    )
+    command.add_argument("--quiet", action="store_true", help="print only errors")
 
 
 def add_jobs(command: argparse.ArgumentParser) -> None:
-    """How many processes at a time."""
+    """Adds the number of processes."""
     command.add_argument(
         "--jobs",
         type=whole_number(1, 1000),
         default=os.cpu_count() or 1,
         metavar="N",
-        help="processes at a time; default: the cores",
+        help="number of concurrent processes; default: the number of cores",
     )
 
 
 def whole_number(low: int, high: int) -> Callable[[str], int]:
-    """A type of argument: a whole number in [low, high]."""
+    """Returns the parser of an argument that is a whole number in [low, high]."""
 
     def parse(text: str) -> int:
         if not text.isdecimal() or not low <= int(text) <= high:
@@ -67,7 +76,7 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
 
 
 def number_in(low: float, high: float) -> Callable[[str], float]:
-    """A type of argument: a number in [low, high]."""
+    """Returns the parser of an argument that is a number in [low, high]."""
 
     def parse(text: str) -> float:
         try:
@@ -84,17 +93,43 @@ def number_in(low: float, high: float) -> Callable[[str], float]:
 
 
 def overrides(arguments: argparse.Namespace) -> list[tuple[str, str]]:
-    """The options that change the scenario, as typed, with their assignments."""
-    found = [("--set", assignment) for assignment in arguments.set]
+    """Returns the options that change keys of the scenario, with their assignments."""
+    pairs = [("--set", assignment) for assignment in arguments.set]
     for name in ("seed", "duration"):
         value = getattr(arguments, name, None)
         if value is not None:
-            found.append((f"--{name}", f"{name}={value}"))
-    return found
+            pairs.append((f"--{name}", f"{name}={value}"))
+    return pairs
+
+
+def printer(arguments: argparse.Namespace) -> Callable[[str], None]:
+    """Returns `print`, or with --quiet a function without effect."""
+    return (lambda line: None) if arguments.quiet else print
+
+
+def print_notes(say: Callable[[str], None], scenario: Scenario, others: Sequence[str] = ()) -> None:
+    """Prints the notes on a scenario before its flight, and `others`."""
+    from aerodrake.model.low_level.thrust_allocation import thrust_notes
+    from aerodrake.model.residual.scenario_network import provenance_notes
+    from aerodrake.scenario.rules import warnings
+
+    joints = len(scenario.vehicle.working_rad)
+    notes = [*warnings(scenario), *provenance_notes(scenario, joints), *thrust_notes(scenario)]
+    for note in (*notes, *others):
+        say(f"note: {note}")
+    print_compile_note(say)
+
+
+def print_compile_note(say: Callable[[str], None]) -> None:
+    """Prints a note if the equations are not compiled yet."""
+    from aerodrake.support.compiled import is_cold
+
+    if is_cold():
+        say("note: compiling the equations first; this takes a minute, once per machine")
 
 
 def new_folder(name: str) -> Path:
-    """runs/NAME-TIME, or the first of runs/NAME-TIME-2, -3, ... that is not there yet."""
+    """Returns runs/NAME-TIME, or the first of runs/NAME-TIME-2, -3, ... that does not exist."""
     first = Path("runs", f"{name}-{time.strftime('%Y%m%d-%H%M%S')}")
     others = (first.with_name(f"{first.name}-{i}") for i in itertools.count(2))
     return next(path for path in itertools.chain([first], others) if not path.exists())

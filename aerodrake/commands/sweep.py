@@ -1,4 +1,4 @@
-"""`aerodrake sweep SCENARIO`."""
+"""Command `aerodrake sweep SCENARIO`."""
 
 from __future__ import annotations
 
@@ -6,68 +6,75 @@ import argparse
 import os
 import shlex
 import sys
+from typing import TYPE_CHECKING
 
 from aerodrake.commands.options import (
     add_output,
     add_scenario,
     new_folder,
     overrides,
+    print_notes,
+    printer,
     whole_number,
 )
 from aerodrake.support.errors import BadInput, ProcessDied
 
-HELP = "fly a scenario many times, with other values of its keys"
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from aerodrake.sweeps.folder import SweepFolder
+
+HELP = "fly a scenario many times with varied keys"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Declares its arguments."""
+    """Declares the arguments of the command."""
     add_scenario(command)
     command.add_argument(
         "--trials",
         type=whole_number(1, 100_000),
         metavar="N",
-        help="flights; default: the grid of all linspace(), once",
+        help="number of flights; default: one for each point of the grid of all linspace()",
     )
     command.add_argument(
         "--vary",
         action="append",
         default=[],
         metavar="KEY=DIST",
-        help="draws a dotted key for each trial from uniform(a,b), normal(m,s), choice(x,y,...), "
-        "or spans a grid by linspace(a,b,n); may be given for several keys",
+        help="draw a dotted key for each trial from uniform(a,b), normal(m,s) or choice(x,y,...), "
+        "or vary it on a grid with linspace(a,b,n); may be given several times",
     )
-    command.add_argument("--seed", metavar="N", help="of the sweep; default: the scenario's")
+    command.add_argument(
+        "--seed", metavar="N", help="seed of the sweep; default: the scenario's seed"
+    )
     engine = command.add_mutually_exclusive_group()
     engine.add_argument(
-        "--jobs", type=whole_number(1, 1000), metavar="N", help="processes; default: the cores"
+        "--jobs",
+        type=whole_number(1, 1000),
+        metavar="N",
+        help="number of concurrent processes; default: the number of cores",
     )
-    engine.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that flies them")
+    engine.add_argument("--scheduler", metavar="ADDRESS", help="fly the trials on a Dask cluster")
     command.add_argument(
-        "--resume", action="store_true", help="go on with the sweep in --out, or add trials to it"
+        "--resume", action="store_true", help="continue the sweep in --out, or add trials to it"
     )
-    add_output(command, "runs/SCENARIO-sweep-TIME; a finished sweep there is replaced as a whole")
+    add_output(command, "runs/SCENARIO-sweep-TIME; replaces a finished sweep in it")
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Flies a scenario many times, with keys drawn from distributions or along grids.
+    """Flies a scenario many times, with keys drawn from distributions or on grids.
 
-    Each trial is a row of trials.jsonl as it ends. Interrupted, it goes on with --resume.
+    Each trial adds a row to trials.jsonl when it ends. --resume continues an interrupted sweep.
     """
-    from tqdm import tqdm
-
     from aerodrake.scenario.load import load_scenario
-    from aerodrake.scenario.rules import warnings
 
     if arguments.resume and not arguments.out:
-        raise BadInput("--resume", "", "expected the folder of a sweep by --out DIR")
+        raise BadInput("--resume", "", "expected --out DIR with the folder of a sweep")
     scenario = load_scenario(arguments.scenario, overrides(arguments))
 
-    from aerodrake.model.low_level.thrust_allocation import thrust_notes
-    from aerodrake.model.residual.scenario_network import provenance_notes
-    from aerodrake.support.compiled import is_cold
     from aerodrake.sweeps.cluster import cluster
     from aerodrake.sweeps.folder import FILES, sweep_folder
-    from aerodrake.sweeps.loop import processes, sweep
+    from aerodrake.sweeps.loop import processes
     from aerodrake.sweeps.plan import Plan
     from aerodrake.sweeps.report import sweep_table, write_report
     from aerodrake.sweeps.trial import FAILURES
@@ -75,38 +82,19 @@ def main(arguments: argparse.Namespace) -> int:
     plan = Plan.make(scenario, arguments.vary, arguments.trials)
     plan.check()
     target = arguments.out or new_folder(f"{scenario.name}-sweep")
-    say = (lambda line: None) if arguments.quiet else print
-    joints = len(scenario.vehicle.working_rad)
-    known = (*provenance_notes(scenario, joints), *thrust_notes(scenario))
-    for note in (*warnings(scenario), *known):
-        say(f"note: {note}")
-    if is_cold():
-        say("note: equations are compiled first; this takes a minute, once on a machine")
+    say = printer(arguments)
+    print_notes(say, scenario)
     jobs = arguments.jobs or os.cpu_count() or 1
     address = arguments.scheduler
     engine = processes(jobs) if address is None else cluster(address)
     with engine as executor, sweep_folder(target, plan, arguments.resume) as folder:
-        endings: dict[str, int] = {}
         try:
-            with tqdm(
-                total=plan.trials,
-                initial=len(folder.recorded),
-                desc=scenario.name,
-                unit="trial",
-                disable=arguments.quiet,
-            ) as bar:
-
-                def progress(row: dict) -> None:
-                    reason = row["exit_reason"]
-                    if reason != "completed":
-                        endings[reason] = endings.get(reason, 0) + 1
-                        bar.set_postfix(endings, refresh=False)
-                    bar.update()
-
-                sweep(folder, executor, progress)
+            _fly(folder, executor, arguments.quiet)
         except (KeyboardInterrupt, ProcessDied):
             done = f"{len(folder.recorded)} of {plan.trials} trials are in {target}"
-            print(f"aerodrake: {done}; to go on: {_resume(arguments, target)}", file=sys.stderr)
+            print(
+                f"aerodrake: {done}; continue with: {_resume(arguments, target)}", file=sys.stderr
+            )
             raise
         summary = write_report(folder)
     say(sweep_table(summary))
@@ -114,8 +102,33 @@ def main(arguments: argparse.Namespace) -> int:
     return 1 if any(summary["endings"].get(reason) for reason in FAILURES) else 0
 
 
+def _fly(folder: SweepFolder, executor: Executor, quiet: bool) -> None:
+    """Flies the trials that have no row yet, with a progress bar."""
+    from tqdm import tqdm
+
+    from aerodrake.sweeps.loop import sweep
+
+    endings: dict[str, int] = {}
+    with tqdm(
+        total=folder.plan.trials,
+        initial=len(folder.recorded),
+        desc=folder.plan.scenario.name,
+        unit="trial",
+        disable=quiet,
+    ) as bar:
+
+        def progress(row: dict) -> None:
+            reason = row["exit_reason"]
+            if reason != "completed":
+                endings[reason] = endings.get(reason, 0) + 1
+                bar.set_postfix(endings, refresh=False)
+            bar.update()
+
+        sweep(folder, executor, progress)
+
+
 def _resume(arguments: argparse.Namespace, target: object) -> str:
-    """The command that goes on with an interrupted sweep."""
+    """Returns the command that continues an interrupted sweep."""
     words = ["aerodrake", "sweep", arguments.scenario]
     for option in ("set", "vary"):
         words += [word for value in getattr(arguments, option) for word in (f"--{option}", value)]

@@ -25,7 +25,7 @@ from aerodrake.scenario import (
 )
 from aerodrake.station import make_closed_loop
 from aerodrake.support.errors import BadInput, nearest
-from aerodrake.support.files import write_whole
+from aerodrake.support.files import write_atomically
 
 DOT_TIMEOUT_S = 60.0
 """Graphviz lays out the closed loop in well under a second."""
@@ -48,7 +48,7 @@ def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
     for suffix, content in contents.items():
         if content:
             written.append(folder / f"{name}.{suffix}")
-            write_whole(written[-1], content)
+            write_atomically(written[-1], content)
     return written
 
 

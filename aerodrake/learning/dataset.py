@@ -11,7 +11,7 @@ import numpy as np
 
 from aerodrake.model.residual.samples import Samples
 from aerodrake.support.errors import BadInput
-from aerodrake.support.files import is_stored_zip, read_bounded, write_whole
+from aerodrake.support.files import is_stored_zip, read_bounded, write_atomically
 
 MAX_BYTES = 100_000_000
 """No dataset is larger: a guard against hostile files."""
@@ -33,7 +33,7 @@ def save_samples(path: Path, samples: Samples, metadata: dict[str, Any]) -> None
     content = io.BytesIO()
     arrays = dict(zip(ARRAYS, samples, strict=True))
     np.savez(content, **arrays, metadata=np.array(json.dumps(metadata)))
-    write_whole(path, content.getvalue())
+    write_atomically(path, content.getvalue())
 
 
 def load_samples(path: Path, metadata: dict[str, Any], size: tuple[int, int]) -> Samples:

@@ -23,8 +23,8 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.fingerprint import plant_hash, scenario_hash
 from aerodrake.support.errors import BadInput, ScenarioError
-from aerodrake.support.files import write_whole
-from aerodrake.support.interrupts import held_interrupts
+from aerodrake.support.files import write_atomically
+from aerodrake.support.interrupts import deferred_interrupts
 from aerodrake.support.scratch import scratch_folder
 from aerodrake.support.threads import single_thread
 
@@ -125,10 +125,10 @@ def train_scenario(
     }
     title = f"{scenario.name}: held-out flight {held_out[-1].twin or held_out[-1].name}"
     try:
-        with held_interrupts(), scratch_folder(folder) as scratch:
+        with deferred_interrupts(), scratch_folder(folder) as scratch:
             plot_training(trained, delta, targets / gain, model.dt, title, scratch / FIGURE)
             save(folder / CHECKPOINT, trained.network, provenance)
-            write_whole(folder / LOG, to_json(log).encode())
+            write_atomically(folder / LOG, to_json(log).encode())
             os.replace(scratch / FIGURE, folder / FIGURE)
     except OSError as error:
         raise BadInput("--out", "", f"cannot write {folder}: {error.strerror}") from None

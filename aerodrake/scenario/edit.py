@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 
 from aerodrake.support.errors import BadInput
-from aerodrake.support.files import write_whole
+from aerodrake.support.files import write_atomically
 
 
 def replace_numbers(path: Path, key: str, numbers: Sequence[float]) -> None:
@@ -27,7 +27,7 @@ def replace_numbers(path: Path, key: str, numbers: Sequence[float]) -> None:
     spans = _spans(path, text, key)
     for (start, end), number in reversed([*zip(spans, numbers, strict=True)]):
         text = f"{text[:start]}{float(number)!r}{text[end:]}"
-    write_whole(path, text.encode("utf-8"))
+    write_atomically(path, text.encode("utf-8"))
 
 
 def check_replaceable(path: Path, key: str) -> None:

@@ -66,7 +66,7 @@ def is_stored_zip(content: bytes) -> bool:
     return is_stored and sum(entry.file_size for entry in entries) <= len(content)
 
 
-def write_whole(path: Path, content: bytes) -> None:
+def write_atomically(path: Path, content: bytes) -> None:
     """Writes a file: all of it, or nothing. A link goes on leading to the file.
 
     Raises:

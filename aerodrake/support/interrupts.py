@@ -18,7 +18,7 @@ WARNING = b"\naerodrake: saving; interrupt again to lose it\n"
 
 
 @contextmanager
-def held_interrupts() -> Iterator[Callable[[], None]]:
+def deferred_interrupts() -> Iterator[Callable[[], None]]:
     """Holds interrupts back, so that what was flown is written down.
 
     Yields:

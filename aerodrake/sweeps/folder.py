@@ -14,7 +14,7 @@ from typing import Any
 
 from aerodrake.scenario.load import load_scenario, save_scenario
 from aerodrake.support.errors import BadInput
-from aerodrake.support.files import write_whole
+from aerodrake.support.files import write_atomically
 from aerodrake.support.run_folder import run_folder
 from aerodrake.sweeps.match import PLAN, SCENARIO, check_same
 from aerodrake.sweeps.plan import Plan
@@ -139,7 +139,7 @@ def _reopen(target: Path, plan: Plan) -> None:
     if json.loads((target / PLAN).read_text())["trials"] < plan.trials:
         for name in (SUMMARY, FIGURE):
             (target / name).unlink(missing_ok=True)
-        write_whole(target / PLAN, _plan_text(plan).encode())
+        write_atomically(target / PLAN, _plan_text(plan).encode())
 
 
 def _plan_text(plan: Plan) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from aerodrake.flight.summary import HEADLINES, millimetres, rounded, to_json
-from aerodrake.support.interrupts import held_interrupts
+from aerodrake.support.interrupts import deferred_interrupts
 from aerodrake.support.scratch import scratch_folder
 from aerodrake.sweeps.figure import plot_sweep
 from aerodrake.sweeps.folder import FIGURE, SUMMARY, SweepFolder, writing
@@ -39,7 +39,7 @@ def write_report(folder: SweepFolder) -> dict[str, Any]:
     outcomes = Outcomes.read(folder.path, folder.plan)
     summary = summarize_sweep(outcomes, folder.plan, folder.path)
     title = f"{summary['scenario']}, {summary['trials']} trials, seed {summary['seed']}"
-    with held_interrupts(), writing(folder.path), scratch_folder(folder.path) as scratch:
+    with deferred_interrupts(), writing(folder.path), scratch_folder(folder.path) as scratch:
         plot_sweep(outcomes, title, scratch / FIGURE)
         (scratch / SUMMARY).write_text(to_json(summary), encoding="utf-8")
         for name in (FIGURE, SUMMARY):

@@ -141,7 +141,7 @@ def test_the_command_writes_what_it_says(measured, tmp_path, monkeypatch, capsys
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--json", "nowhere/figures.json"], "--json: expected a file in a folder that exists"),
+        (["--json", "nowhere/figures.json"], "--json: expected a file in an existing folder"),
         (["--json", "."], "--json: expected a file"),
         (["--out", "mine"], "--out: mine holds files that are not of an earlier run"),
         (["--out", "mine/file"], "--out: expected a folder"),

@@ -7,7 +7,7 @@ import zipfile
 import pytest
 
 from aerodrake.support.errors import BadInput
-from aerodrake.support.files import is_stored_zip, leaves_package, read_bounded, write_whole
+from aerodrake.support.files import is_stored_zip, leaves_package, read_bounded, write_atomically
 
 
 def names(folder) -> list[str]:
@@ -74,7 +74,7 @@ def test_writing_replaces_the_file_and_keeps_its_mode_and_links(tmp_path):
     path.write_bytes(b"old")
     path.chmod(0o640)
     link.symlink_to(path)
-    write_whole(link, b"new")
+    write_atomically(link, b"new")
     assert path.read_bytes() == b"new" and link.is_symlink()
     assert path.stat().st_mode & 0o777 == 0o640
     assert names(tmp_path) == ["a", "b"]
@@ -82,7 +82,7 @@ def test_writing_replaces_the_file_and_keeps_its_mode_and_links(tmp_path):
 
 def test_a_new_file_has_the_mode_of_any_other(tmp_path):
     (tmp_path / "usual").write_bytes(b"")
-    write_whole(tmp_path / "new", b"")
+    write_atomically(tmp_path / "new", b"")
     modes = [(tmp_path / name).stat().st_mode for name in ("usual", "new")]
     assert modes[0] == modes[1]
 
@@ -96,5 +96,5 @@ def test_what_cannot_be_written_leaves_all_as_it_was(tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, "replace", full)
     with pytest.raises(BadInput, match="a: cannot be written: No space left on device"):
-        write_whole(path, b"new")
+        write_atomically(path, b"new")
     assert path.read_bytes() == b"old" and names(tmp_path) == ["a"]

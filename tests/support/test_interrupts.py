@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from aerodrake.support.interrupts import SIGNALS, held_interrupts, termination_as_interrupt
+from aerodrake.support.interrupts import SIGNALS, deferred_interrupts, termination_as_interrupt
 
 
 def send(number: int = signal.SIGINT, times: int = 1) -> None:
@@ -23,7 +23,7 @@ def _handlers_are_put_back():
 
 @pytest.mark.parametrize("number", SIGNALS)
 def test_they_come_where_they_are_asked_for(number):
-    with held_interrupts() as check:
+    with deferred_interrupts() as check:
         check()
         send(number)
         with pytest.raises(KeyboardInterrupt):
@@ -31,7 +31,7 @@ def test_they_come_where_they_are_asked_for(number):
 
 
 def test_who_never_asks_goes_on_to_the_end(capfd):
-    with held_interrupts():
+    with deferred_interrupts():
         send()
         assert capfd.readouterr().err == ""
         send()
@@ -39,7 +39,7 @@ def test_who_never_asks_goes_on_to_the_end(capfd):
 
 
 def test_the_third_is_not_held_back():
-    with pytest.raises(KeyboardInterrupt), held_interrupts():
+    with pytest.raises(KeyboardInterrupt), deferred_interrupts():
         send(times=2)
         with pytest.raises(KeyboardInterrupt):
             send()
@@ -54,7 +54,7 @@ def test_termination_is_an_interrupt():
 def test_what_is_ignored_stays_ignored():
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        with held_interrupts() as check:
+        with deferred_interrupts() as check:
             send(times=3)
             check()
     finally:
@@ -65,7 +65,7 @@ def test_other_threads_leave_signals_alone():
     done = []
 
     def work():
-        with held_interrupts() as check, termination_as_interrupt():
+        with deferred_interrupts() as check, termination_as_interrupt():
             check()
             done.append(True)
 

@@ -223,7 +223,7 @@ def test_an_interrupted_sweep_ends_at_once_and_prints_how_to_resume(tmp_path):
     assert process.returncode == 130
     first, last = error.splitlines()
     assert last == "aerodrake: interrupted"
-    head, _, command = first.partition("; to go on: ")
+    head, _, command = first.partition("; continue with: ")
     assert head == f"aerodrake: 0 of 2 trials are in {out}"
     words = shlex.split(command)
     assert words[:3] == ["aerodrake", "sweep", "hover"] and words[-3:] == [

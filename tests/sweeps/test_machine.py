@@ -32,7 +32,7 @@ def test_a_full_disk_writes_no_row(tmp_path, monkeypatch, capfd):
     output, errors = capfd.readouterr()
     assert code == 1 and output == ""
     hint, error = errors.splitlines()
-    assert "0 of 2 trials are in swept; to go on: aerodrake sweep hover" in hint
+    assert "0 of 2 trials are in swept; continue with: aerodrake sweep hover" in hint
     assert error.startswith("aerodrake: trial 0 could not be flown: ") and "File too large" in error
     assert [*read_rows(tmp_path / "swept")] == []
     assert main([*ARGV, "--resume"]) == 0

@@ -12,7 +12,7 @@ import torch
 from aerodrake.model.residual.features import HIDDEN, feature_names
 from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.support.errors import BadInput
-from aerodrake.support.files import is_stored_zip, read_bounded, write_whole
+from aerodrake.support.files import is_stored_zip, read_bounded, write_atomically
 
 FORMAT = 1
 """Version of the checkpoint's layout."""
@@ -57,7 +57,7 @@ def save(path: Path, network: ResidualNetwork, metadata: Provenance) -> None:
         },
         content,
     )
-    write_whole(path, content.getvalue())
+    write_atomically(path, content.getvalue())
 
 
 def load(path: Path, joints: int) -> tuple[ResidualNetwork, Provenance]:
