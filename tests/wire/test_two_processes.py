@@ -56,7 +56,7 @@ def start():
 def waits(process):
     """Reads until it says that it does."""
     for line in process.stdout:
-        if b"waits" in line:
+        if b"waiting" in line:
             return
     raise AssertionError(process.stderr.read().decode())
 
@@ -157,7 +157,7 @@ def test_who_waits_can_be_interrupted(url, tmp_path, monkeypatch, capsys, comman
     monkeypatch.setattr(tqdm.tqdm, "update", update)
     assert main([command, *SHORT, "--lcm", url]) == 130
     said, errors = capsys.readouterr()
-    assert "waits" in said and looks == [0.0, 0.0, 0.0]
+    assert "waiting" in said and looks == [0.0, 0.0, 0.0]
     assert "Traceback" not in errors and "aerodrake: interrupted" in errors
     assert not list(tmp_path.rglob("*.*"))
 
