@@ -3,36 +3,43 @@
 from __future__ import annotations
 
 import numpy as np
-from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.supervision.rotor_monitor import RotorMonitor, watch
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.supervision.rotor_monitor import (
+    NO_SAMPLE,
+    MomentumSample,
+    RotorMonitor,
+    RotorMonitorState,
+    update_monitor,
+)
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.model.vehicle.whole_body import WholeBody
+from aerodrake.systems.named_state import NamedState
 
 GROUPS = 3
-"""Of samples: position, attitude and joints."""
+"""Groups of a sample: position, attitude and joints."""
 
 
 class RotorMonitorSystem(LeafSystem):
-    """Tells what share of its commanded thrust each rotor gives.
+    """Estimates the fraction of its commanded thrust that each rotor gives.
 
     Ports:
-        in `sample` (13 + 2 n): the last sample; its base is `monitor.steps` late.
-        in `sample_health` (6): s since the last sample of each group that was believed,
-            first. Of samples that were not nothing is learned. If it is not
-            connected all are believed.
+        in `sample` (13 + 2 n): the last sample; its base is `monitor.delay_samples` late.
+        in `sample_health` (6): s since the last accepted sample of each group, then the
+            groups' verdicts. Rejected samples do not change the estimate. If it is
+            not connected, all finite samples are accepted.
         in `thrust_command` (k): N.
-        out `rotor_effectiveness` (k): estimated shares, 1 for a healthy rotor.
+        out `rotor_effectiveness` (k): estimated fractions, 1 for a healthy rotor.
     State:
-        what is remembered (35 + 4 k + k steps), as `RotorMonitor` has it, and the output.
+        the fields of `RotorMonitorState`, a group each.
     Rate:
-        `period`, at its multiples: it sees the sample of its instant, and the command that
+        `period`, at its multiples: it reads the sample of its instant, and the command that
         has acted since the one before.
 
     Args:
-        monitor: The equations; its samples are `period` apart.
-        vehicle: Its links, of whose momentum it keeps account.
+        monitor: The equations; its `lag.dt` is `period`.
+        vehicle: Its links, whose momentum is balanced.
     """
 
     def __init__(self, monitor: RotorMonitor, vehicle: VehicleModel):
@@ -43,25 +50,28 @@ class RotorMonitorSystem(LeafSystem):
         self._sample = self.DeclareVectorInputPort("sample", VehicleState.size(vehicle.joints))
         self._health = self.DeclareVectorInputPort("sample_health", 2 * GROUPS)
         self._command = self.DeclareVectorInputPort("thrust_command", rotors)
-        self._x_memory = self.DeclareDiscreteState(monitor.initial_memory())
-        self._x_effectiveness = self.DeclareDiscreteState(np.ones(rotors))
-        self.DeclareStateOutputPort("rotor_effectiveness", self._x_effectiveness)
+        self._state = NamedState(self, RotorMonitorState.initial(monitor))
+        self._loss = self._state.groups["loss"]
+        self.DeclareVectorOutputPort(
+            "rotor_effectiveness",
+            rotors,
+            self._calc_effectiveness,
+            {self.discrete_state_ticket(self._loss)},
+        )
         self.DeclarePeriodicDiscreteUpdateEvent(monitor.lag.dt, 0.0, self._update)
 
+    def _calc_effectiveness(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(1.0 - context.get_discrete_state(self._loss).value())
+
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        sample = self._sample.Eval(context)
-        is_believed = bool(np.all(np.isfinite(sample)))
+        x, momentum = self._sample.Eval(context), NO_SAMPLE
+        is_valid = bool(np.all(np.isfinite(x)))
         if self._health.HasValue(context):
-            is_believed &= not self._health.Eval(context)[:GROUPS].any()
-        motion = np.zeros(13)
-        if is_believed:
-            motion[:9], motion[9:] = self._whole_body.momentum(sample), sample[:4]
-        memory, effectiveness = watch(
-            self._monitor,
-            discrete.value(self._x_memory),  # As in the context: an update begins with it.
-            self._command.Eval(context),
-            motion,
-            is_believed,
+            is_valid &= not self._health.Eval(context)[:GROUPS].any()
+        if is_valid:
+            momentum = MomentumSample(*self._whole_body.momentum(x), split_state(x).quaternion)
+        command = self._command.Eval(context)
+        self._state.update(
+            discrete,
+            lambda state: update_monitor(self._monitor, state, command, momentum, is_valid),
         )
-        discrete.set_value(self._x_memory, memory)
-        discrete.set_value(self._x_effectiveness, effectiveness)

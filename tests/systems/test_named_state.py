@@ -14,6 +14,11 @@ class Colour(IntEnum):
     BLUE = 1
 
 
+class Limit(NamedTuple):
+    least: float
+    most: np.ndarray
+
+
 class Counters(NamedTuple):
     rows: np.ndarray
     count: int
@@ -57,6 +62,36 @@ def test_reads_and_writes_shapes_and_types():
     np.testing.assert_array_equal(second.rows, START.rows + 1)
     assert second[1:] == (5, True, Colour.RED)
     np.testing.assert_array_equal(system.get_output_port().Eval(context), second.rows.ravel())
+
+
+class Limited(NamedTuple):
+    count: int
+    limit: Limit
+
+
+class LimitedCounting(LeafSystem):
+    """Counts by `update`, with a nested state."""
+
+    def __init__(self):
+        super().__init__()
+        self.state = NamedState(self, Limited(3, Limit(0.5, np.arange(2.0))))
+        self.DeclarePeriodicDiscreteUpdateEvent(1.0, 0.0, self._update)
+
+    def _update(self, context, discrete):
+        def step(last: Limited) -> Limited:
+            return Limited(last.count + 1, Limit(2 * last.limit.least, last.limit.most[::-1]))
+
+        self.state.update(discrete, step)
+
+
+def test_nested_fields_have_groups_of_their_own_and_update_replaces_the_state():
+    system = LimitedCounting()
+    assert list(system.state.groups) == ["count", "limit.least", "limit.most"]
+    context = system.CreateDefaultContext()
+    context.SetDiscreteState(system.EvalUniquePeriodicDiscreteUpdate(context))
+    state = system.state.read(context)
+    assert type(state.count) is int and (state.count, state.limit.least) == (4, 1.0)
+    np.testing.assert_array_equal(state.limit.most, [1.0, 0.0])
 
 
 def test_what_was_read_is_a_copy():

@@ -1,4 +1,4 @@
-"""The rotor monitor as a system: which samples it looks at, and when."""
+"""Tests of the rotor monitor as a system: ports, rate, and the samples that it accepts."""
 
 import numpy as np
 import pytest
@@ -29,12 +29,12 @@ def test_ports_rate_and_feedthrough(system, vehicle):
     assert not system.HasAnyDirectFeedthrough()
     timing = system.GetUniquePeriodicDiscreteUpdateAttribute()
     assert (timing.period_sec(), timing.offset_sec()) == (PERIOD, 0)
-    told = system.GetOutputPort("rotor_effectiveness").Eval(system.CreateDefaultContext())
-    np.testing.assert_array_equal(told, np.ones(4))
+    estimate = system.GetOutputPort("rotor_effectiveness").Eval(system.CreateDefaultContext())
+    np.testing.assert_array_equal(estimate, np.ones(4))
 
 
-def fall(system, vehicle, trim, samples: int, health=None, spoilt=None) -> np.ndarray:
-    """(4,) shares told of a base that rolls and falls as it would without its first rotor."""
+def fall(system, vehicle, trim, samples: int, health=None, value=None) -> np.ndarray:
+    """Returns the estimate (4,) for a base that rolls and falls as without its first rotor."""
     context = system.CreateDefaultContext()
     system.GetInputPort("thrust_command").FixValue(context, trim)
     if health is not None:
@@ -45,27 +45,29 @@ def fall(system, vehicle, trim, samples: int, health=None, spoilt=None) -> np.nd
         at = 7 + vehicle.joints
         x[at : at + 2] = k * PERIOD * lost[1:] / np.diag(vehicle.inertia)[:2]
         x[at + 5] = k * PERIOD * lost[0] / vehicle.mass
-        system.GetInputPort("sample").FixValue(context, x if spoilt is None else 0 * x + spoilt)
+        system.GetInputPort("sample").FixValue(
+            context, x if value is None else np.full_like(x, value)
+        )
         context.SetDiscreteState(system.EvalUniquePeriodicDiscreteUpdate(context))
     return system.GetOutputPort("rotor_effectiveness").Eval(context)
 
 
-def test_it_watches_the_samples(system, vehicle, trim):
-    told = fall(system, vehicle, trim, 12)
-    assert told[0] < 0.4
-    np.testing.assert_array_equal(told[1:], 1)
+def test_isolates_a_lost_rotor(system, vehicle, trim):
+    estimate = fall(system, vehicle, trim, 12)
+    assert estimate[0] < 0.4
+    np.testing.assert_array_equal(estimate[1:], 1)
 
 
 @pytest.mark.parametrize("group", range(3))
-def test_and_none_that_are_not_believed(system, vehicle, trim, group):
+def test_rejected_samples_are_not_used(system, vehicle, trim, group):
     outage = np.eye(6)[group] * PERIOD
     np.testing.assert_array_equal(fall(system, vehicle, trim, 12, health=outage), 1)
 
 
-def test_verdicts_are_not_outages(system, vehicle, trim):
+def test_verdicts_alone_reject_no_sample(system, vehicle, trim):
     assert fall(system, vehicle, trim, 12, health=np.eye(6)[3:].sum(axis=0))[0] < 0.4
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_samples_that_are_no_numbers(system, vehicle, trim, value):
-    np.testing.assert_array_equal(fall(system, vehicle, trim, 12, spoilt=value), 1)
+def test_samples_with_nan_or_infinite_are_not_used(system, vehicle, trim, value):
+    np.testing.assert_array_equal(fall(system, vehicle, trim, 12, value=value), 1)

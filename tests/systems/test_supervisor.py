@@ -1,4 +1,4 @@
-"""The supervisor as a system: ports, and modes by stepping its inputs."""
+"""Tests of the supervisor as a system: ports, rate, and modes for given inputs."""
 
 import numpy as np
 import pytest
@@ -14,8 +14,8 @@ CONFIG = Config()
 NAMES = [condition.name for condition in conditions(CONFIG)]
 
 
-class Watch:
-    """A supervisor in a Simulator; all is well at first."""
+class SupervisedFlight:
+    """A supervisor in a Simulator; its inputs are healthy at first."""
 
     def __init__(self, vehicle):
         self.system = SupervisorSystem(conditions(CONFIG), vehicle, PERIOD, TICK)
@@ -37,7 +37,7 @@ class Watch:
             self.system.GetInputPort(name).FixValue(self.context, value)
 
     def after(self, seconds: float) -> tuple[SafeMode, str]:
-        """Mode and cause that much later."""
+        """Returns mode and cause after some time."""
         time = round(self.context.get_time() + seconds, 9)
         self.simulator.AdvanceTo(time)
         mode, cause = (
@@ -47,13 +47,13 @@ class Watch:
 
 
 @pytest.fixture
-def watch(vehicle) -> Watch:
-    return Watch(vehicle)
+def flight(vehicle) -> SupervisedFlight:
+    return SupervisedFlight(vehicle)
 
 
-def test_nothing_happens_where_nothing_is_the_matter(watch):
-    assert watch.after(10.0) == (SafeMode.NOMINAL, "")
-    assert not watch.system.GetOutputPort("conditions").Eval(watch.context).any()
+def test_nominal_while_all_inputs_are_healthy(flight):
+    assert flight.after(10.0) == (SafeMode.NOMINAL, "")
+    assert not flight.system.GetOutputPort("conditions").Eval(flight.context).any()
 
 
 @pytest.mark.parametrize(
@@ -70,13 +70,13 @@ def test_nothing_happens_where_nothing_is_the_matter(watch):
         ({"rotor_effectiveness": [1, 1, 0.8, 1]}, SafeMode.NOMINAL, "rotor_degraded"),
     ],
 )
-def test_what_clears_goes_back_to_nominal(watch, ports, mode, cause):
-    was = {name: watch.system.GetInputPort(name).Eval(watch.context).copy() for name in ports}
-    watch.set(**ports)
-    assert watch.after(1.0) == (mode, cause)
-    watch.set(**was)
-    assert watch.after(CONFIG.clear_s - PERIOD) == (mode, cause)
-    assert watch.after(3 * PERIOD) == (SafeMode.NOMINAL, "")
+def test_returns_to_nominal_once_a_condition_clears(flight, ports, mode, cause):
+    healthy = {name: flight.system.GetInputPort(name).Eval(flight.context).copy() for name in ports}
+    flight.set(**ports)
+    assert flight.after(1.0) == (mode, cause)
+    flight.set(**healthy)
+    assert flight.after(CONFIG.clear_s - PERIOD) == (mode, cause)
+    assert flight.after(3 * PERIOD) == (SafeMode.NOMINAL, "")
 
 
 @pytest.mark.parametrize(
@@ -88,41 +88,41 @@ def test_what_clears_goes_back_to_nominal(watch, ports, mode, cause):
         ({"state": None}, SafeMode.STOP, "not_finite"),
     ],
 )
-def test_what_does_not_clear_is_for_good(watch, vehicle, ports, mode, cause):
+def test_permanent_conditions_do_not_clear(flight, vehicle, ports, mode, cause):
     broken = np.full_like(vehicle.trim_state, np.nan)
-    watch.set(**{name: broken if value is None else value for name, value in ports.items()})
-    assert watch.after(2 * PERIOD) == (mode, cause)
-    watch.set(
+    flight.set(**{name: broken if value is None else value for name, value in ports.items()})
+    assert flight.after(2 * PERIOD) == (mode, cause)
+    flight.set(
         state=vehicle.trim_state,
         status=[0, 0, 0],
         sample_health=np.zeros(6),
         rotor_effectiveness=np.ones(4),
     )
-    assert watch.after(10.0) == (mode, cause)
+    assert flight.after(10.0) == (mode, cause)
 
 
-def test_a_simulator_ends_where_it_stops(watch):
-    watch.after(0.5)
-    watch.set(rotor_effectiveness=[1, 0.3, 1, 1])
-    status = watch.simulator.AdvanceTo(2.0)
+def test_stop_terminates_the_simulator(flight):
+    flight.after(0.5)
+    flight.set(rotor_effectiveness=[1, 0.3, 1, 1])
+    status = flight.simulator.AdvanceTo(2.0)
     assert status.reason() == SimulatorStatus.ReturnReason.kReachedTerminationCondition
     assert "rotor_lost" in status.FormatMessage()
-    assert watch.context.get_time() == pytest.approx(0.5 + PERIOD)
+    assert flight.context.get_time() == pytest.approx(0.5 + PERIOD)
 
 
-def test_a_landing_is_over_once_the_ground_carries(watch, vehicle):
-    watch.set(status=[5, 0, 250])
-    watch.after(0.1)
+def test_landed_once_the_ground_carries_weight(flight, vehicle):
+    flight.set(status=[5, 0, 250])
+    flight.after(0.1)
     landed = vehicle.trim_state
     landed[6] = -vehicle.feet_m
-    watch.set(state=landed)
-    assert watch.after(1.0) == (SafeMode.DESCEND, "plan_lost")
-    watch.set(specific_thrust=[8.0])
-    assert watch.after(0.2) == (SafeMode.DESCEND, "plan_lost")
-    assert watch.after(0.2) == (SafeMode.STOP, "landed")
+    flight.set(state=landed)
+    assert flight.after(1.0) == (SafeMode.DESCEND, "plan_lost")
+    flight.set(specific_thrust=[8.0])
+    assert flight.after(0.2) == (SafeMode.DESCEND, "plan_lost")
+    assert flight.after(0.2) == (SafeMode.STOP, "landed")
 
 
-def test_who_has_nothing_to_tell_may_be_absent(vehicle):
+def test_unconnected_health_ports_mean_healthy(vehicle):
     system = SupervisorSystem(conditions(CONFIG), vehicle, PERIOD, TICK)
     simulator = Simulator(system)
     context = simulator.get_mutable_context()
@@ -138,8 +138,8 @@ def test_who_has_nothing_to_tell_may_be_absent(vehicle):
     assert not system.GetOutputPort("conditions").Eval(context).any()
 
 
-def test_ports_and_rate(watch, vehicle):
-    assert not watch.system.HasAnyDirectFeedthrough()
-    assert watch.system.GetOutputPort("conditions").size() == len(NAMES)
-    timing = watch.system.GetUniquePeriodicDiscreteUpdateAttribute()
+def test_ports_and_rate(flight, vehicle):
+    assert not flight.system.HasAnyDirectFeedthrough()
+    assert flight.system.GetOutputPort("conditions").size() == len(NAMES)
+    timing = flight.system.GetUniquePeriodicDiscreteUpdateAttribute()
     assert (timing.period_sec(), timing.offset_sec()) == (PERIOD, 0)

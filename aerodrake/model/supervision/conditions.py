@@ -1,4 +1,4 @@
-"""What is watched on a flight, when that asks for a safe mode, and when it no longer does."""
+"""Conditions under which the supervisor enters and leaves safe modes."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from aerodrake.model.reference.envelope import ReferenceVerdict
 from aerodrake.model.residual.judge import Cause
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.rotation import rotation_matrix
@@ -15,52 +16,56 @@ from aerodrake.scenario import Supervisor
 from aerodrake.support.compiled import compiled
 
 NEVER = np.inf
-"""s: what lasts for so long is never cleared."""
+"""s, `Condition.clear_s` of a condition that never clears."""
 
-UNPROVEN = int(Cause.UNPROVEN)
-"""What has yet to show that it helps has done no harm."""
+NO_CAUSE = -1
+"""Index of the cause while no condition is active."""
 
 ON_GROUND_M = 0.003
-"""Feet that are as low as this are on the ground."""
+"""Height of the feet at or below which they are on the ground, in NOMINAL and HOLD."""
 
 LANDED_M, LANDED_THRUST_M_S2 = 0.08, 8.8
-"""Feet that may be on it, tilted as they are, where less thrust than this holds the vehicle."""
+"""Height of the feet, and thrust over mass, at or below which a tilted vehicle has landed."""
 
 
 class Signal(IntEnum):
-    """What conditions look at."""
+    """Signals that conditions compare with thresholds. Flags are 0 or 1."""
 
-    PLAN_AGE = 0  # Ticks since the MPC's last answer.
+    PLAN_AGE = 0  # Ticks since the MPC's last solution.
     PLAN_AGE_S = 1  # The same in s.
-    POSITION_OUTAGE = 2  # s since the last sample that was taken in, of each group.
+    POSITION_OUTAGE = 2  # s since the last accepted sample of each group.
     ATTITUDE_OUTAGE = 3
     JOINTS_OUTAGE = 4
     TILT = 5  # rad, of the base.
-    ROTOR_MISSING = 6  # Largest share of its thrust that a rotor does not give.
-    SATURATED = 7  # 1 while the flight controller is.
-    REFERENCE_NOT_FINITE = 8  # 1 while the reference is.
+    ROTOR_MISSING = 6  # Largest fraction of its thrust that a rotor has lost.
+    SATURATED = 7  # The flight controller is saturated.
+    REFERENCE_NOT_FINITE = 8  # The reference guard's verdicts.
     REFERENCE_OUT_OF_REACH = 9
     REFERENCE_TOO_FAST = 10
     REFERENCE_JUMPED = 11
-    LEARNER_SHUT_OUT = 12  # 1 while what was learned is not used, since it did harm.
-    ON_GROUND = 13  # 1 while the feet are, in NOMINAL or HOLD.
-    LANDED = 14  # 1 while they are near it in DESCEND, and it carries part of the weight.
-    GROUND_EXPECTED = 15  # 1 while they are to be on it in DESCEND, by prediction alone.
-    NOT_FINITE = 16  # 1 while the state is not.
+    LEARNER_SHUT_OUT = 12  # Delta is zero because it, or its training samples, did harm.
+    ON_GROUND = 13  # The feet are on the ground, in NOMINAL or HOLD.
+    LANDED = 14  # In DESCEND they are near it, and it carries part of the weight.
+    GROUND_EXPECTED = 15  # In DESCEND, without position samples, they are predicted below it.
+    NOT_FINITE = 16  # The state contains NaN or infinite.
+
+
+SIGNALS = len(Signal)
+"""S, the number of signals."""
 
 
 class Condition(NamedTuple):
-    """A signal that asks for a mode from when it triggers until it is cleared.
+    """Asks for a safe mode from when its signal triggers until it clears.
 
     Attributes:
-        name: Of it, as a cause.
-        signal: What it looks at. One that is no number triggers.
-        mode: What it asks for; NOMINAL for nothing but to be known.
-        trigger: It triggers at this value, in the signal's unit, or above,
-        trigger_s: for so long.
-        clear: It clears at this value, alike, or below,
-        clear_s: for so long; `NEVER` where a landing or a stop is for good.
-        exit_reason: How a flight ends that it stops.
+        name: Name in events, summaries and reports.
+        signal: The signal that is compared; NaN triggers.
+        mode: The mode that is asked for; NOMINAL only reports the condition.
+        trigger: It triggers while the signal is at or above this value, in its unit,
+        trigger_s: for this long.
+        clear: It clears while the signal is at or below this value
+        clear_s: for this long; `NEVER` if the flight ends or lands.
+        exit_reason: Exit reason of a flight that it stops.
     """
 
     name: str
@@ -74,58 +79,49 @@ class Condition(NamedTuple):
 
 
 def conditions(config: Supervisor) -> tuple[Condition, ...]:
-    """All of them; of several that ask for the same mode the first is the cause."""
-    hold, descend, stop, known = (
+    """Returns all conditions; the first active one of the worst mode is the cause."""
+    s, c, clear_s = Signal, config, config.clear_s
+    hold, descend, stop, report = (
         SafeMode.HOLD,
         SafeMode.DESCEND,
         SafeMode.STOP,
         SafeMode.NOMINAL,
     )
-    s, clear_s = Signal, config.clear_s
-    # An answer may take its period, and now and then one is missed.
-    fresh = min(1, config.plan_ticks - 1)
-    missing = float(np.nextafter(1 - config.rotor_lost, 2))  # Less than the share is left.
-    outages = [
-        condition
-        for group, ride_s, lost_s, lost in (
-            ("position", config.position_outage_s, config.position_lost_s, descend),
-            ("attitude", config.attitude_outage_s, config.attitude_lost_s, stop),
-            ("joints", config.joints_outage_s, config.joints_lost_s, descend),
-        )
-        for signal in (s[f"{group.upper()}_OUTAGE"],)
-        for condition in (
-            Condition(f"{group}_outage", signal, hold, ride_s, 0, 0, clear_s),
-            Condition(f"{group}_lost", signal, lost, lost_s, 0, 0, NEVER),
-        )
-    ]
+    fresh = min(1, c.plan_ticks - 1)  # A single missed tick does not count as an outage.
+    lost = float(np.nextafter(1 - c.rotor_lost, 2))  # Strictly less thrust than `rotor_lost`.
+    # name, signal, mode, triggers at or above, for s, clears at or below, for s
     return (
         Condition("not_finite", s.NOT_FINITE, stop, 1, 0, 0, NEVER, "lost"),
-        Condition("tilt", s.TILT, stop, config.max_tilt_rad, 0, 0, NEVER, "lost"),
-        Condition("rotor_lost", s.ROTOR_MISSING, stop, missing, 0, 0, NEVER),
+        Condition("tilt", s.TILT, stop, c.max_tilt_rad, 0, 0, NEVER, "lost"),
+        Condition("rotor_lost", s.ROTOR_MISSING, stop, lost, 0, 0, NEVER),
         Condition("landed", s.LANDED, stop, 1, 0.3, 0, NEVER, "landed"),
         Condition("ground_expected", s.GROUND_EXPECTED, stop, 1, 0.5, 0, NEVER),
         Condition("ground_contact", s.ON_GROUND, stop, 1, 0.1, 0, NEVER),
-        *outages,
-        Condition("plan_lost", s.PLAN_AGE_S, descend, config.plan_lost_s, 0, 0, NEVER),
-        Condition("plan_outage", s.PLAN_AGE, hold, config.plan_ticks, 0, fresh, clear_s),
+        Condition("position_outage", s.POSITION_OUTAGE, hold, c.position_outage_s, 0, 0, clear_s),
+        Condition("position_lost", s.POSITION_OUTAGE, descend, c.position_lost_s, 0, 0, NEVER),
+        Condition("attitude_outage", s.ATTITUDE_OUTAGE, hold, c.attitude_outage_s, 0, 0, clear_s),
+        Condition("attitude_lost", s.ATTITUDE_OUTAGE, stop, c.attitude_lost_s, 0, 0, NEVER),
+        Condition("joints_outage", s.JOINTS_OUTAGE, hold, c.joints_outage_s, 0, 0, clear_s),
+        Condition("joints_lost", s.JOINTS_OUTAGE, descend, c.joints_lost_s, 0, 0, NEVER),
+        Condition("plan_lost", s.PLAN_AGE_S, descend, c.plan_lost_s, 0, 0, NEVER),
+        Condition("plan_outage", s.PLAN_AGE, hold, c.plan_ticks, 0, fresh, clear_s),
         Condition("reference_not_finite", s.REFERENCE_NOT_FINITE, hold, 1, 0.1, 0, clear_s),
         Condition("reference_out_of_reach", s.REFERENCE_OUT_OF_REACH, hold, 1, 0.1, 0, clear_s),
         Condition("reference_too_fast", s.REFERENCE_TOO_FAST, hold, 1, 0.1, 0, clear_s),
-        Condition("reference_jump", s.REFERENCE_JUMPED, known, 1, 0, 0, clear_s),
-        Condition("learner_shut_out", s.LEARNER_SHUT_OUT, known, 1, 0, 0, clear_s),
-        Condition("rotor_degraded", s.ROTOR_MISSING, known, 0.1, 0.5, 0.05, clear_s),
-        Condition("saturated", s.SATURATED, known, 1, 0.3, 0, clear_s),
+        Condition("reference_jump", s.REFERENCE_JUMPED, report, 1, 0, 0, clear_s),
+        Condition("learner_shut_out", s.LEARNER_SHUT_OUT, report, 1, 0, 0, clear_s),
+        Condition("rotor_degraded", s.ROTOR_MISSING, report, 0.1, 0.5, 0.05, clear_s),
+        Condition("saturated", s.SATURATED, report, 1, 0.3, 0, clear_s),
     )
 
 
-class Rules(NamedTuple):
-    """Conditions as arrays, a row for each of K, for `supervise`.
+class ConditionTable(NamedTuple):
+    """Columns of K conditions as arrays (K,), for compiled code.
 
     Attributes:
-        signal: (K,), what each looks at, by its number.
-        mode: (K,), a `SafeMode` each.
-        trigger, clear: (K,), in the signal's unit.
-        trigger_s, clear_s: (K,) s.
+        signal, mode: Values of `Signal` and `SafeMode`.
+        trigger, clear: Thresholds in the signal's unit.
+        trigger_s, clear_s: s.
     """
 
     signal: np.ndarray
@@ -136,95 +132,127 @@ class Rules(NamedTuple):
     clear_s: np.ndarray
 
     @classmethod
-    def of(cls, conditions: tuple[Condition, ...]) -> Rules:
-        """The numbers of conditions."""
+    def make(cls, conditions: tuple[Condition, ...]) -> ConditionTable:
+        """Returns the columns of conditions."""
         columns = zip(*(condition[1:7] for condition in conditions), strict=True)
         signal, mode, *others = (np.array(column, dtype=float) for column in columns)
-        return cls(signal.astype(np.int64), mode, *others)
+        return cls(signal.astype(np.int64), mode.astype(np.int64), *others)
+
+
+class SupervisorState(NamedTuple):
+    """State of the supervisor after a sample.
+
+    Attributes:
+        mode: The `SafeMode`, the worst that an active condition asks for.
+        cause: Index of the first condition that asks for it, or `NO_CAUSE`.
+        active: (K,) 1 for active conditions.
+        pending_s: (K,) s, time for which each signal has met the threshold that changes
+            its condition.
+    """
+
+    mode: int
+    cause: int
+    active: np.ndarray
+    pending_s: np.ndarray
+
+    @classmethod
+    def initial(cls, count: int) -> SupervisorState:
+        """Returns the state in NOMINAL, with none of `count` conditions active."""
+        return cls(int(SafeMode.NOMINAL), NO_CAUSE, np.zeros(count), np.zeros(count))
 
 
 @compiled
 def supervise(
-    rules: Rules, active: np.ndarray, since: np.ndarray, signals: np.ndarray, dt: float
-) -> tuple[float, float, np.ndarray, np.ndarray]:
-    """One sample of supervision.
+    table: ConditionTable, state: SupervisorState, signals: np.ndarray, dt: float
+) -> SupervisorState:
+    """Returns the supervisor's state after one more sample.
 
     Args:
-        rules: K of them.
-        active: (K,) 1 where a condition is, as after the sample before.
-        since: (K,) s for which its signal has asked for the contrary.
-        signals: (S,) now.
+        table: K conditions.
+        state: State after the sample before.
+        signals: (S,) values at this sample, by `Signal`.
         dt: s, between samples.
-
-    Returns:
-        mode, the worst that is asked for; cause, the index of the first condition that asks
-        for it, -1 for none; active and since, as after this sample.
     """
-    active, since = active.copy(), since.copy()
-    mode, cause = 0.0, -1.0
+    active, pending_s = state.active.copy(), state.pending_s.copy()
+    mode, cause = SafeMode.NOMINAL.value, NO_CAUSE
     for i in range(len(active)):
-        value = signals[rules.signal[i]]
+        value = signals[table.signal[i]]
         if active[i]:
-            is_contrary, after = value <= rules.clear[i], rules.clear_s[i]
-        else:  # What is no number is never below.
-            is_contrary, after = not value < rules.trigger[i], rules.trigger_s[i]
-        # Half a sample of slack, lest rounding cost a whole one.
-        if is_contrary and since[i] >= after - dt / 2:
-            active[i], since[i] = 1.0 - active[i], 0.0
+            is_met, after_s = value <= table.clear[i], table.clear_s[i]
+        else:  # `not <` also holds for NaN.
+            is_met, after_s = not value < table.trigger[i], table.trigger_s[i]
+        # Half a sample of tolerance: rounding must not cost a whole one.
+        if is_met and pending_s[i] >= after_s - dt / 2:
+            active[i], pending_s[i] = 1.0 - active[i], 0.0
         else:
-            since[i] = since[i] + dt if is_contrary else 0.0
-        if active[i] and (rules.mode[i] > mode or cause < 0 and rules.mode[i] == mode):
-            mode, cause = rules.mode[i], float(i)
-    return mode, cause, active, since
+            pending_s[i] = pending_s[i] + dt if is_met else 0.0
+        is_first = cause == NO_CAUSE and table.mode[i] == mode
+        if active[i] and (table.mode[i] > mode or is_first):
+            mode, cause = table.mode[i], i
+    return SupervisorState(mode, cause, active, pending_s)
+
+
+class FlightStatus(NamedTuple):
+    """Quantities from which the signals are computed.
+
+    Attributes:
+        state: (13 + 2 n,) measured state.
+        mode: The `SafeMode` until now.
+        specific_thrust: m/s^2, estimated thrust of all rotors over the mass.
+        plan_age: Ticks since the MPC's last solution.
+        outage_s: (3,) s since the last accepted sample of position, attitude, and joints.
+        rotor_effectiveness: (k,) fraction of its thrust that each rotor gives.
+        saturated: 1 while the flight controller is saturated.
+        reference_verdict: A `ReferenceVerdict`.
+        learner_cause: The `Cause` for which Delta is zero, or OK.
+    """
+
+    state: np.ndarray
+    mode: int
+    specific_thrust: float
+    plan_age: float
+    outage_s: np.ndarray
+    rotor_effectiveness: np.ndarray
+    saturated: float
+    reference_verdict: float
+    learner_cause: float
 
 
 @compiled
-def signals(
-    state: np.ndarray,
-    feet: float,
-    mode: float,
-    thrust: float,
-    plan_age: float,
-    period: float,
-    outage: np.ndarray,
-    effectiveness: np.ndarray,
-    saturated: float,
-    verdict: float,
-    learner: float,
-) -> np.ndarray:
-    """(S,) what conditions look at, as `Signal` has it.
+def compute_signals(status: FlightStatus, feet: float, mpc_period: float) -> np.ndarray:
+    """Returns the values (S,) of all signals, by `Signal`.
 
     Args:
-        state: (13 + 2 n,) as measured.
+        status: Now.
         feet: m, z of the vehicle's lowest point in the base frame.
-        mode: A `SafeMode`, until now.
-        thrust: m/s^2, of all rotors over the mass, as believed.
-        plan_age: Ticks since the MPC's last answer.
-        period: s, between its ticks.
-        outage: (3,) s since the last sample of position, attitude, and joints.
-        effectiveness: (k,) share of its thrust that each rotor gives.
-        saturated: 1 while the flight controller is.
-        verdict: A `ReferenceVerdict`.
-        learner: A `Cause` for which what was learned is not used.
+        mpc_period: s, between ticks of the MPC.
     """
-    quaternion, p_B, _, _, _, _ = split_state(state)
-    is_finite = np.all(np.isfinite(state))
+    quaternion, p_B, _, _, _, _ = split_state(status.state)
+    is_finite = np.all(np.isfinite(status.state))
     tilt = np.arccos(min(1.0, max(-1.0, rotation_matrix(quaternion)[2, 2])))
     height = p_B[2] + feet if is_finite else np.inf
-    found = np.zeros(17)
-    found[0], found[1] = plan_age, plan_age * period
-    found[2:5] = outage
-    found[5] = tilt if is_finite else 0.0
-    found[6] = 1.0 - effectiveness.min()
-    found[7] = saturated
-    for i in range(4):
-        found[8 + i] = 1.0 if verdict == i + 1 else 0.0
-    found[12] = 1.0 if learner > UNPROVEN else 0.0
-    if mode < 1.5:  # NOMINAL, HOLD.
-        found[13] = 1.0 if height <= ON_GROUND_M else 0.0
-    elif outage[0] > 0:  # What is predicted knows of no ground.
-        found[15] = 1.0 if height <= 0 else 0.0
-    else:
-        found[14] = 1.0 if height <= LANDED_M and thrust <= LANDED_THRUST_M_S2 else 0.0
-    found[16] = 0.0 if is_finite else 1.0
-    return found
+    has_landed = height <= LANDED_M and status.specific_thrust <= LANDED_THRUST_M_S2
+    is_descending = status.mode >= SafeMode.DESCEND.value
+    # A predicted position does not stop at the ground.
+    is_predicted = status.outage_s[0] > 0
+    verdict = status.reference_verdict
+    values = np.zeros(SIGNALS)
+    values[Signal.PLAN_AGE.value] = status.plan_age
+    values[Signal.PLAN_AGE_S.value] = status.plan_age * mpc_period
+    values[Signal.POSITION_OUTAGE.value] = status.outage_s[0]
+    values[Signal.ATTITUDE_OUTAGE.value] = status.outage_s[1]
+    values[Signal.JOINTS_OUTAGE.value] = status.outage_s[2]
+    values[Signal.TILT.value] = tilt if is_finite else 0.0
+    values[Signal.ROTOR_MISSING.value] = 1.0 - status.rotor_effectiveness.min()
+    values[Signal.SATURATED.value] = status.saturated
+    values[Signal.REFERENCE_NOT_FINITE.value] = verdict == ReferenceVerdict.NOT_FINITE.value
+    values[Signal.REFERENCE_OUT_OF_REACH.value] = verdict == ReferenceVerdict.OUT_OF_REACH.value
+    values[Signal.REFERENCE_TOO_FAST.value] = verdict == ReferenceVerdict.TOO_FAST.value
+    values[Signal.REFERENCE_JUMPED.value] = verdict == ReferenceVerdict.JUMPED.value
+    # UNPROVEN, the lowest cause, is no harm: Delta has yet to improve predictions.
+    values[Signal.LEARNER_SHUT_OUT.value] = status.learner_cause > Cause.UNPROVEN.value
+    values[Signal.ON_GROUND.value] = not is_descending and height <= ON_GROUND_M
+    values[Signal.LANDED.value] = is_descending and not is_predicted and has_landed
+    values[Signal.GROUND_EXPECTED.value] = is_descending and is_predicted and height <= 0
+    values[Signal.NOT_FINITE.value] = not is_finite
+    return values

@@ -1,4 +1,4 @@
-"""What share of its commanded thrust each rotor gives, told by how the vehicle moves."""
+"""Detection and isolation of rotor faults from the measured momentum of the vehicle."""
 
 from __future__ import annotations
 
@@ -13,44 +13,46 @@ from aerodrake.scenario import Rotor
 from aerodrake.support.compiled import compiled
 
 FAST_S, SLOW_S, BASELINE_S = 0.035, 0.33, 3.0
-"""Time constants: of what tells large losses, of what tells small ones, of what is neither."""
-FIRST_S = 1.0
-"""The baseline's at the start of a flight, when nothing is known of it."""
+"""Time constants of the filters for large losses, for small losses, and of the baseline."""
+BASELINE_START_S = 1.0
+"""Time constant of the baseline at the start of a flight; it grows to `BASELINE_S`."""
 
 FORCE_WEIGHT = 0.1
-"""Of forces beside torques over `lever`, squared, in how much is missing: velocities are noisy."""
+"""Weight of squared forces relative to squared torques over `lever`: velocities are noisy."""
 FAST_FIT, SLOW_FIT = 0.7, 0.7
-"""How much of all that is unexplained a loss must explain, of its square."""
+"""Least goodness of fit, 1 - |residual left|^2 / |residual|^2, at which a loss is isolated."""
 FAST_LOSS, SLOW_LOSS = 0.2, 0.08
-"""Shares of its thrust that a rotor must miss to be said to miss any."""
+"""Detection thresholds: least fraction of thrust lost that is reported for a healthy rotor."""
 FAST_CHANGE, SLOW_CHANGE = 0.05, 0.02
-"""And by how much more or less, once it is."""
+"""Least change by which the reported loss of a faulty rotor is updated."""
 FAST_SAMPLES = 3
-"""In how many samples one after another a large loss must be seen."""
+"""Consecutive samples in which a large loss is detected before it is reported."""
+FAST, SLOW = 0, 1
+"""Rows of filtered quantities: filter for large losses and filter for small ones."""
 LEAST_LOAD = 0.1
-"""Of its share of the weight: what a rotor must lift for anything to be said of it."""
+"""Least thrust at which a rotor is diagnosed, relative to its equal part of the weight."""
 
 
 class RotorMonitor(NamedTuple):
-    """Newton's and Euler's laws for all links together, and what a rotor contributes.
+    """Momentum balance of all links together, and the fault signature of each rotor.
 
-    The momentum of base and arm, linear and about their centre of mass, changes by
-    gravity, by the thrusts that are believed, and by a wrench that is not explained. Of
-    that a slow baseline is wind, payload, or whatever else the model is off by. A rotor that
-    misses a share of its thrust f_i adds that share of its signature: -f_i along the
-    base's z axis, with the torques that come of it. It is said to if that alone leaves
-    little unexplained: hands, gusts and loads have other directions, and so do
-    rotors that are off together. Forces compare with torques over `lever`.
+    The momentum of base and arm, linear and about their centre of mass, changes by gravity, by
+    the estimated thrusts and by a residual wrench. A slow baseline absorbs wind, payload and
+    model mismatch. A rotor that loses a fraction of its thrust f_i adds this fraction of its
+    fault signature to the residual: -f_i along the base's z axis and the torques that follow.
+    The loss is isolated if it alone explains most of the residual. Pushes, gusts and loads have
+    other directions, and so have simultaneous losses of several rotors. Torques are divided by
+    `lever` to compare with forces.
 
     Attributes:
-        p_B: (k, 3) m, the rotors in the base frame.
+        p_B: (k, 3) m, rotor positions in the base frame.
         drag: (k,) m, torque about the base's z axis over thrust.
-        lag: Of their thrust.
-        trim: (k,) N.
+        lag: First-order lag of thrust; its `dt` is the sample period.
+        trim: (k,) N, thrusts in trim.
         mass: kg.
         lever: m, root mean square distance of the rotors from the base's z axis.
-        steps: How many samples late the base's are.
-        fast, slow: How much of a new sample they take in.
+        delay_samples: Assumed delay of the base's samples.
+        filter_gains: (2, 1) weights of a new sample in the fast and slow filter.
     """
 
     p_B: np.ndarray
@@ -59,22 +61,21 @@ class RotorMonitor(NamedTuple):
     trim: np.ndarray
     mass: float
     lever: float
-    steps: int
-    fast: float
-    slow: float
+    delay_samples: int
+    filter_gains: np.ndarray
 
     @classmethod
     def make(
         cls, vehicle: VehicleModel, rotor: Rotor, trim: np.ndarray, delay_s: float, dt: float
     ) -> RotorMonitor:
-        """For a vehicle.
+        """Returns the monitor of a vehicle.
 
         Args:
-            vehicle: Its mass and rotors.
+            vehicle: Mass and rotor positions.
             rotor: Lag, and ratio of drag torque to thrust.
             trim: (k,) N, thrusts in trim.
-            delay_s: s, how late the base's samples are believed to be.
-            dt: s, from sample to sample.
+            delay_s: s, assumed delay of the base's samples.
+            dt: s, sample period.
         """
         x, y, _ = vehicle.rotors.p_B.T
         return cls(
@@ -84,169 +85,214 @@ class RotorMonitor(NamedTuple):
             trim=trim,
             mass=vehicle.mass,
             lever=float(np.sqrt(np.mean(x**2 + y**2))),
-            steps=round(delay_s / dt),
-            fast=float(-np.expm1(-dt / FAST_S)),
-            slow=float(-np.expm1(-dt / SLOW_S)),
+            delay_samples=round(delay_s / dt),
+            filter_gains=-np.expm1(-dt / np.array([[FAST_S], [SLOW_S]])),
         )
 
-    def initial_memory(self) -> np.ndarray:
-        """(35 + 4 k + k steps,) what is remembered from one sample to the next.
 
-        [baseline (6); fast and slow mean of what is unexplained beyond it (6 each); fast and
-        slow mean of believed thrusts, thrusts now, missing shares (k each); motion at the
-        last sample (13); whether that is known, s that there has been a baseline, which
-        rotor is suspected, at how many samples; late thrusts (k each)].
-        """
-        k = len(self.trim)
-        means = np.concatenate([np.zeros(18), np.tile(self.trim, 3), np.zeros(k)])
-        late = np.tile(self.trim, self.steps)
-        return np.concatenate([means, np.zeros(13), [0.0, FIRST_S, -1.0, 0.0], late])
+class MomentumSample(NamedTuple):
+    """Momentum of base and arm in the world frame, and attitude of the base, at a sample.
 
-
-@compiled
-def watch(
-    monitor: RotorMonitor,
-    memory: np.ndarray,
-    command: np.ndarray,
-    motion: np.ndarray,
-    is_believed: bool,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Takes in a sample.
-
-    Args:
-        monitor: Its constants.
-        memory: As `initial_memory` has it.
-        command: (k,) N, the rotors' since the sample before.
-        motion: (13,) of the sample: momentum (9,) as `WholeBody.momentum` has it, and the
-            base's quaternion.
-        is_believed: Whether the sample is. From one that is not nothing is learned, nor
-            from the change since then.
-
-    Returns:
-        The memory now, and (k,) the shares of their thrusts that the rotors give.
+    Attributes:
+        momentum: (6,) spatial momentum about the centre of mass: angular, N m s; linear, N s.
+        r_BC: (3,) m, from the base's origin to the centre of mass.
+        quaternion: (4,) attitude of the base, w first.
     """
-    k = len(monitor.trim)
-    memory = memory.copy()
-    baseline, fast, slow = memory[:6], memory[6:12], memory[12:18]
-    fast_thrust, slow_thrust = memory[18 : 18 + k], memory[18 + k : 18 + 2 * k]
-    thrust, missing = memory[18 + 2 * k : 18 + 3 * k], memory[18 + 3 * k : 18 + 4 * k]
-    last, rest = memory[18 + 4 * k : 31 + 4 * k], memory[31 + 4 * k :]
-    counts, late = rest[:4], rest[4:]
 
-    end, mean = advance(monitor.lag, thrust, command)
-    thrust[:] = end
-    if monitor.steps:
-        since = np.concatenate((late, mean))
-        mean, late[:] = since[:k], since[k:]
-    if is_believed and counts[0] > 0:
-        rows, wrench = unexplained(monitor, last, motion, mean)
-        wrench -= baseline
-        fast += monitor.fast * (wrench - fast)
-        slow += monitor.slow * (wrench - slow)
-        fast_thrust += monitor.fast * (mean - fast_thrust)
-        slow_thrust += monitor.slow * (mean - slow_thrust)
-        is_suspect, is_sure = _suspects(
-            monitor, rows * fast_thrust.reshape(k, 1), fast, missing, counts
+    momentum: np.ndarray
+    r_BC: np.ndarray
+    quaternion: np.ndarray
+
+
+NO_SAMPLE = MomentumSample(np.zeros(6), np.zeros(3), np.zeros(4))
+"""Stored in place of a rejected sample."""
+
+
+class RotorMonitorState(NamedTuple):
+    """State of the monitor after a sample. Wrenches (6,) are torque over `lever` and force, in N.
+
+    Attributes:
+        baseline: (6,) N, residual wrench without rotor faults.
+        filtered_residual: (2, 6) N, residual beyond the baseline, fast and slow filter.
+        filtered_thrust: (2, k) N, estimated thrusts, filtered alike.
+        thrust: (k,) N, estimated thrusts now.
+        delayed_thrust: (delay_samples, k) N, mean thrusts of the last samples, oldest first.
+        loss: (k,) in [0, 1], reported loss of each rotor as a fraction of its thrust.
+        detections: (k,) consecutive samples in which a large loss of each rotor was detected.
+        last: The last sample.
+        is_valid: False if it was rejected.
+        baseline_s: s, time constant of the baseline now.
+    """
+
+    baseline: np.ndarray
+    filtered_residual: np.ndarray
+    filtered_thrust: np.ndarray
+    thrust: np.ndarray
+    delayed_thrust: np.ndarray
+    loss: np.ndarray
+    detections: np.ndarray
+    last: MomentumSample
+    is_valid: bool
+    baseline_s: float
+
+    @classmethod
+    def initial(cls, monitor: RotorMonitor) -> RotorMonitorState:
+        """Returns the state in trim, before the first sample."""
+        trim, no_rotor = monitor.trim, np.zeros(len(monitor.trim))
+        return cls(
+            baseline=np.zeros(6),
+            filtered_residual=np.zeros((2, 6)),
+            filtered_thrust=np.tile(trim, (2, 1)),
+            thrust=trim,
+            delayed_thrust=np.tile(trim, (monitor.delay_samples, 1)),
+            loss=no_rotor,
+            detections=no_rotor,
+            last=NO_SAMPLE,
+            is_valid=False,
+            baseline_s=BASELINE_START_S,
         )
-        if is_sure:  # What the slow means still know of is over.
-            slow[:], slow_thrust[:] = fast, fast_thrust
-        if not is_suspect:
-            is_suspect = _misses_little(monitor, rows * slow_thrust.reshape(k, 1), slow, missing)
-        if not is_suspect:
-            baseline += monitor.lag.dt / counts[1] * (wrench - (mean * missing) @ rows)
-            counts[1] = min(counts[1] + monitor.lag.dt, BASELINE_S)
-    last[:], counts[0] = motion, 1.0 if is_believed else 0.0
-    return memory, 1.0 - missing
+
+
+class Isolation(NamedTuple):
+    """Single rotor fault that explains a residual best.
+
+    Attributes:
+        rotor: Index of the rotor.
+        loss: Fraction of its thrust that it loses.
+        fit: Goodness of fit, at most 1.
+    """
+
+    rotor: int
+    loss: float
+    fit: float
 
 
 @compiled
-def unexplained(
-    monitor: RotorMonitor, last: np.ndarray, motion: np.ndarray, thrust: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """What a rotor's loss would add per N, and what is not explained; in the base's axes.
+def update_monitor(
+    monitor: RotorMonitor,
+    state: RotorMonitorState,
+    command: np.ndarray,
+    sample: MomentumSample,
+    is_valid: bool,
+) -> RotorMonitorState:
+    """Returns the state after one more sample.
 
     Args:
         monitor: Its constants.
-        last, motion: (13,) at the sample before and at this one.
-        thrust: (k,) N, means between the two, as believed.
+        state: State after the sample before.
+        command: (k,) N, thrust commands since the sample before.
+        sample: Momentum and attitude at this sample.
+        is_valid: False if the sample is rejected: then only the thrust estimate is updated.
+    """
+    k, dt = len(monitor.trim), monitor.lag.dt
+    loss, detections = state.loss, state.detections
+    baseline, baseline_s = state.baseline, state.baseline_s
+    filtered, filtered_thrust = state.filtered_residual, state.filtered_thrust
+    thrust, mean = advance(monitor.lag, state.thrust, command)
+    delayed = state.delayed_thrust
+    if monitor.delay_samples:
+        thrusts = np.concatenate((delayed, mean.reshape(1, k)))
+        mean, delayed = thrusts[0], thrusts[1:]
+    if is_valid and state.is_valid:
+        signatures, residual = residual_wrench(monitor, state.last, sample, mean)
+        residual -= baseline
+        filtered = filtered + monitor.filter_gains * (residual - filtered)
+        filtered_thrust = filtered_thrust + monitor.filter_gains * (mean - filtered_thrust)
+
+        large = isolate(
+            monitor, signatures * filtered_thrust[FAST].reshape(k, 1), filtered[FAST], loss
+        )
+        change = abs(large.loss - loss[large.rotor]) if large.fit > FAST_FIT else 0.0
+        is_detected = change > FAST_LOSS
+        count = detections[large.rotor] + 1.0 if is_detected else 0.0
+        detections = np.zeros(k)
+        detections[large.rotor] = count
+        is_faulty = loss[large.rotor] > FAST_LOSS
+        if count >= FAST_SAMPLES or (is_faulty and change > FAST_CHANGE):
+            is_detected = True
+            loss = with_loss(loss, large.rotor, large.loss)
+            # The slow filter still contains the time before.
+            filtered[SLOW], filtered_thrust[SLOW] = filtered[FAST], filtered_thrust[FAST]
+        if not is_detected:
+            small = isolate(
+                monitor, signatures * filtered_thrust[SLOW].reshape(k, 1), filtered[SLOW], loss
+            )
+            least = SLOW_CHANGE if loss[small.rotor] > 0 else SLOW_LOSS
+            is_detected = small.fit > SLOW_FIT and abs(small.loss - loss[small.rotor]) > least
+            if is_detected:
+                is_reported = small.loss > SLOW_LOSS / 2
+                loss = with_loss(loss, small.rotor, small.loss if is_reported else 0.0)
+        if not is_detected:
+            baseline = baseline + dt / baseline_s * (residual - (mean * loss) @ signatures)
+            baseline_s = min(baseline_s + dt, BASELINE_S)
+    filters = (baseline, filtered, filtered_thrust)
+    estimates = (thrust, delayed, loss, detections)
+    return RotorMonitorState(*filters, *estimates, sample, is_valid, baseline_s)
+
+
+@compiled
+def residual_wrench(
+    monitor: RotorMonitor, last: MomentumSample, sample: MomentumSample, thrust: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the fault signatures per N of thrust lost, and the residual, in the base frame.
+
+    Args:
+        monitor: Its constants.
+        last, sample: The sample before and this one.
+        thrust: (k,) N, estimated mean thrusts between the two.
 
     Returns:
         (k, 6) and (6,): torque about the centre of mass over `lever`, and force, in N.
     """
-    R = (rotation_matrix(last[9:]) + rotation_matrix(motion[9:])) / 2
-    change = (motion[:6] - last[:6]) / monitor.lag.dt
+    R = (rotation_matrix(last.quaternion) + rotation_matrix(sample.quaternion)) / 2
+    change = (sample.momentum - last.momentum) / monitor.lag.dt
     change[5] += monitor.mass * GRAVITY
-    r_BC = R.T @ ((last[6:9] + motion[6:9]) / 2)
-    rows, wrench = np.zeros((len(thrust), 6)), np.empty(6)
+    r_BC = R.T @ ((last.r_BC + sample.r_BC) / 2)
+    signatures, wrench = np.zeros((len(thrust), 6)), np.empty(6)
     wrench[:3] = R.T @ change[:3] / monitor.lever
     wrench[3:] = R.T @ change[3:]
     for i in range(len(thrust)):
-        rows[i, 0] = (r_BC[1] - monitor.p_B[i, 1]) / monitor.lever
-        rows[i, 1] = (monitor.p_B[i, 0] - r_BC[0]) / monitor.lever
-        rows[i, 2] = -monitor.drag[i] / monitor.lever
-        rows[i, 5] = -1.0
-    return rows, wrench + thrust @ rows
+        signatures[i, 0] = (r_BC[1] - monitor.p_B[i, 1]) / monitor.lever
+        signatures[i, 1] = (monitor.p_B[i, 0] - r_BC[0]) / monitor.lever
+        signatures[i, 2] = -monitor.drag[i] / monitor.lever
+        signatures[i, 5] = -1.0
+    return signatures, wrench + thrust @ signatures
 
 
 @compiled
-def _suspects(
-    monitor: RotorMonitor,
-    signatures: np.ndarray,
-    wrench: np.ndarray,
-    missing: np.ndarray,
-    counts: np.ndarray,
-) -> tuple[bool, bool]:
-    """Whether a rotor is suspected of a large loss, and if that lasts and is told in `missing`."""
-    i, share, fit = _explanation(monitor, signatures, wrench, missing)
-    change = abs(share - missing[i]) if fit > FAST_FIT else 0.0
-    is_suspect = change > FAST_LOSS
-    counts[3] = 0.0 if not is_suspect else counts[3] + 1 if counts[2] == i else 1.0
-    counts[2] = i if is_suspect else -1.0
-    is_sure = counts[3] >= FAST_SAMPLES or (missing[i] > FAST_LOSS and change > FAST_CHANGE)
-    if is_sure:
-        missing[i] = share
-    return is_suspect or is_sure, is_sure
-
-
-@compiled
-def _misses_little(
-    monitor: RotorMonitor, signatures: np.ndarray, wrench: np.ndarray, missing: np.ndarray
-) -> bool:
-    """Whether what a rotor misses has changed by little, which is told in `missing`."""
-    i, share, fit = _explanation(monitor, signatures, wrench, missing)
-    least = SLOW_CHANGE if missing[i] > 0 else SLOW_LOSS
-    if not (fit > SLOW_FIT and abs(share - missing[i]) > least):
-        return False
-    missing[i] = share if share > SLOW_LOSS / 2 else 0.0
-    return True
-
-
-@compiled
-def _explanation(
-    monitor: RotorMonitor, signatures: np.ndarray, wrench: np.ndarray, missing: np.ndarray
-) -> tuple[int, float, float]:
-    """Which rotor explains a wrench best, by which share that it misses, and how much of it.
+def isolate(
+    monitor: RotorMonitor, signatures: np.ndarray, residual: np.ndarray, loss: np.ndarray
+) -> Isolation:
+    """Returns the rotor whose loss explains a residual best, that loss and its fit.
 
     Args:
         monitor: Its constants.
-        signatures: (k, 6) N, what all of a rotor's thrust missing adds.
-        wrench: (6,) N, unexplained by any.
-        missing: (k,) what rotors are known to miss; the others' part is taken off.
+        signatures: (k, 6) N, fault signatures at the estimated thrusts.
+        residual: (6,) N, beyond the baseline.
+        loss: (k,) reported losses; those of the other rotors are subtracted first.
     """
-    found, found_share, least = 0, 0.0, 1.0
-    load = LEAST_LOAD * monitor.mass * GRAVITY / len(missing)
-    known = wrench - missing @ signatures
-    for i in range(len(missing)):
+    rotor, best_loss, least = 0, 0.0, 1.0
+    load = LEAST_LOAD * monitor.mass * GRAVITY / len(loss)
+    unreported = residual - loss @ signatures
+    for i in range(len(loss)):
         g = signatures[i]
         if -g[5] < load:
             continue
-        own = known + missing[i] * g
+        own = unreported + loss[i] * g
         product = g[:3] @ own[:3] + FORCE_WEIGHT * (g[3:] @ own[3:])
         size = g[:3] @ g[:3] + FORCE_WEIGHT * (g[3:] @ g[3:])
-        share = min(max(product / size, 0.0), 1.0)
-        left = own - share * g
-        # What is over is nothing to be explained: then what was missing is the scale.
-        scale = max(own @ own, missing[i] ** 2 * (g @ g))
+        fraction = min(max(product / size, 0.0), 1.0)
+        left = own - fraction * g
+        # After a recovery nothing is left to explain: the reported loss is the scale then.
+        scale = max(own @ own, loss[i] ** 2 * (g @ g))
         if left @ left < least * scale:
-            found, found_share, least = i, share, (left @ left) / scale
-    return found, found_share, 1.0 - least
+            rotor, best_loss, least = i, fraction, (left @ left) / scale
+    return Isolation(rotor, best_loss, 1.0 - least)
+
+
+@compiled
+def with_loss(loss: np.ndarray, rotor: int, value: float) -> np.ndarray:
+    """Returns the losses (k,) with that of one rotor replaced."""
+    replaced = loss.copy()
+    replaced[rotor] = value
+    return replaced

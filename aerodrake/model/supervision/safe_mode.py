@@ -1,4 +1,4 @@
-"""The modes in which a flight is safe, and how setpoints move in them."""
+"""Safe modes, and the motion of the setpoints in them."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from aerodrake.scenario import Supervisor
 from aerodrake.support.compiled import compiled
 
 BRAKING_1_S = 4.0
-"""1/s, how fast setpoints come to rest, where limits let them."""
+"""1/s, rate at which setpoint velocities decay to zero, where limits permit it."""
 
 TUCKING_RAD_S = 1.5
-"""rad/s, of the critically damped motion with which the arm is tucked."""
+"""rad/s, natural frequency of the critically damped motion that tucks the arm."""
 
 
 class SafeMode(IntEnum):
-    """What the setpoints are to do, worst last.
+    """Modes of the setpoint integrator, from the mildest to the worst.
 
-    NOMINAL: follow the MPC. HOLD: come to rest and stay. DESCEND: come to rest, go down
-    slowly, and tuck the arm. STOP: as before, and the flight is over.
+    NOMINAL: follow the MPC. HOLD: come to rest and stay. DESCEND: come to rest, descend
+    slowly, and tuck the arm. STOP: as DESCEND, and the flight ends.
     """
 
     NOMINAL = 0
@@ -32,16 +32,16 @@ class SafeMode(IntEnum):
 
     @property
     def label(self) -> str:
-        """As in logs and tables."""
+        """Name in logs and tables."""
         return self.name.lower()
 
 
 class SafeMotion(NamedTuple):
-    """Where setpoints go in safe modes.
+    """Motion of the setpoints in DESCEND and STOP.
 
     Attributes:
-        velocity: (3 + n,) m/s and rad/s, of the setpoints in DESCEND.
-        tucked: (n,) rad, joints in DESCEND.
+        velocity: (3 + n,) m/s and rad/s, to which base and joints converge.
+        tucked: (n,) rad, joint angles of the tucked arm.
     """
 
     velocity: np.ndarray
@@ -49,7 +49,7 @@ class SafeMotion(NamedTuple):
 
     @classmethod
     def make(cls, config: Supervisor, vehicle: VehicleModel) -> SafeMotion:
-        """Of the scenario and its robot."""
+        """Returns a vertical descent at `config.descend_m_s` with the arm tucked."""
         velocity = np.zeros(3 + vehicle.joints)
         velocity[2] = -config.descend_m_s
         return cls(velocity, vehicle.tucked)
@@ -57,21 +57,23 @@ class SafeMotion(NamedTuple):
 
 @compiled
 def safe_acceleration(motion: SafeMotion, mode: float, x: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """(3 + n,) m/s^2 and rad/s^2 of the setpoints, before their limits.
+    """Returns the accelerations (3 + n,) of the setpoints in m/s^2 and rad/s^2, before limits.
 
     Args:
-        motion: Where they go.
+        motion: Motion in DESCEND and STOP.
         mode: A `SafeMode`.
-        x: (7 + 2 n,) their positions and velocities, in m, rad, m/s and rad/s, and the time, s.
-        u: (3 + n,) m/s^2 and rad/s^2, what the MPC asks for.
+        x: (7 + 2 n,) positions and velocities of the setpoints in m, rad, m/s and rad/s, and
+            the time, s.
+        u: (3 + n,) m/s^2 and rad/s^2, command of the MPC.
     """
-    if mode < 0.5:  # NOMINAL.
+    if mode == SafeMode.NOMINAL.value:
         return u
     m = len(u)
-    found = -BRAKING_1_S * x[m : 2 * m]
-    if mode > 1.5:  # DESCEND, STOP.
-        found += BRAKING_1_S * motion.velocity
+    position, velocity = x[:m], x[m : 2 * m]
+    acceleration = -BRAKING_1_S * velocity
+    if mode != SafeMode.HOLD.value:
+        acceleration += BRAKING_1_S * motion.velocity
         for i in range(3, m):
-            away = x[i] - motion.tucked[i - 3]
-            found[i] = -(TUCKING_RAD_S**2) * away - 2 * TUCKING_RAD_S * x[m + i]
-    return found
+            away = position[i] - motion.tucked[i - 3]
+            acceleration[i] = -(TUCKING_RAD_S**2) * away - 2 * TUCKING_RAD_S * velocity[i]
+    return acceleration

@@ -42,9 +42,11 @@ class WholeBody:
         plant.CalcForceElementsContribution(context, self._gravity)
         return plant.CalcInverseDynamics(context, vdot, self._gravity)
 
-    def momentum(self, x: np.ndarray) -> np.ndarray:
-        """(9,) in the world: angular momentum about the centre of mass, N m s, linear one, N s,
-        and m, from the base's origin to the centre of mass.
+    def momentum(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the spatial momentum about the centre of mass, and r_BC, in the world frame.
+
+        (6,) angular momentum, N m s, and linear momentum, N s; and (3,) m, from the base's
+        origin to the centre of mass.
 
         Args:
             x: (13 + 2 n,) where base and joints are, and how fast.
@@ -54,7 +56,7 @@ class WholeBody:
         p_C = plant.CalcCenterOfMassPositionInWorld(context)
         momentum = plant.CalcSpatialMomentumInWorldAboutPoint(context, p_C)
         r_BC = p_C - split_state(x)[1]
-        return np.concatenate([momentum.rotational(), momentum.translational(), r_BC])
+        return momentum.get_coeffs(), r_BC
 
 
 @compiled

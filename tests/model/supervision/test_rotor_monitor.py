@@ -1,4 +1,4 @@
-"""The rotor monitor on motion that was made by Newton's and Euler's laws, without a plant."""
+"""Tests of the rotor monitor on a rigid body integrated by the Newton-Euler equations."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,13 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from aerodrake.model.low_level.rotor_lag import advance
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
-from aerodrake.model.supervision.rotor_monitor import RotorMonitor, unexplained, watch
+from aerodrake.model.supervision.rotor_monitor import (
+    MomentumSample,
+    RotorMonitor,
+    RotorMonitorState,
+    residual_wrench,
+    update_monitor,
+)
 from aerodrake.model.vehicle.rotation import rotation_matrix, turned
 from aerodrake.model.vehicle.vehicle import GRAVITY, add_robot
 from aerodrake.model.vehicle.whole_body import WholeBody
@@ -30,79 +36,92 @@ def monitor(vehicle, trim) -> RotorMonitor:
 
 
 class Body:
-    """A rigid body of the vehicle's mass under rotors, of which shares are missing, and loads."""
+    """Rigid body of the vehicle's mass under rotors of reduced effectiveness and external loads."""
 
     def __init__(self, monitor: RotorMonitor):
         self.monitor = monitor
         self.thrust = monitor.trim.copy()
-        self.motion = np.concatenate([np.zeros(6), R_BC, [1.0, 0, 0, 0]])
+        self.sample = MomentumSample(np.zeros(6), R_BC, np.array([1.0, 0, 0, 0]))
 
-    def step(self, command, share=1.0, force=(0, 0, 0), at=(0, 0, 0)) -> np.ndarray:
-        """(13,) motion one sample later; `force`, N, acts `at`, m, both in the base's frame."""
+    def step(self, command, effectiveness=1.0, force=(0, 0, 0), at=(0, 0, 0)) -> MomentumSample:
+        """Returns the next sample; `force`, N, acts `at`, m, both in the base frame."""
         monitor = self.monitor
         self.thrust, mean = advance(monitor.lag, self.thrust, np.asarray(command, dtype=float))
-        f = mean * share
+        f = mean * effectiveness
         lifts = np.outer(f, [0, 0, 1.0])
         torque = np.cross(monitor.p_B - R_BC, lifts).sum(axis=0) + [0, 0, monitor.drag @ f]
         torque += np.cross(np.array(at) - R_BC, force)
-        quaternion = self.motion[9:]
+        (last_L, last_P), quaternion = self.sample.momentum.reshape(2, 3), self.sample.quaternion
         R = rotation_matrix(quaternion)
-        omega = np.linalg.solve(INERTIA, R.T @ self.motion[:3])
-        # To the second order, as are means over a sample.
+        omega = np.linalg.solve(INERTIA, R.T @ last_L)
+        # Midpoint rule: the thrusts are means over a sample.
         halfway = turned(quaternion, omega * DT / 2)
         R_mid = rotation_matrix(halfway)
-        L = self.motion[:3] + DT * R_mid @ torque
+        L = last_L + DT * R_mid @ torque
         weight = np.array([0, 0, -monitor.mass * GRAVITY])
-        P = self.motion[3:6] + DT * (R_mid @ (lifts.sum(axis=0) + force) + weight)
-        omega_mid = np.linalg.solve(INERTIA, R_mid.T @ (self.motion[:3] + L) / 2)
+        P = last_P + DT * (R_mid @ (lifts.sum(axis=0) + force) + weight)
+        omega_mid = np.linalg.solve(INERTIA, R_mid.T @ (last_L + L) / 2)
         after = turned(quaternion, omega_mid * DT)
-        self.motion = np.concatenate([L, P, rotation_matrix(after) @ R_BC, after])
-        return self.motion
+        self.sample = MomentumSample(np.concatenate([L, P]), rotation_matrix(after) @ R_BC, after)
+        return self.sample
+
+
+class Estimator:
+    """Rotor monitor and its state."""
+
+    def __init__(self, monitor: RotorMonitor, first: MomentumSample):
+        self.monitor = monitor
+        self.state = RotorMonitorState.initial(monitor)
+        self.update(monitor.trim, first)
+
+    def update(self, command, sample: MomentumSample, is_valid: bool = True) -> np.ndarray:
+        """Returns the estimated effectiveness (k,) of the rotors after one more sample."""
+        self.state = update_monitor(self.monitor, self.state, command, sample, is_valid)
+        return 1.0 - self.state.loss
 
 
 def follow(monitor, samples: int, fault_at: int = 10**9, seed: int = 0, **loss) -> np.ndarray:
-    """(samples, k) shares told, under commands that wander; `loss` from one sample on."""
-    body, memory = Body(monitor), monitor.initial_memory()
-    rng, told = np.random.default_rng(seed), []
-    memory, _ = watch(monitor, memory, monitor.trim, body.motion, True)
+    """Returns the estimates (samples, k) under random commands, with `loss` from one sample on."""
+    body = Body(monitor)
+    estimator = Estimator(monitor, body.sample)
+    rng, estimates = np.random.default_rng(seed), []
     wander = np.zeros(ROTORS)
     for k in range(samples):
         wander += 0.1 * rng.normal(size=ROTORS) - 0.1 * wander
         command = monitor.trim + wander
-        body.step(command, **(loss if k >= fault_at else {}))
-        memory, shares = watch(monitor, memory, command, body.motion, True)
-        told.append(shares)
-    return np.array(told)
+        sample = body.step(command, **(loss if k >= fault_at else {}))
+        estimates.append(estimator.update(command, sample))
+    return np.array(estimates)
 
 
-def share_of(rotor: int, remaining: float) -> np.ndarray:
-    share = np.ones(ROTORS)
-    share[rotor] = remaining
-    return share
+def effectiveness_with(rotor: int, remaining: float) -> np.ndarray:
+    effectiveness = np.ones(ROTORS)
+    effectiveness[rotor] = remaining
+    return effectiveness
 
 
-def test_motion_that_is_explained_leaves_nothing(monitor):
+def test_the_residual_is_zero_without_faults(monitor):
     body, rng = Body(monitor), np.random.default_rng(1)
     for _ in range(50):
-        last, thrust = body.motion, body.thrust
+        last, thrust = body.sample, body.thrust
         command = monitor.trim + rng.normal(size=ROTORS)
         _, mean = advance(monitor.lag, thrust, command)
-        _, wrench = unexplained(monitor, last, body.step(command), mean)
-        np.testing.assert_allclose(wrench, 0, atol=0.02)
+        _, residual = residual_wrench(monitor, last, body.step(command), mean)
+        np.testing.assert_allclose(residual, 0, atol=0.02)
 
 
 @given(st.integers(0, ROTORS - 1), st.floats(0, 1))
-def test_what_a_rotor_misses_is_its_row(rotor, remaining):
+def test_the_residual_of_a_loss_is_the_fault_signature(rotor, remaining):
     monitor = _MONITOR[0]
     body = Body(monitor)
-    rows, wrench = unexplained(
+    signatures, residual = residual_wrench(
         monitor,
-        body.motion,
-        body.step(monitor.trim, share_of(rotor, remaining)),
+        body.sample,
+        body.step(monitor.trim, effectiveness_with(rotor, remaining)),
         monitor.trim,
     )
-    expected = (1 - remaining) * monitor.trim[rotor] * rows[rotor]
-    np.testing.assert_allclose(wrench, expected, atol=0.02)
+    expected = (1 - remaining) * monitor.trim[rotor] * signatures[rotor]
+    np.testing.assert_allclose(residual, expected, atol=0.02)
 
 
 _MONITOR: list[RotorMonitor] = []
@@ -110,44 +129,46 @@ _MONITOR: list[RotorMonitor] = []
 
 @pytest.fixture(autouse=True)
 def _shared(monitor):
-    """Properties take no fixtures of a smaller scope than a session's."""
+    """Gives the monitor to hypothesis tests, which take no fixtures of a smaller scope."""
     _MONITOR[:] = [monitor]
 
 
 @pytest.mark.parametrize("rotor", range(ROTORS))
 @pytest.mark.parametrize("remaining", [0.0, 0.2, 0.35])
 @pytest.mark.parametrize("fault_at", [0, 300])
-def test_a_lost_rotor_is_told_at_once(monitor, rotor, remaining, fault_at):
-    """From the first sample of a flight on, too; and no other is blamed."""
-    told = follow(monitor, fault_at + 40, fault_at, share=share_of(rotor, remaining))
-    assert np.all(told[:fault_at] == 1)
-    assert np.all(told[fault_at + 15 :, rotor] < 0.4)
-    assert np.all(np.delete(told, rotor, axis=1) == 1)
+def test_a_lost_rotor_is_isolated(monitor, rotor, remaining, fault_at):
+    """Also from the first sample of a flight on, and without false alarms for other rotors."""
+    estimate = follow(
+        monitor, fault_at + 40, fault_at, effectiveness=effectiveness_with(rotor, remaining)
+    )
+    assert np.all(estimate[:fault_at] == 1)
+    assert np.all(estimate[fault_at + 15 :, rotor] < 0.4)
+    assert np.all(np.delete(estimate, rotor, axis=1) == 1)
 
 
 @pytest.mark.parametrize("remaining", [0.0, 0.3])
-def test_a_lost_rotor_is_told_within_50_ms(monitor, remaining):
-    told = follow(monitor, 320, 300, share=share_of(2, remaining))
-    # With 0.3 it is after some more: it must first be seen to be as much.
-    assert told[300 + (4 if remaining == 0 else 8), 2] < 0.4
+def test_a_lost_rotor_is_isolated_within_50_ms(monitor, remaining):
+    estimate = follow(monitor, 320, 300, effectiveness=effectiveness_with(2, remaining))
+    # A partial loss takes longer: its first estimates are smaller.
+    assert estimate[300 + (4 if remaining == 0 else 8), 2] < 0.4
 
 
 @pytest.mark.parametrize("rotor", range(ROTORS))
-def test_a_weak_rotor_is_told_within_a_second(monitor, rotor):
-    told = follow(monitor, 700, 300, share=share_of(rotor, 0.8))
-    assert np.all(told[400:, rotor] < 0.9) and np.all(told[400:, rotor] > 0.75)
-    assert np.all(np.delete(told, rotor, axis=1) == 1)
+def test_a_degraded_rotor_is_isolated_within_a_second(monitor, rotor):
+    estimate = follow(monitor, 700, 300, effectiveness=effectiveness_with(rotor, 0.8))
+    assert np.all(estimate[400:, rotor] < 0.9) and np.all(estimate[400:, rotor] > 0.75)
+    assert np.all(np.delete(estimate, rotor, axis=1) == 1)
 
 
-def test_a_rotor_that_recovers_is_believed(monitor):
-    body, memory = Body(monitor), monitor.initial_memory()
-    memory, _ = watch(monitor, memory, monitor.trim, body.motion, True)
+def test_a_recovery_is_detected(monitor):
+    body = Body(monitor)
+    estimator = Estimator(monitor, body.sample)
     for k in range(600):
-        body.step(monitor.trim, share_of(1, 0.5) if 200 <= k < 400 else 1.0)
-        memory, told = watch(monitor, memory, monitor.trim, body.motion, True)
+        body.step(monitor.trim, effectiveness_with(1, 0.5) if 200 <= k < 400 else 1.0)
+        estimate = estimator.update(monitor.trim, body.sample)
         if k == 390:
-            assert told[1] == pytest.approx(0.5, abs=0.05)
-    assert np.all(told > 0.9)
+            assert estimate[1] == pytest.approx(0.5, abs=0.05)
+    assert np.all(estimate > 0.9)
 
 
 forces = st.tuples(*[st.floats(-30, 30)] * 3)
@@ -155,67 +176,67 @@ forces = st.tuples(*[st.floats(-30, 30)] * 3)
 
 @settings(max_examples=40)
 @given(forces)
-def test_a_hand_on_the_base_is_no_rotor(force):
-    """Whatever it does, as long as it is at the base's origin."""
-    told = follow(_MONITOR[0], 200, 100, force=np.array(force))
-    np.testing.assert_array_equal(told, 1)
+def test_a_push_on_the_base_raises_no_alarm(force):
+    """Any force at the base's origin."""
+    estimate = follow(_MONITOR[0], 200, 100, force=np.array(force))
+    np.testing.assert_array_equal(estimate, 1)
 
 
 @settings(max_examples=40)
 @given(st.floats(0, 2), st.floats(-0.05, 0.05), st.floats(0.15, 0.25))
-def test_a_load_at_the_tool_is_no_rotor(mass, x, y):
-    told = follow(_MONITOR[0], 200, 0, force=np.array([0, 0, -mass * GRAVITY]), at=(x, y, -0.3))
-    np.testing.assert_array_equal(told, 1)
+def test_a_load_at_the_tool_raises_no_alarm(mass, x, y):
+    estimate = follow(_MONITOR[0], 200, 0, force=np.array([0, 0, -mass * GRAVITY]), at=(x, y, -0.3))
+    np.testing.assert_array_equal(estimate, 1)
 
 
 @settings(max_examples=40)
 @given(st.lists(st.floats(0, 0.55), min_size=ROTORS, max_size=ROTORS))
-def test_rotors_that_are_weak_together_are_no_lost_rotor(missing):
-    told = follow(_MONITOR[0], 120, 60, share=1 - np.array(missing))
-    assert np.all(told > 0.4)
+def test_simultaneous_partial_losses_are_no_lost_rotor(missing):
+    estimate = follow(_MONITOR[0], 120, 60, effectiveness=1 - np.array(missing))
+    assert np.all(estimate > 0.4)
 
 
-def test_samples_that_are_not_believed_teach_nothing(monitor):
-    body, memory = Body(monitor), monitor.initial_memory()
-    rng = np.random.default_rng(4)
-    memory, _ = watch(monitor, memory, monitor.trim, body.motion, True)
+def test_rejected_samples_are_not_used(monitor):
+    body, rng = Body(monitor), np.random.default_rng(4)
+    estimator = Estimator(monitor, body.sample)
     for k in range(300):
-        motion, is_believed = body.step(monitor.trim), not 100 <= k < 200
-        if not is_believed:
-            motion = rng.choice([np.nan, 1e9, -1e9], size=13)
-        memory, told = watch(monitor, memory, monitor.trim, motion, is_believed)
-        np.testing.assert_array_equal(told, 1)
-    body.step(monitor.trim, share_of(3, 0.0))
+        sample, is_valid = body.step(monitor.trim), not 100 <= k < 200
+        if not is_valid:
+            sample = MomentumSample(
+                *(rng.choice([np.nan, 1e9, -1e9], size=len(part)) for part in sample)
+            )
+        estimate = estimator.update(monitor.trim, sample, is_valid)
+        np.testing.assert_array_equal(estimate, 1)
+    body.step(monitor.trim, effectiveness_with(3, 0.0))
     for _ in range(10):
-        memory, told = watch(
-            monitor, memory, monitor.trim, body.step(monitor.trim, share_of(3, 0.0)), True
-        )
-    assert told[3] < 0.4
+        sample = body.step(monitor.trim, effectiveness_with(3, 0.0))
+        estimate = estimator.update(monitor.trim, sample)
+    assert estimate[3] < 0.4
 
 
 @pytest.mark.parametrize("steps", [1, 3])
-def test_late_samples_meet_the_thrusts_of_their_time(vehicle, trim, steps):
-    """Single rotors are sent up and down: nobody is blamed, unless lateness is not known of."""
+def test_delayed_samples_are_compared_with_delayed_thrusts(vehicle, trim, steps):
+    """Steps of single commands raise no alarm, unless a delay is not accounted for."""
 
-    def least(delay_s: float) -> float:
+    def least_estimate(delay_s: float) -> float:
         monitor = RotorMonitor.make(vehicle, Rotor(), trim, delay_s, DT)
-        body, memory = Body(monitor), monitor.initial_memory()
-        rng, motions, told = np.random.default_rng(5), [body.motion] * (steps + 1), []
+        body, rng, least = Body(monitor), np.random.default_rng(5), 1.0
+        estimator = Estimator(monitor, body.sample)
+        samples = [body.sample] * steps
         for k in range(400):
             if k % 10 == 0:
                 command = trim.copy()
                 command[rng.integers(ROTORS)] += rng.uniform(-9, 9)
-            motions.append(body.step(command).copy())
-            memory, shares = watch(monitor, memory, command, motions[-1 - steps], True)
-            told.append(shares.min())
-        return min(told)
+            samples.append(body.step(command))
+            least = min(least, *estimator.update(command, samples.pop(0)))
+        return least
 
-    assert least(steps * DT) == 1
-    assert steps < 3 or least(0.0) < 0.9
+    assert least_estimate(steps * DT) == 1
+    assert steps < 3 or least_estimate(0.0) < 0.9
 
 
-def test_momentum_is_that_of_the_links(vehicle):
-    """M v of the vehicle, whose first six rows are about the base's origin."""
+def test_momentum_agrees_with_the_mass_matrix(vehicle):
+    """The first six rows of M v are the momentum about the base's origin."""
     plant = MultibodyPlant(0.0)
     add_robot(plant, vehicle.robot)
     plant.Finalize()
@@ -224,8 +245,8 @@ def test_momentum_is_that_of_the_links(vehicle):
     x = vehicle.trim_state + np.concatenate([np.zeros(4), rng.uniform(-0.5, 0.5, 21)])
     plant.SetPositionsAndVelocities(context, x)
     about_base = (plant.CalcMassMatrix(context) @ plant.GetVelocities(context))[:6]
-    found = WholeBody(vehicle.robot).momentum(x)
-    np.testing.assert_allclose(found[3:6], about_base[3:], atol=1e-12)
+    momentum, r_BC = WholeBody(vehicle.robot).momentum(x)
+    np.testing.assert_allclose(momentum[3:], about_base[3:], atol=1e-12)
     np.testing.assert_allclose(
-        found[:3] + np.cross(found[6:], found[3:6]), about_base[:3], atol=1e-12
+        momentum[:3] + np.cross(r_BC, momentum[3:]), about_base[:3], atol=1e-12
     )

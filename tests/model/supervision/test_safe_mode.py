@@ -1,4 +1,4 @@
-"""How setpoints move in safe modes: to rest, down, and the arm to where it is tucked."""
+"""Tests of the setpoints' motion in safe modes."""
 
 import numpy as np
 import pytest
@@ -19,8 +19,8 @@ LIMITS = SetpointLimits(
 )
 
 
-def moved(mode: SafeMode, p, v, seconds: float) -> np.ndarray:
-    """(T, 3, 5) positions, velocities and accelerations at each tick."""
+def simulate(mode: SafeMode, p, v, seconds: float) -> np.ndarray:
+    """Returns positions, velocities and accelerations (T, 3, 5) at each tick."""
     x, track = np.concatenate([p, v, [0.0]]), []
     for k in range(round(seconds / DT)):
         u = safe_acceleration(MOTION, float(mode), x, np.full(5, np.nan))
@@ -30,7 +30,7 @@ def moved(mode: SafeMode, p, v, seconds: float) -> np.ndarray:
     return np.array(track)
 
 
-def test_nominal_is_what_the_mpc_asks_for():
+def test_nominal_returns_the_command_of_the_mpc():
     u, x = np.arange(5.0), np.ones(11)
     np.testing.assert_array_equal(safe_acceleration(MOTION, 0.0, x, u), u)
 
@@ -38,25 +38,25 @@ def test_nominal_is_what_the_mpc_asks_for():
 @given(st.lists(st.floats(-1.5, 1.5), min_size=5, max_size=5))
 def test_hold_comes_to_rest_within_limits_and_without_turning_back(v):
     v = np.array(v)
-    track = moved(SafeMode.HOLD, np.zeros(5), v, 4.0)
+    track = simulate(SafeMode.HOLD, np.zeros(5), v, 4.0)
     assert np.all(np.abs(track[:, 2]) <= LIMITS.acceleration + 1e-9)
     speed = track[:, 1] * np.sign(v)
     assert np.all(np.diff(speed, axis=0) <= 1e-12) and np.all(speed >= -1e-9)
     np.testing.assert_allclose(track[-1, 1], 0, atol=1e-4)
-    # Full braking, and then exponentially: at most v / 4 s on top of v^2 / (2 a).
+    # Full braking, then exponential decay: at most v / 4 s on top of v^2 / (2 a).
     room = v**2 / (2 * LIMITS.acceleration) + np.abs(v) / 4 + 0.05
     assert np.all(np.abs(track[-1, 0]) <= room)
 
 
-def test_at_rest_hold_stays():
-    track = moved(SafeMode.HOLD, np.arange(5.0) / 5, np.zeros(5), 1.0)
+def test_hold_at_rest_stays():
+    track = simulate(SafeMode.HOLD, np.arange(5.0) / 5, np.zeros(5), 1.0)
     assert np.all(track == track[0])
 
 
 @pytest.mark.parametrize("mode", [SafeMode.DESCEND, SafeMode.STOP])
-def test_descend_goes_straight_down_slowly_and_tucks_the_arm(mode):
+def test_descend_goes_straight_down_and_tucks_the_arm(mode):
     p, v = np.array([1.0, 2.0, 1.5, -1.8, 1.5]), np.array([1.0, -0.5, 0.7, 1.0, 0.0])
-    track = moved(mode, p, v, 8.0)
+    track = simulate(mode, p, v, 8.0)
     np.testing.assert_allclose(track[-1, 1, :3], [0, 0, -0.3], atol=1e-6)
     np.testing.assert_allclose(track[-1, 0, 3:], TUCKED, atol=1e-3)
     np.testing.assert_allclose(track[-1, 1, 3:], 0, atol=1e-3)
