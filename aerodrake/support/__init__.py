@@ -1,1 +1,1 @@
-"""What touches the machine and knows no scenario: errors, files, processes, compiled code."""
+"""Errors, files, processes, interrupts and compiled code, independent of scenarios."""

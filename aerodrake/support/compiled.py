@@ -1,4 +1,4 @@
-"""Equations that run at every sample, compiled to machine code."""
+"""Compilation of equations to machine code, with a cache on disk."""
 
 from __future__ import annotations
 
@@ -15,15 +15,14 @@ EQUATIONS = Path(__file__).parents[1] / "model"
 
 
 def cache_folder(sources: Path, elsewhere: Path) -> Path:
-    """Where machine code of a folder of sources is kept, by what all of them say.
+    """Returns the cache folder for machine code, named by a hash of all source files.
 
-    numba itself looks at the file of a function alone: not at functions of other files that
-    it has inlined, nor at numbers that it took from there. Machine code beside the sources
-    that is of other contents is deleted.
+    numba's own cache only checks the file of a function, not the files of the functions and
+    constants that it inlines. Caches of other hashes in `__pycache__` are deleted.
 
     Args:
-        sources: Beside these, in `__pycache__`, where that can be written.
-        elsewhere: Else here.
+        sources: Folder of the sources. The cache is in its `__pycache__` if that is writable.
+        elsewhere: Parent of the cache otherwise.
     """
     content = hashlib.sha256()
     for source in sorted(sources.rglob("*.py")):
@@ -45,18 +44,19 @@ CACHE = cache_folder(
 
 
 def is_cold() -> bool:
-    """Whether the equations are yet to be compiled, which takes a minute."""
+    """Returns True if the equations are not compiled yet, which takes a minute."""
     return not any(CACHE.rglob("*.nbi"))
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compiles a function of arrays, numbers and named tuples of them; calls of others inline.
+    """Compiles a function of arrays, numbers and NamedTuples, with numba.
 
-    What a function of small vectors costs in numpy is the calls, not the arithmetic: compiled
-    it takes a tenth or less. The first run on a machine compiles, later ones read its cache.
-    Arithmetic is IEEE's, in the order as written, and that of BLAS in matrix products: on one
-    machine results repeat bit for bit. Division by zero gives inf or nan as in numpy. With
-    NUMBA_DISABLE_JIT=1 in the environment the same lines run as Python, to rounding.
+    The cost of small vectors in numpy is the calls, not the arithmetic: compiled code takes a
+    tenth of the time or less. The first run on a machine compiles, later runs read the cache.
+    Arithmetic is IEEE 754 in the written order, and BLAS for matrix products, so that results
+    on one machine are reproducible bit for bit. Division by zero gives inf or nan as in numpy.
+    With NUMBA_DISABLE_JIT=1 in the environment the function runs as Python; results then agree
+    up to rounding.
     """
     before, config.CACHE_DIR = config.CACHE_DIR, str(CACHE)
     try:

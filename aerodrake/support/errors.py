@@ -1,4 +1,4 @@
-"""The errors a person can cause, as opposed to bugs."""
+"""Errors that a user can cause, as opposed to bugs."""
 
 from __future__ import annotations
 
@@ -8,46 +8,45 @@ from contextlib import contextmanager
 
 
 class BadInput(Exception):
-    """Input that cannot be used: a scenario, an option, a robot or a file.
+    """Invalid input: a scenario, an option, a robot or a file.
 
-    The message is one line that names the source (a file or an option), the
-    dotted key where there is one, and what was expected with unit and range.
-    Commands print it and exit with code 2.
+    The message is one line with the source (a file or an option), the dotted key if there is
+    one, and the expected value with unit and range. Commands print it and exit with code 2.
 
     Args:
-        source: The file or option the input came from.
-        key: The dotted key inside the source; empty where there is none.
-        message: What was expected, and what was found.
+        source: The file or option that the input came from.
+        key: The dotted key in the source, or empty.
+        message: The expected and the given value.
     """
 
     def __init__(self, source: object, key: str, message: str):
-        super().__init__(str(source), key, message)  # What it is pickled by.
+        super().__init__(str(source), key, message)  # All three, so that it can be pickled.
 
     def __str__(self) -> str:
         return ": ".join(_printable(part) for part in self.args if part)
 
     @property
     def source(self) -> str:
-        """The file or option the input came from."""
+        """The file or option that the input came from."""
         return self.args[0]
 
     @property
     def key(self) -> str:
-        """The dotted key inside the source; empty where there is none."""
+        """The dotted key in the source, or empty."""
         return self.args[1]
 
 
 class ScenarioError(BadInput):
-    """A scenario that cannot be used, or a file that it names."""
+    """Invalid scenario, or invalid file that it names."""
 
 
 class ProcessDied(Exception):
-    """A process of a command that was killed or had no room: no bad input, and no bug of ours."""
+    """A process of a command was killed or ran out of memory or disk."""
 
 
 @contextmanager
 def file_at(source: object, key: str) -> Iterator[None]:
-    """What is wrong with the file that a scenario names at `key` is wrong with the scenario."""
+    """Converts errors in the file that a scenario names at `key` to errors of the scenario."""
     try:
         yield
     except ScenarioError:
@@ -57,7 +56,7 @@ def file_at(source: object, key: str) -> Iterator[None]:
 
 
 def nearest(name: object, valid: Iterable[str]) -> str:
-    """Returns a clause that names the valid name closest to `name`, if one is close, and all."""
+    """Returns a clause with the valid name closest to `name`, if one is close, and all others."""
     options = sorted(valid)
     names = f"valid: {', '.join(options)}"
     close = difflib.get_close_matches(str(name)[:100], options, n=1, cutoff=0.5)
@@ -65,7 +64,7 @@ def nearest(name: object, valid: Iterable[str]) -> str:
 
 
 def _printable(text: str, most: int = 500) -> str:
-    """One line without control characters, cut in the middle if it is too long."""
+    """Returns one line without control characters, shortened in the middle if it is too long."""
     if len(text) > most:
         text = f"{text[: most // 2]} ... {text[-most // 2 :]}"
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())

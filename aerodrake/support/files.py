@@ -1,4 +1,4 @@
-"""Files: where they are, and reading and writing them safely."""
+"""Paths of packaged files, bounded reading and atomic writing."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ PACKAGE = "package://aerodrake/"
 
 
 def is_packaged(file: str) -> bool:
-    """Whether a `file` field names a file inside the package."""
+    """Returns True if a `file` field is a `package://` URI."""
     return file.startswith("package://")
 
 
 def leaves_package(file: str) -> bool:
-    """Whether a `package://` URI names another package, or a file outside of this one."""
+    """Returns True if a `package://` URI is of another package, or leaves this one."""
     parts = file.removeprefix(PACKAGE).split("/")
     return not file.startswith(PACKAGE) or ".." in parts or "" in parts
 
 
 def locate(file: str) -> Path:
-    """The path that a `file` field stands for."""
+    """Returns the path of a `file` field."""
     if is_packaged(file):
         return Path(str(resources.files("aerodrake"))) / file.removeprefix(PACKAGE)
     return Path(file)
 
 
 def read_bounded(path: Path, most: int) -> bytes:
-    """The content of a file that came from anywhere.
+    """Returns the content of an untrusted file.
 
-    Pipes and devices, which may never begin or never end, are not read.
+    Pipes and devices, which can block or be endless, are refused.
 
     Raises:
-        BadInput: if it cannot be read, or is longer than `most` bytes.
+        BadInput: if the file cannot be read, or has more than `most` bytes.
     """
     try:
-        # A pipe without a writer is opened at once, to be refused.
+        # Without O_NONBLOCK opening a pipe blocks until it has a writer.
         with open(path, "rb", opener=lambda p, flags: os.open(p, flags | os.O_NONBLOCK)) as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise BadInput(path, "", "expected a file, got a pipe or a device")
@@ -56,36 +56,36 @@ def read_bounded(path: Path, most: int) -> bytes:
 
 
 def is_stored_zip(content: bytes) -> bool:
-    """Whether it is a zip that is no smaller than all that is in it."""
+    """Returns True for a zip file without compression, whose entries are no larger than itself."""
     try:
         entries = zipfile.ZipFile(io.BytesIO(content)).infolist()
-    except Exception:  # What a malformed file raises is not documented.
+    except Exception:  # The exceptions for malformed files are not documented.
         return False
     is_stored = all(entry.compress_type == zipfile.ZIP_STORED for entry in entries)
-    # Entries that share their bytes would add up to more.
+    # Overlapping entries would have a larger sum.
     return is_stored and sum(entry.file_size for entry in entries) <= len(content)
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Writes a file: all of it, or nothing. A link goes on leading to the file.
+    """Writes a file atomically. Permissions are preserved; of a link, its target is written.
 
     Raises:
-        BadInput: if it cannot be written.
+        BadInput: if the file cannot be written.
     """
     try:
-        place = Path(os.path.realpath(path))
-        mode = place.stat().st_mode & 0o777 if place.exists() else 0o666 & ~umask()
-        with scratch_folder(place.parent) as scratch:
+        target = Path(os.path.realpath(path))
+        mode = target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~umask()
+        with scratch_folder(target.parent) as scratch:
             (scratch / "new").write_bytes(content)
             (scratch / "new").chmod(mode)
-            os.replace(scratch / "new", place)
+            os.replace(scratch / "new", target)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise BadInput(path, "", f"cannot be written: {reason}") from None
 
 
 def umask() -> int:
-    """The mode bits that new files are not to have."""
+    """Returns the process's umask."""
     mask = os.umask(0)
     os.umask(mask)
     return mask

@@ -1,4 +1,4 @@
-"""Python's garbage collector, kept from stopping what runs against the wall clock."""
+"""Python's garbage collector during flights in wall time."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from contextlib import contextmanager
 
 @contextmanager
 def frozen_garbage() -> Iterator[None]:
-    """Exempts all that is there by now from collection.
+    """Exempts all current objects from garbage collection.
 
-    To look through the modules and diagrams of a flight takes 0.1 to 0.2 s, five to ten ticks.
-    What is new is collected as ever.
+    Traversing the modules and diagrams of a flight takes 0.1 to 0.2 s, which is five to ten
+    ticks. New objects are collected as usual.
     """
     gc.collect()
     gc.freeze()

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: held back while there is something to lose."""
+"""Deferred handling of Ctrl-C and SIGTERM, so that results are saved first."""
 
 from __future__ import annotations
 
@@ -11,49 +11,51 @@ from typing import Any
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
-PATIENCE = 3
-"""The interrupt that is not held back."""
+MAX_INTERRUPTS = 3
+"""Number of the interrupt that is not deferred."""
 
-WARNING = b"\naerodrake: saving; interrupt again to lose it\n"
+WARNING = b"\naerodrake: saving; interrupt again to discard the results\n"
 
 
 @contextmanager
 def deferred_interrupts() -> Iterator[Callable[[], None]]:
-    """Holds interrupts back, so that what was flown is written down.
+    """Defers interrupts, so that results are written.
 
     Yields:
-        A function that raises KeyboardInterrupt if one came, to be called where
-        that is expected. Whoever never calls it goes on to the end. The third
-        interrupt raises at once, wherever it comes.
+        A function that raises KeyboardInterrupt if an interrupt was received. Code that
+        never calls it runs to its end. The third interrupt is not deferred.
     """
-    came = 0
+    received = 0
 
-    def hold(number: int, frame: Any) -> None:
-        nonlocal came
-        came += 1
-        if came == PATIENCE:
+    def defer(number: int, frame: Any) -> None:
+        nonlocal received
+        received += 1
+        if received == MAX_INTERRUPTS:
             raise KeyboardInterrupt
-        if came == PATIENCE - 1:
-            os.write(2, WARNING)  # Not by `print`, which may have been what was interrupted.
+        if received == MAX_INTERRUPTS - 1:
+            os.write(2, WARNING)  # `print` is not reentrant, and may be interrupted itself.
 
     def check() -> None:
-        if came:
+        if received:
             raise KeyboardInterrupt
 
-    with _handler(hold):
+    with _handler(defer):
         yield check
 
 
 @contextmanager
 def termination_as_interrupt() -> Iterator[None]:
-    """SIGTERM does as Ctrl-C does: what is half done is cleared away."""
+    """Makes SIGTERM raise KeyboardInterrupt, so that unfinished files are removed."""
     with _handler(signal.default_int_handler):
         yield
 
 
 @contextmanager
 def _handler(handler: Callable[[int, Any], None]) -> Iterator[None]:
-    """Sets it, but where a signal is ignored, as in the background, or in another thread."""
+    """Sets the handler of `SIGNALS`, except for ignored ones (in a background job).
+
+    Without effect outside of the main thread.
+    """
     before = {}
     if threading.current_thread() is threading.main_thread():
         before = {number: signal.getsignal(number) for number in SIGNALS}

@@ -1,4 +1,4 @@
-"""Work in parallel processes: one process an item, none of which can harm another."""
+"""Parallel work in isolated processes, one for each item."""
 
 from __future__ import annotations
 
@@ -22,17 +22,16 @@ Result = TypeVar("Result")
 def run_parallel(
     function: Callable[[Item], Result], items: Sequence[Item], jobs: int
 ) -> Iterator[tuple[int, Result | Exception]]:
-    """Yields (index, what `function` returned or raised) as the items finish.
+    """Yields (index, result or exception of `function`) as the items finish.
 
-    Each item has a process of its own: Drake's diagrams are never collected
-    while theirs lives, and one that dies fails its own item only, with
-    `ProcessDied`. Whoever stops iterating, as by Ctrl-C, stops them all, and
-    they end with this process, however it ends.
+    Each item has its own process, since Drake's diagrams are not freed before their process
+    ends. A process that dies fails only its own item, with `ProcessDied`. All processes end if
+    the iteration stops, for example by Ctrl-C, or if this process ends or is killed.
 
     Args:
         function: Importable by name; it and the items are sent to the processes.
-        items: What to call it with. Whoever takes the results may append to them.
-        jobs: How many processes at a time.
+        items: Arguments of the calls. Items may be appended during the iteration.
+        jobs: Number of concurrent processes.
     """
     context = multiprocessing.get_context("spawn")
     pool = ProcessPool(max_workers=jobs, max_tasks=1, initializer=_end_with_parent, context=context)
@@ -54,7 +53,7 @@ def run_parallel(
 
 
 def _end_with_parent() -> None:
-    """Makes this process end when its parent does, even if that is killed."""
+    """Makes this process end with its parent, even if the parent is killed."""
     parent = multiprocessing.parent_process()
 
     def watch() -> None:
@@ -65,5 +64,5 @@ def _end_with_parent() -> None:
 
 
 def cause_of_death(exit_code: int) -> str:
-    """How a process ended that was not to end: the signal, or the exit code."""
+    """Returns the name of the signal, or the exit code, with which a process ended."""
     return signal.Signals(-exit_code).name if exit_code < 0 else f"exit code {exit_code}"

@@ -1,4 +1,4 @@
-"""The folder of a run: complete, or not there."""
+"""Folder of a command's results, which is written atomically."""
 
 from __future__ import annotations
 
@@ -11,49 +11,48 @@ from aerodrake.support.errors import BadInput
 from aerodrake.support.scratch import NEW, replace_folder, scratch_folder
 
 MARKERS = ("summary.json", "log.npz", "scenario.yaml")
-"""What tells an earlier run, which may be replaced, from a person's own folder."""
+"""Files by which an earlier run, which may be replaced, differs from another folder."""
 
 
 @contextmanager
 def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]:
-    """Yields a hidden folder that becomes `target` if all goes well.
+    """Yields a hidden folder that is moved to `target` if no error occurs.
 
-    An earlier run in `target` is replaced as a whole; a link to it stays.
+    It replaces an earlier run in `target` as a whole; of a link, the link's target.
 
     Args:
-        target: Where the results are to be.
-        markers: The files that every folder of the command's results has.
+        target: Path of the results.
+        markers: Files that every folder of the command's results has.
 
     Raises:
-        BadInput: if `target` cannot be written, or holds files of another kind.
+        BadInput: if `target` cannot be written, or has other files than an earlier run.
     """
     with _writing(target):
         if "\0" in str(target):
             raise OSError("expected a path without a NUL")
-        place = Path(os.path.realpath(target))
-        if place.is_symlink():
-            raise BadInput("--out", "", f"{target} is a link that leads back to itself")
-        if place.exists() and not place.is_dir():
+        path = Path(os.path.realpath(target))
+        if path.is_symlink():
+            raise BadInput("--out", "", f"expected a folder, but {target} is a link to itself")
+        if path.exists() and not path.is_dir():
             raise BadInput("--out", "", f"expected a folder, but {target} is a file")
-        place.parent.mkdir(parents=True, exist_ok=True)
-        with scratch_folder(place.parent) as scratch:
-            _check_replaceable(place, target, markers)
-            new = scratch / NEW / place.name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with scratch_folder(path.parent) as scratch:
+            _check_replaceable(path, target, markers)
+            new = scratch / NEW / path.name
             new.mkdir(parents=True)
             yield new
-            replace_folder(scratch, place)
+            replace_folder(scratch, path)
 
 
-def _check_replaceable(place: Path, target: Path, markers: Sequence[str]) -> None:
-    if not place.is_dir():
+def _check_replaceable(path: Path, target: Path, markers: Sequence[str]) -> None:
+    if not path.is_dir():
         return
-    is_earlier = all((place / name).is_file() for name in markers)
-    if any(place.iterdir()) and not is_earlier:
+    is_earlier = all((path / name).is_file() for name in markers)
+    if any(path.iterdir()) and not is_earlier:
         raise BadInput("--out", "", f"{target} holds files that are not of an earlier run")
-    if os.path.ismount(place) or place in (Path.cwd(), *Path.cwd().parents):
-        raise BadInput(
-            "--out", "", f"{target} is in use and cannot be replaced; expected a folder in it"
-        )
+    if os.path.ismount(path) or path in (Path.cwd(), *Path.cwd().parents):
+        message = f"{target} is a mount point or contains the working directory; "
+        raise BadInput("--out", "", message + "expected another folder")
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Hidden folders in which results are prepared, and what killed processes left of theirs."""
+"""Hidden folders in which results are prepared, and cleanup after killed processes."""
 
 from __future__ import annotations
 
@@ -12,50 +12,50 @@ from contextlib import contextmanager
 from pathlib import Path
 
 PREFIX = ".aerodrake-"
-"""Of their names. One is locked for as long as its process lives."""
+"""Prefix of the folders' names. A folder is locked while its process is running."""
 
 NEW, OLD = "new", "old"
-"""In one: the folder that is to be in place, and the one that was, by the name they have there."""
+"""Names, in a scratch folder, of the parents of the new folder and of the replaced one."""
 
 
 @contextmanager
 def scratch_folder(parent: Path) -> Iterator[Path]:
-    """Yields an empty hidden folder in `parent`, which goes in the end with all that is in it.
+    """Yields an empty hidden folder in `parent`, which is removed at the end.
 
-    Those that killed processes left in `parent` go first. What is prepared in
-    one is on the disk where it is to be, and so in place by a rename.
+    Removes the scratch folders of killed processes first. The folder is on the same file system
+    as `parent`, so that results can be renamed into place.
 
     Raises:
-        OSError: if none can be made.
+        OSError: if the folder cannot be created.
     """
     _clear(parent)
     folder, lock = _locked_folder(parent)
     try:
         yield folder
     finally:
-        _end_replacement(folder)  # If an interrupt came in between.
+        _complete_replacement(folder)  # After an interrupt between the two renames.
         shutil.rmtree(folder, ignore_errors=True)
         os.close(lock)
 
 
-def replace_folder(scratch: Path, place: Path) -> None:
-    """Moves `scratch/new/NAME` to `place`, of that name. What was there goes.
+def replace_folder(scratch: Path, path: Path) -> None:
+    """Moves `scratch/new/NAME` to `path`, whose name is NAME, and replaces the folder there.
 
-    If that fails, what was there stays. If the process is killed between the
-    two renames that this takes, whoever next makes a scratch folder here ends it.
+    If the move fails, the earlier folder is restored. If the process is killed between the two
+    renames, the next scratch folder in the same parent completes the replacement.
 
     Raises:
-        OSError: if it cannot be moved.
+        OSError: if the folder cannot be moved.
     """
-    new, old = scratch / NEW / place.name, scratch / OLD / place.name
-    if place.exists():
+    new, old = scratch / NEW / path.name, scratch / OLD / path.name
+    if path.exists():
         old.parent.mkdir()
-        os.replace(place, old)
+        os.replace(path, old)
     try:
-        os.replace(new, place)
+        os.replace(new, path)
     except OSError:
         if old.exists():
-            os.replace(old, place)
+            os.replace(old, path)
         raise
 
 
@@ -64,29 +64,29 @@ def _locked_folder(parent: Path) -> tuple[Path, int]:
         folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))
         with contextlib.suppress(FileNotFoundError):
             lock = os.open(folder, os.O_RDONLY)
-            with contextlib.suppress(OSError):  # Of a file system without locks.
+            with contextlib.suppress(OSError):  # The file system has no locks.
                 fcntl.flock(lock, fcntl.LOCK_EX)
-            if folder.exists():  # Nobody took it for one that was left, before it was locked.
+            if folder.exists():  # No other process removed it before it was locked.
                 return folder, lock
             os.close(lock)
 
 
 def _clear(parent: Path) -> None:
-    """Removes the scratch folders of dead processes; of a replacement, only once it is ended."""
+    """Completes the replacements of dead processes and removes their scratch folders."""
     for folder in parent.glob(f"{PREFIX}*"):
-        with contextlib.suppress(OSError):  # It lives, or is another user's.
+        with contextlib.suppress(OSError):  # Its process is running, or of another user.
             lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                _end_replacement(folder)
+                _complete_replacement(folder)
                 shutil.rmtree(folder, ignore_errors=True)
             finally:
                 os.close(lock)
 
 
-def _end_replacement(scratch: Path) -> None:
-    """The rename that is missing where a folder was moved away and none is in its place."""
+def _complete_replacement(scratch: Path) -> None:
+    """Does the second rename if a folder was moved away and nothing is at its path."""
     for old in (scratch / OLD).glob("*"):
-        place, new = scratch.parent / old.name, scratch / NEW / old.name
-        if not place.exists():
-            os.replace(new if new.exists() else old, place)
+        path, new = scratch.parent / old.name, scratch / NEW / old.name
+        if not path.exists():
+            os.replace(new if new.exists() else old, path)

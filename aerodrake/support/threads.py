@@ -1,4 +1,4 @@
-"""One thread inside the loop."""
+"""Limit of the threads of numerical libraries."""
 
 from __future__ import annotations
 
@@ -11,12 +11,11 @@ from threadpoolctl import threadpool_limits
 
 @contextmanager
 def single_thread() -> Iterator[None]:
-    """Keeps BLAS, and torch where it is imported, to one thread while a diagram is simulated.
+    """Limits BLAS, and torch if it is imported, to one thread.
 
-    Its matrices are so small that sharing them among threads costs many times
-    more than it saves.
+    The matrices of a diagram are so small that more threads make its simulation much slower.
     """
-    torch = sys.modules.get("torch")  # Not imported for this: it takes a second.
+    torch = sys.modules.get("torch")  # Not imported here, since that takes a second.
     threads = torch.get_num_threads() if torch else 1
     try:
         if torch:

@@ -1,4 +1,4 @@
-"""Robot descriptions in files: read without what XML could make of them, and copied whole."""
+"""Reading and copying of robot descriptions, without external entities, with their meshes."""
 
 from __future__ import annotations
 
@@ -14,41 +14,41 @@ from aerodrake.support.files import read_bounded
 SUFFIX = ".urdf"
 
 MAX_BYTES = 5_000_000
-"""No robot description is larger, and none of its meshes ten times so: against hostile files."""
+"""Largest size of a URDF, and a tenth of that of a mesh; protects against hostile files."""
 
 MAX_DEPTH = 50
 
 
 def read_urdf(path: Path) -> Document:
-    """A robot description, in which the meshes beside it are named by absolute URIs.
+    """Reads a URDF and makes the URIs of local meshes absolute.
 
     Raises:
-        BadInput: as `urdf_content` and `parse_urdf`.
+        BadInput: as for `urdf_content` and `parse_urdf`.
     """
     return parse_urdf(path, urdf_content(path))
 
 
 def urdf_content(path: Path) -> bytes:
-    """What is in the file.
+    """Returns the content of a URDF.
 
     Raises:
-        BadInput: if it cannot be read, or is not called a URDF.
+        BadInput: if the file cannot be read, or does not end in `.urdf`.
     """
     if path.suffix != SUFFIX:
-        raise BadInput(path, "", f"expected the path of a URDF, with the ending {SUFFIX}")
+        raise BadInput(path, "", f"expected the path of a URDF, ending in {SUFFIX}")
     return read_bounded(path, MAX_BYTES)
 
 
 def parse_urdf(path: Path, content: bytes) -> Document:
-    """A robot description, in which the meshes beside its file are named by absolute URIs.
+    """Parses a URDF and makes the URIs of local meshes absolute.
 
     Args:
-        path: Of the file.
-        content: Of the file.
+        path: Path of the file.
+        content: Content of the file.
 
     Raises:
-        BadInput: if it is no URDF, declares a document type (and with it entities) or is
-            nested too deep, if a mesh is no file, or if a joint follows another one.
+        BadInput: if the content is not a URDF, declares a document type (and so can have
+            entities), is nested too deep, names a mesh that is not a file, or has a <mimic>.
     """
     try:
         document = _UrdfBuilder().parseString(content)
@@ -58,7 +58,7 @@ def parse_urdf(path: Path, content: bytes) -> Document:
         raise BadInput(path, "", "cannot be parsed: expected a URDF, whose root is <robot>")
     for mimic in document.getElementsByTagName("mimic"):
         joint = mimic.parentNode.getAttribute("name")
-        raise BadInput(path, "", f"{joint}: expected no <mimic>, since each joint moves by itself")
+        raise BadInput(path, "", f"{joint}: expected no <mimic>, since all joints are independent")
     for mesh in _local_meshes(document):
         file = path.absolute().parent / mesh.getAttribute("filename").removeprefix("file://")
         if file.exists() and not file.is_file():
@@ -68,13 +68,13 @@ def parse_urdf(path: Path, content: bytes) -> Document:
 
 
 def copy_urdf(source: Path, target: Path) -> None:
-    """Copies a robot description and the meshes beside it, into a folder beside the copy.
+    """Copies a URDF, and its local meshes into a folder beside the copy.
 
-    With each mesh goes what is called like it but for its ending, such as its material.
+    Files with a mesh's name and another ending, such as its material, are copied as well.
 
     Raises:
-        BadInput: as `read_urdf`.
-        OSError: if it cannot be written.
+        BadInput: as for `read_urdf`.
+        OSError: if a copy cannot be written.
     """
     document = read_urdf(source)
     homes: dict[Path, str] = {}
@@ -86,20 +86,20 @@ def copy_urdf(source: Path, target: Path) -> None:
             if part.stem == file.stem and part.is_file():
                 (target.parent / home / part.name).write_bytes(read_bounded(part, 10 * MAX_BYTES))
         mesh.setAttribute("filename", f"{home}/{file.name}")
-    # Without meshes it is the same, to the byte.
+    # Without meshes the copy is identical.
     content = document.toxml("utf-8") if homes else read_bounded(source, MAX_BYTES)
     target.write_bytes(content)
 
 
 def _local_meshes(document: Document) -> list[Element]:
-    """Those in files, not in packages."""
+    """Returns the elements of meshes in files, not in packages."""
     meshes = document.getElementsByTagName("mesh")
     files = [(mesh, mesh.getAttribute("filename")) for mesh in meshes]
     return [mesh for mesh, file in files if "://" not in file or file.startswith("file://")]
 
 
 class _UrdfBuilder(expatbuilder.ExpatBuilder):
-    """Knows neither namespaces, since prefixes such as `drake:` go undeclared, nor entities."""
+    """Parser without namespaces, since URDFs do not declare `drake:`, and without entities."""
 
     _depth = 0
 

@@ -45,7 +45,10 @@ def test_lost_flights_are_results(tmp_path):
         (["hover"], "--trials: expected a number of trials, since no linspace() spans a grid"),
         (["hover", "--trials", "2", "--vary", "duraton=uniform(1,2)"], "--vary: duraton: unknown"),
         (["hover", "--trials", "2", "--vary", "duration=gamma(1)"], "no such distribution 'gamma'"),
-        (["hover", "--trials", "2", "--resume"], "--resume: expected --out DIR with the folder of a sweep"),
+        (
+            ["hover", "--trials", "2", "--resume"],
+            "--resume: expected --out DIR with the",
+        ),
         (["hover", "--trials", "2", "--resume", "--out", "no"], "the folder of a sweep, got no"),
         (["hover", "--trials", "2", "--out", "file"], "--out: cannot write file: "),
         (["hover", "--trials", "2", "--out", "mine"], "mine holds files that are not of an ear"),

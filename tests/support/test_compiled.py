@@ -1,4 +1,4 @@
-"""Machine code that any of the sources has outdated is not run, nor kept."""
+"""The cache of machine code depends on all source files."""
 
 import os
 import subprocess
@@ -38,8 +38,10 @@ def sources(tmp_path) -> Path:
 
 
 def run(folder: Path) -> int:
-    """What `calls.g` returns in a process of its own, without Python's bytecode: that of a source
-    of the same time and size would do for it."""
+    """Returns the result of `calls.g` in a new process.
+
+    -B disables Python's bytecode cache, which does not detect a source of equal time and size.
+    """
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run(
         [sys.executable, "-B", "-c", RUN],
@@ -55,7 +57,7 @@ def machine_code(folder: Path) -> set[str]:
     return {str(path) for path in folder.rglob("*.nbc")}
 
 
-def test_a_change_of_what_is_called_or_of_a_number_is_noticed(sources):
+def test_changing_a_called_function_or_a_constant_recompiles(sources):
     assert run(sources) == 101
     before = machine_code(sources)
     assert before and run(sources) == 101 and machine_code(sources) == before
@@ -63,12 +65,14 @@ def test_a_change_of_what_is_called_or_of_a_number_is_noticed(sources):
     assert run(sources) == 120
     old = (sources / "inner" / "number.py").stat().st_mtime
     (sources / "inner" / "number.py").write_text(NUMBER.format(200))
-    os.utime(sources / "inner" / "number.py", (old, old))  # As restored files have it.
+    os.utime(
+        sources / "inner" / "number.py", (old, old)
+    )  # As after restoring a file from a backup.
     assert run(sources) == 220
     assert len(machine_code(sources)) == len(before)
 
 
-def test_where_nothing_can_be_written_it_is_kept_elsewhere(sources, tmp_path, monkeypatch):
+def test_the_cache_is_elsewhere_if_the_sources_are_read_only(sources, tmp_path, monkeypatch):
     elsewhere = tmp_path / "elsewhere"
     assert cache_folder(sources, elsewhere).parent == sources / "__pycache__"
     monkeypatch.setattr(os, "access", lambda path, mode: False)
@@ -77,7 +81,7 @@ def test_where_nothing_can_be_written_it_is_kept_elsewhere(sources, tmp_path, mo
     assert folder.name == cache_folder(sources, elsewhere).name
 
 
-def test_folders_differ_by_what_the_sources_say(sources):
+def test_the_folder_depends_on_the_content_of_the_sources(sources):
     first = cache_folder(sources, sources)
     assert cache_folder(sources, sources) == first
     (sources / "another.py").write_text("")

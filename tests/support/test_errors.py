@@ -1,4 +1,4 @@
-"""The one line that people get to see."""
+"""Messages of errors are one short line."""
 
 import pickle
 
@@ -19,21 +19,21 @@ def test_names_source_and_key_in_one_line():
     ["k" * 1_000_000, "a\nb\r\nc", "\x1b[31mred\x1b[0m\x07"],
     ids=["long", "lines", "escapes"],
 )
-@pytest.mark.parametrize("place", range(3))
-def test_stays_one_short_printable_line_whatever_it_quotes(hostile, place):
+@pytest.mark.parametrize("part", range(3))
+def test_the_message_is_short_and_printable_for_any_input(hostile, part):
     parts = ["a.yaml", "key", "message"]
-    parts[place] = hostile
+    parts[part] = hostile
     message = str(BadInput(*parts))
     assert len(message) < 2000
     assert message.isprintable()
 
 
-def test_says_the_same_in_another_process():
+def test_pickling_preserves_the_message():
     error = BadInput("a.yaml", "mpc.horizon", "expected 2")
     assert str(pickle.loads(pickle.dumps(error))) == "a.yaml: mpc.horizon: expected 2"
 
 
-def test_nearest_name_and_the_rest():
+def test_nearest_names_the_closest_and_all_valid_names():
     assert nearest("horizn", ["k_e", "horizon"]) == (
         "did you mean 'horizon'? (valid: horizon, k_e)"
     )
@@ -41,7 +41,7 @@ def test_nearest_name_and_the_rest():
     assert nearest(3, ["k_e"]) == "valid: k_e"
 
 
-def test_a_file_is_wrong_where_the_scenario_names_it():
+def test_an_error_in_a_file_names_the_key_of_the_scenario():
     with pytest.raises(ScenarioError) as caught, file_at("a.yaml", "reference.file"):
         raise BadInput("b.csv", "", "expected 2 rows")
     assert (caught.value.source, caught.value.key) == ("a.yaml", "reference.file")

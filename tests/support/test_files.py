@@ -1,4 +1,4 @@
-"""Files: read no further than allowed, written as a whole or not at all."""
+"""Files are read up to a bound and written atomically."""
 
 import io
 import os
@@ -14,7 +14,7 @@ def names(folder) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def test_a_file_as_long_as_allowed_is_read(tmp_path):
+def test_reads_a_file_up_to_the_bound(tmp_path):
     path = tmp_path / "a"
     path.write_bytes(b"12345")
     assert read_bounded(path, 5) == b"12345"
@@ -23,12 +23,12 @@ def test_a_file_as_long_as_allowed_is_read(tmp_path):
 
 
 @pytest.mark.parametrize("name, reason", [("none", "No such file"), (".", "Is a directory")])
-def test_what_cannot_be_read_is_named(tmp_path, name, reason):
+def test_an_unreadable_file_is_named(tmp_path, name, reason):
     with pytest.raises(BadInput, match=f"expected a readable file: {reason}"):
         read_bounded(tmp_path / name, 5)
 
 
-def test_what_may_never_begin_or_end_is_not_read(tmp_path):
+def test_pipes_and_devices_are_refused(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     for path in (tmp_path / "pipe", "/dev/zero"):
         with pytest.raises(BadInput, match="expected a file, got a pipe or a device"):
@@ -50,7 +50,7 @@ def test_uris_that_leave_the_package(uri):
 
 
 @pytest.mark.parametrize("method", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
-def test_only_a_zip_that_does_not_grow_is_stored(method):
+def test_only_a_zip_without_compression_is_stored(method):
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", method) as file:
         file.writestr("a", "0" * 1000)
@@ -59,17 +59,17 @@ def test_only_a_zip_that_does_not_grow_is_stored(method):
     assert not is_stored_zip(b"")
 
 
-def test_entries_that_share_their_bytes_are_a_bomb():
+def test_a_zip_with_overlapping_entries_is_not_stored():
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as file:
         file.writestr("a", "0" * 1000)
-        for _ in range(10):  # Directory entries for the one that is there.
+        for _ in range(10):  # More directory entries of the same data.
             file.filelist.append(file.filelist[0])
         file._didModify = True
     assert not is_stored_zip(content.getvalue())
 
 
-def test_writing_replaces_the_file_and_keeps_its_mode_and_links(tmp_path):
+def test_writing_preserves_the_mode_and_links(tmp_path):
     path, link = tmp_path / "a", tmp_path / "b"
     path.write_bytes(b"old")
     path.chmod(0o640)
@@ -80,14 +80,14 @@ def test_writing_replaces_the_file_and_keeps_its_mode_and_links(tmp_path):
     assert names(tmp_path) == ["a", "b"]
 
 
-def test_a_new_file_has_the_mode_of_any_other(tmp_path):
+def test_a_new_file_has_the_default_mode(tmp_path):
     (tmp_path / "usual").write_bytes(b"")
     write_atomically(tmp_path / "new", b"")
     modes = [(tmp_path / name).stat().st_mode for name in ("usual", "new")]
     assert modes[0] == modes[1]
 
 
-def test_what_cannot_be_written_leaves_all_as_it_was(tmp_path, monkeypatch):
+def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "a"
     path.write_bytes(b"old")
 

@@ -1,4 +1,4 @@
-"""What is there is left alone, and what is new is not."""
+"""Objects from before the context are not collected, new ones are."""
 
 import gc
 import weakref
@@ -7,20 +7,20 @@ from aerodrake.support.garbage import frozen_garbage
 
 
 class Loop:
-    """Garbage, as soon as nobody holds it."""
+    """A reference cycle, which only the garbage collector frees."""
 
     def __init__(self):
         self.itself = self
 
 
-def test_only_what_is_new_is_collected():
+def test_only_new_objects_are_collected():
     old = Loop()
-    was = weakref.ref(old)
+    old_reference = weakref.ref(old)
     with frozen_garbage():
         new = Loop()
-        is_new = weakref.ref(new)
+        new_reference = weakref.ref(new)
         del old, new
         gc.collect()
-        assert was() is not None and is_new() is None
+        assert old_reference() is not None and new_reference() is None
     gc.collect()
-    assert was() is None
+    assert old_reference() is None

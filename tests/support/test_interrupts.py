@@ -1,4 +1,4 @@
-"""Signals: held back while something is being written, and not for ever."""
+"""Interrupts are deferred, up to the third one."""
 
 import os
 import signal
@@ -15,14 +15,14 @@ def send(number: int = signal.SIGINT, times: int = 1) -> None:
 
 
 @pytest.fixture(autouse=True)
-def _handlers_are_put_back():
+def _handlers_are_restored():
     before = [signal.getsignal(number) for number in SIGNALS]
     yield
     assert [signal.getsignal(number) for number in SIGNALS] == before
 
 
 @pytest.mark.parametrize("number", SIGNALS)
-def test_they_come_where_they_are_asked_for(number):
+def test_check_raises_a_deferred_interrupt(number):
     with deferred_interrupts() as check:
         check()
         send(number)
@@ -30,15 +30,15 @@ def test_they_come_where_they_are_asked_for(number):
             check()
 
 
-def test_who_never_asks_goes_on_to_the_end(capfd):
+def test_without_check_the_code_runs_to_its_end(capfd):
     with deferred_interrupts():
         send()
         assert capfd.readouterr().err == ""
         send()
-        assert "saving; interrupt again to lose it" in capfd.readouterr().err
+        assert "saving; interrupt again to discard the results" in capfd.readouterr().err
 
 
-def test_the_third_is_not_held_back():
+def test_the_third_interrupt_is_not_deferred():
     with pytest.raises(KeyboardInterrupt), deferred_interrupts():
         send(times=2)
         with pytest.raises(KeyboardInterrupt):
@@ -46,12 +46,12 @@ def test_the_third_is_not_held_back():
         raise KeyboardInterrupt
 
 
-def test_termination_is_an_interrupt():
+def test_sigterm_raises_keyboard_interrupt():
     with pytest.raises(KeyboardInterrupt), termination_as_interrupt():
         send(signal.SIGTERM)
 
 
-def test_what_is_ignored_stays_ignored():
+def test_ignored_signals_stay_ignored():
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         with deferred_interrupts() as check:
@@ -61,7 +61,7 @@ def test_what_is_ignored_stays_ignored():
         signal.signal(signal.SIGINT, before)
 
 
-def test_other_threads_leave_signals_alone():
+def test_without_effect_in_other_threads():
     done = []
 
     def work():

@@ -1,4 +1,4 @@
-"""A process an item: results, failures, deaths, and whoever stops early."""
+"""Results, failures and deaths of parallel processes, and stopping them early."""
 
 import multiprocessing
 import os
@@ -27,18 +27,18 @@ def die_of_one(number: int) -> int:
     return number
 
 
-def meet(place: tuple[Path, str]) -> str:
-    """Ends only once two are here at a time."""
-    folder, name = place
+def meet(item: tuple[Path, str]) -> str:
+    """Returns only if two processes run at the same time."""
+    folder, name = item
     (folder / name).touch()
     while len(list(folder.iterdir())) < 2:
         time.sleep(0.01)
     return name
 
 
-def linger(place: tuple[Path, str]) -> str:
-    """The quick one waits for the slow one to have begun, which then never ends."""
-    folder, name = place
+def linger(item: tuple[Path, str]) -> str:
+    """Returns for "quick" as soon as the process of "slow", which never ends, has begun."""
+    folder, name = item
     if name == "slow":
         (folder / "begun").write_text(str(os.getpid()))
         time.sleep(600)
@@ -48,15 +48,15 @@ def linger(place: tuple[Path, str]) -> str:
     return name
 
 
-def test_results_come_with_their_items_each_from_a_process_of_its_own():
+def test_each_item_has_its_own_process():
     results = dict(run_parallel(square, [3, 1, 2], jobs=2))
     assert {index: value for index, (value, _) in results.items()} == {0: 9, 1: 1, 2: 4}
     pids = {pid for _, pid in results.values()}
     assert len(pids) == 3 and os.getpid() not in pids
 
 
-def test_items_may_follow_from_results():
-    """Of numbers below 8, three more."""
+def test_items_may_be_appended_during_the_iteration():
+    """Each number below 8 appends that number plus 3."""
     items = [2, 5]
     results = []
     for index, result in run_parallel(refuse_odd, items, jobs=2):
@@ -68,17 +68,17 @@ def test_items_may_follow_from_results():
     ]  # fmt: skip
 
 
-def test_nothing_to_do():
+def test_no_items():
     assert list(run_parallel(square, [], jobs=2)) == []
 
 
-def test_what_one_raises_is_its_own():
+def test_an_exception_fails_only_its_own_item():
     results = dict(run_parallel(refuse_odd, [2, 3, 4], jobs=2))
     assert (results[0], results[2]) == (2, 4)
     assert isinstance(results[1], ValueError) and str(results[1]) == "3 is odd"
 
 
-def test_one_that_dies_takes_no_other_with_it():
+def test_a_dead_process_fails_only_its_own_item():
     results = dict(run_parallel(die_of_one, [0, 1, 2], jobs=1))
     assert (results[0], results[2]) == (0, 2)
     assert isinstance(results[1], ProcessDied) and str(results[1]).endswith("of exit code 3")
@@ -90,8 +90,8 @@ def test_jobs_run_at_the_same_time(tmp_path):
 
 
 @pytest.mark.parametrize("closes", [True, False])
-def test_whoever_stops_stops_them_all(closes, tmp_path):
-    """By leaving the loop, or by an error such as Ctrl-C within it."""
+def test_stopping_the_iteration_ends_all_processes(closes, tmp_path):
+    """The iteration is closed, or receives an exception such as that of Ctrl-C."""
     results = run_parallel(linger, [(tmp_path, "quick"), (tmp_path, "slow")], jobs=2)
     assert next(results) == (0, "quick")
     if closes:

@@ -1,4 +1,4 @@
-"""The folder of a run: complete, or not there."""
+"""The folder of a run is written atomically."""
 
 import os
 from pathlib import Path
@@ -18,29 +18,31 @@ def write(target: Path, text: str = "new", names=NAMES) -> None:
 
 
 def texts(folder: Path) -> dict[str, str]:
-    """All files below a folder, hidden ones too; empty folders as their name and a slash."""
-    found = {}
+    """Returns all files in a folder, hidden ones too; empty folders as their name and a slash."""
+    contents = {}
     for path in sorted(folder.rglob("*")):
         if path.is_file():
-            found[str(path.relative_to(folder))] = path.read_text()
+            contents[str(path.relative_to(folder))] = path.read_text()
         elif not any(path.iterdir()):
-            found[f"{path.relative_to(folder)}/"] = ""
-    return found
+            contents[f"{path.relative_to(folder)}/"] = ""
+    return contents
 
 
 def run(text: str, prefix: str = "run") -> dict[str, str]:
     return {f"{prefix}/{name}": text for name in NAMES}
 
 
-def test_is_not_there_until_it_is_complete(tmp_path):
+def test_the_folder_appears_when_it_is_complete(tmp_path):
     with run_folder(tmp_path / "run") as folder:
         (folder / "summary.json").write_text("new")
         assert not (tmp_path / "run").exists()
-        assert folder.parents[1].parent == tmp_path  # On the same disk: a rename is all it takes.
+        assert (
+            folder.parents[1].parent == tmp_path
+        )  # On the same file system, so that it can be renamed.
     assert texts(tmp_path) == {"run/summary.json": "new"}
 
 
-def test_parents_are_made(tmp_path):
+def test_parents_are_created(tmp_path):
     write(tmp_path / "a" / "b" / "run")
     assert texts(tmp_path) == run("new", "a/b/run")
 
@@ -62,7 +64,7 @@ def test_an_earlier_run_is_replaced_as_a_whole(tmp_path):
 
 
 @pytest.mark.parametrize("error", [RuntimeError, ValueError, KeyboardInterrupt, SystemExit])
-def test_failure_leaves_everything_as_it_was(error, tmp_path):
+def test_an_error_leaves_everything_unchanged(error, tmp_path):
     write(tmp_path / "run", "old")
     with pytest.raises(error), run_folder(tmp_path / "run") as folder:
         (folder / "summary.json").write_text("new")
@@ -77,7 +79,7 @@ def test_failure_leaves_everything_as_it_was(error, tmp_path):
     ("error", "reason"),
     [(OSError(28, "No space left on device"), "No space left on device"), (OSError("no"), "no")],
 )
-def test_a_full_disk_is_said_to_be_one(error, reason, tmp_path):
+def test_a_full_disk_is_reported(error, reason, tmp_path):
     with (
         pytest.raises(BadInput, match=f"^--out: cannot write .*run: {reason}$"),
         run_folder(tmp_path / "run"),
@@ -87,8 +89,8 @@ def test_a_full_disk_is_said_to_be_one(error, reason, tmp_path):
 
 
 @pytest.mark.parametrize("failing", [1, 2])
-def test_an_earlier_run_survives_a_disk_that_fails(failing, tmp_path, monkeypatch):
-    """At whichever of the two renames."""
+def test_an_earlier_run_survives_a_failing_disk(failing, tmp_path, monkeypatch):
+    """Either of the two renames fails."""
     write(tmp_path / "run", "old")
     calls, rename = [], os.replace
 
@@ -108,7 +110,7 @@ def test_an_earlier_run_survives_a_disk_that_fails(failing, tmp_path, monkeypatc
     "own",
     [["thesis.tex"], [".hidden"], ["summary.json"], ["summary.json", "scenario.yaml"], ["a/b"]],
 )
-def test_a_folder_of_another_kind_is_refused(own, tmp_path):
+def test_a_folder_with_other_files_is_refused(own, tmp_path):
     for name in own:
         path = tmp_path / "mine" / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -120,8 +122,8 @@ def test_a_folder_of_another_kind_is_refused(own, tmp_path):
 
 
 @pytest.mark.parametrize("where", [".", "..", "../..", "../../b"])
-def test_the_working_directory_is_not_pulled_from_under_you(where, tmp_path, monkeypatch):
-    """And this is said before the flight, not after it."""
+def test_the_working_directory_is_not_replaced(where, tmp_path, monkeypatch):
+    """The error is raised before the flight."""
     (tmp_path / "b" / "c").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "b" / "c")
     entered = False
@@ -132,7 +134,7 @@ def test_the_working_directory_is_not_pulled_from_under_you(where, tmp_path, mon
     assert texts(tmp_path) == {"b/c/": ""}
 
 
-def test_a_link_to_a_run_goes_on_leading_to_it(tmp_path):
+def test_a_link_to_a_run_is_preserved(tmp_path):
     write(tmp_path / "run", "old")
     (tmp_path / "latest").symlink_to("run")
     write(tmp_path / "latest")
@@ -141,7 +143,7 @@ def test_a_link_to_a_run_goes_on_leading_to_it(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["latest", "run"]
 
 
-def test_a_link_that_leads_nowhere_is_refused_before_the_flight(tmp_path):
+def test_a_link_to_itself_is_refused_before_the_flight(tmp_path):
     (tmp_path / "a").symlink_to("b")
     (tmp_path / "b").symlink_to("a")
     entered = False
@@ -150,7 +152,7 @@ def test_a_link_that_leads_nowhere_is_refused_before_the_flight(tmp_path):
     assert not entered and (tmp_path / "a").is_symlink()
 
 
-def test_a_file_is_no_folder(tmp_path):
+def test_a_file_is_refused(tmp_path):
     (tmp_path / "file").write_text("precious")
     for target in ("file", "file/run"):
         with pytest.raises(BadInput, match="^--out: .*file"):
@@ -159,7 +161,7 @@ def test_a_file_is_no_folder(tmp_path):
 
 
 @pytest.mark.parametrize("target", ["/proc/run", "x" * 300, "a\0b", "/dev/null/run"])
-def test_what_cannot_be_written_is_named(target, tmp_path, monkeypatch):
+def test_an_unwritable_path_is_named(target, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(BadInput, match="^--out: cannot write |^--out: .*a file$") as caught:
         write(Path(target))
@@ -168,13 +170,13 @@ def test_what_cannot_be_written_is_named(target, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["-rf", "ü & x", "with space", ".hidden", "x" * 250])
-def test_any_name_will_do(name, tmp_path):
+def test_any_folder_name_is_accepted(name, tmp_path):
     write(tmp_path / name)
     assert texts(tmp_path / name) == dict.fromkeys(NAMES, "new")
 
 
 @pytest.mark.parametrize("umask", [0o022, 0o077, 0o002])
-def test_who_may_read_it_is_up_to_the_umask(umask, tmp_path):
+def test_modes_follow_the_umask(umask, tmp_path):
     before = os.umask(umask)
     try:
         write(tmp_path / "run")
@@ -185,7 +187,7 @@ def test_who_may_read_it_is_up_to_the_umask(umask, tmp_path):
     assert (tmp_path / "run" / NAMES[0]).stat().st_mode & 0o777 == 0o666 & ~umask
 
 
-def test_each_kind_of_run_replaces_its_own_kind_only(tmp_path):
+def test_results_replace_only_results_of_the_same_command(tmp_path):
     write(tmp_path / "run", "old")
     with (
         pytest.raises(BadInput, match="not of an earlier run"),

@@ -1,4 +1,4 @@
-"""Scratch folders: gone with whoever made them, one way or another."""
+"""Scratch folders are removed with their process, even if it is killed."""
 
 import os
 import subprocess
@@ -13,15 +13,15 @@ def names(folder) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def left(parent, name="dead"):
-    """A scratch folder whose process is no more."""
+def abandoned(parent, name="dead"):
+    """Makes a scratch folder whose process has ended."""
     folder = parent / f"{PREFIX}{name}"
     folder.mkdir()
     return folder
 
 
 @pytest.mark.parametrize("error", [None, ValueError, KeyboardInterrupt])
-def test_it_goes_in_the_end_with_all_that_is_in_it(error, tmp_path):
+def test_the_folder_is_removed_at_the_end(error, tmp_path):
     try:
         with scratch_folder(tmp_path) as folder:
             assert folder.parent == tmp_path and folder.name.startswith(PREFIX)
@@ -34,8 +34,8 @@ def test_it_goes_in_the_end_with_all_that_is_in_it(error, tmp_path):
     assert names(tmp_path) == []
 
 
-def test_those_of_the_dead_go_and_those_of_the_living_stay(tmp_path):
-    (left(tmp_path) / "file").touch()
+def test_only_folders_of_ended_processes_are_removed(tmp_path):
+    (abandoned(tmp_path) / "file").touch()
     (tmp_path / ".mine").mkdir()
     with scratch_folder(tmp_path) as first, scratch_folder(tmp_path) as second:
         assert first != second and first.exists()
@@ -43,7 +43,7 @@ def test_those_of_the_dead_go_and_those_of_the_living_stay(tmp_path):
     assert names(tmp_path) == [".mine"]
 
 
-def test_that_of_a_process_that_was_killed_goes(tmp_path):
+def test_the_folder_of_a_killed_process_is_removed(tmp_path):
     code = (
         "import os, sys; from pathlib import Path\n"
         "from aerodrake.support.scratch import scratch_folder\n"
@@ -59,19 +59,19 @@ def test_links_are_not_followed(tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "file").touch()
     (tmp_path / f"{PREFIX}link").symlink_to("mine")
-    (left(tmp_path) / "link").symlink_to(tmp_path / "mine")
+    (abandoned(tmp_path) / "link").symlink_to(tmp_path / "mine")
     with scratch_folder(tmp_path):
         pass
     assert names(tmp_path / "mine") == ["file"]
 
 
 @pytest.mark.parametrize("is_new", [True, False])
-def test_a_replacement_that_was_cut_short_is_ended(is_new, tmp_path):
-    """Between its two renames; or, if the new one is no more, undone."""
-    folder = left(tmp_path)
-    for place, text in ((OLD, "old"), (NEW, "new"))[: 1 + is_new]:
-        (folder / place / "run").mkdir(parents=True)
-        (folder / place / "run" / "file").write_text(text)
+def test_an_unfinished_replacement_is_completed(is_new, tmp_path):
+    """The process was killed between the two renames; without the new folder the old is restored."""
+    folder = abandoned(tmp_path)
+    for parent, text in ((OLD, "old"), (NEW, "new"))[: 1 + is_new]:
+        (folder / parent / "run").mkdir(parents=True)
+        (folder / parent / "run" / "file").write_text(text)
     with scratch_folder(tmp_path):
         pass
     assert names(tmp_path) == ["run"]
@@ -79,7 +79,7 @@ def test_a_replacement_that_was_cut_short_is_ended(is_new, tmp_path):
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
-def test_neither_is_lost_between_the_renames(error, tmp_path, monkeypatch):
+def test_an_error_between_the_renames_loses_neither_folder(error, tmp_path, monkeypatch):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "old").touch()
     rename, calls = os.replace, []

@@ -1,4 +1,4 @@
-"""One thread inside the loop, and as many as before outside of it."""
+"""Libraries have one thread in the context and as many as before after it."""
 
 import pytest
 import torch
@@ -20,21 +20,21 @@ def two_threads():
     torch.set_num_threads(before)
 
 
-def test_one_thread_inside_and_the_same_as_before_after_it(two_threads):
+def test_one_thread_in_the_context_and_the_previous_number_after_it(two_threads):
     before = blas()
     with single_thread():
         assert torch.get_num_threads() == 1 and blas() == {1}
     assert torch.get_num_threads() == 2 and blas() == before
 
 
-def test_threads_come_back_after_an_error(two_threads):
+def test_an_error_restores_the_number_of_threads(two_threads):
     before = blas()
     with pytest.raises(KeyboardInterrupt), single_thread():
         raise KeyboardInterrupt
     assert torch.get_num_threads() == 2 and blas() == before
 
 
-def test_nested(two_threads):
+def test_nested_contexts(two_threads):
     with single_thread():
         with single_thread():
             pass

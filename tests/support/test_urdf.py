@@ -1,4 +1,4 @@
-"""Robot descriptions that are more than XML ought to be."""
+"""Malformed and hostile robot descriptions are refused."""
 
 import os
 
@@ -38,7 +38,7 @@ def test_hostile_descriptions_are_refused(tmp_path, text, problem):
         read_urdf(path)
 
 
-def test_a_pipe_is_no_robot(tmp_path):
+def test_a_pipe_is_refused(tmp_path):
     os.mkfifo(tmp_path / "robot.urdf")
     with pytest.raises(BadInput, match="got a pipe"):
         read_urdf(tmp_path / "robot.urdf")

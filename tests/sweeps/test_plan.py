@@ -124,7 +124,10 @@ def test_vectors_faults_and_kinds_can_be_varied():
         (["mpc.horizon=linspace(10,15,5)"], "mpc.horizon: expected a whole number"),
         (["residual.mode=choice(of)"], "unknown value 'of'; did you mean 'off'?"),
         (["wind.velocity_m_s=uniform(0,1)"], "expected a list of 3 numbers in m/s, got 0"),
-        (["wind.velocity_m_s[3]=uniform(0,1)"], "wind.velocity_m_s: expected an index below 3, got [3]"),
+        (
+            ["wind.velocity_m_s[3]=uniform(0,1)"],
+            "velocity_m_s: expected an index below 3, got [3]",
+        ),
         (["faults[0].start_s=uniform(0,1)"], "--vary: faults[0]: unknown section"),
         (["vehicle.robot=choice(my.urdf)"], "--vary: vehicle.robot: expected a packaged file"),
     ],
