@@ -15,7 +15,6 @@ from aerodrake.model.mpc.clik import InverseKinematics
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.horizon import stage_times
 from aerodrake.model.reference.direction import make_direction
-from aerodrake.model.residual.scenario_network import network_for
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMotion
@@ -25,12 +24,11 @@ from aerodrake.scenario import Scenario
 from aerodrake.support.errors import file_at
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.equivalent_state import EquivalentState
-from aerodrake.systems.faults.learner import make_learner_fault
+from aerodrake.systems.faults.learner import make_residual_estimator
 from aerodrake.systems.faults.mpc import make_mpc
 from aerodrake.systems.kinematics import KinematicsSystem
 from aerodrake.systems.mpc import MpcSystem
 from aerodrake.systems.pointing import PointingSystem
-from aerodrake.systems.residual_estimator import ResidualEstimator
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.supervisor import SupervisorSystem
 from aerodrake.systems.weight_allocator import WeightAllocator
@@ -100,7 +98,6 @@ WIRING = Wiring(
 """Connections of the systems that all scenarios have; `controller` is `mpc` or `clik`."""
 
 OPTIONAL_WIRING = {
-    "learner_fault": Wiring((("learner_fault", "fault", "residual_estimator", "fault"),)),
     "pointing": Wiring(
         connections=(("pointing", "pointing", "controller", "pointing"),),
         inputs=(("state", "pointing", "state"),),
@@ -146,13 +143,10 @@ def make_coordinator(
         "kinematics": KinematicsSystem(kinematics, vehicle.joints, vehicle.p_O),
         "weight_allocator": WeightAllocator(scenario.allocation, period),
         "equivalent_state": EquivalentState(model),
-        "residual_estimator": ResidualEstimator(
-            network_for(scenario, vehicle.joints), model, scenario.residual
-        ),
+        "residual_estimator": make_residual_estimator(scenario, model),
         scenario.controller: make_controller(scenario, model, vehicle),
         "setpoint_integrator": make_setpoint_integrator(scenario, vehicle),
         "supervisor": make_supervisor(scenario, vehicle),
-        "learner_fault": make_learner_fault(scenario),
         "pointing": make_pointing(scenario, vehicle),
     }
     wiring = WIRING

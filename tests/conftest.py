@@ -97,7 +97,7 @@ def short_flight():
         duration=0.5,
         settle_s=0.1,
         reference=Clover(start_s=0.2),
-        residual=Residual(mode="online", judge_s=0.0),  # Delta is used from the first.
+        residual=Residual(mode="online", gate_s=0.0),  # Delta is used from the first.
     )
     return scenario, FlightSimulation(scenario).fly()
 

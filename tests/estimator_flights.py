@@ -1,12 +1,13 @@
-"""A residual estimator, driven tick by tick."""
+"""Residual estimators, run tick by tick."""
 
 import numpy as np
 import torch
 from pydrake.systems.framework import Context
 
 from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.residual.gate import GateCause
 from aerodrake.model.residual.network import ResidualNetwork
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Model, Residual, Scenario
 from aerodrake.systems.residual_estimator import ResidualEstimator
 
@@ -33,7 +34,7 @@ def trained(seed: int = 5) -> ResidualNetwork:
 
 
 def inputs(ticks: int, seed: int = 0, nx: int = 12 + 2 * JOINTS) -> list[dict[str, np.ndarray]]:
-    """Values of the input ports at each tick; nothing in them is the same twice."""
+    """Returns random values of the input ports at each tick."""
     rng = np.random.default_rng(seed)
     sizes = (VehicleState.size(JOINTS), nx, 9, 3 * JOINTS, 1)
     flight = [
@@ -46,7 +47,7 @@ def inputs(ticks: int, seed: int = 0, nx: int = 12 + 2 * JOINTS) -> list[dict[st
 
 
 def plain(mode: str, learning_rate: float, batch: int) -> Residual:
-    """The paper's printed form: no guards, no judge."""
+    """Returns the paper's printed form: no guards, no gate."""
     return Residual(
         mode=mode,
         learning_rate=learning_rate,
@@ -55,12 +56,16 @@ def plain(mode: str, learning_rate: float, batch: int) -> Residual:
         max_drift=0.0,
         max_error_m_s=0.0,
         freeze_saturated=False,
-        judge_s=0.0,
+        gate_s=0.0,
     )
 
 
 def drive(estimator: ResidualEstimator, context: Context, flight) -> dict[str, np.ndarray]:
-    """Runs tick by tick; `delta` as sampled at the tick, the errors as they are after it."""
+    """Runs the estimator tick by tick, from the time of its Context.
+
+    Returns:
+        `delta` as sampled at each tick, and the errors after it.
+    """
     log = {name: [] for name in OUTPUTS}
     for tick in flight:
         for port, value in tick.items():
@@ -69,6 +74,7 @@ def drive(estimator: ResidualEstimator, context: Context, flight) -> dict[str, n
         context.SetDiscreteState(estimator.EvalUniquePeriodicDiscreteUpdate(context))
         for name in OUTPUTS[1:]:
             log[name].append(estimator.GetOutputPort(name).Eval(context))
+        context.SetTime(context.get_time() + DT)
     return {name: np.array(values) for name, values in log.items()}
 
 
@@ -80,3 +86,23 @@ def fly(network, model, mode, learning_rate, batch, flight) -> dict[str, np.ndar
 def assert_same(log, expected):
     for name in OUTPUTS:
         np.testing.assert_allclose(log[name], expected[name], rtol=0, atol=1e-10, err_msg=name)
+
+
+def steady(ticks: int) -> list[dict[str, np.ndarray]]:
+    """Returns a flight at rest on its setpoint, with a residual that a network can learn."""
+    first = inputs(1)[0] | {"saturated": np.zeros(1), "x_0": np.zeros(12 + 2 * JOINTS)}
+    velocity = split_state(first["state"]).v_B
+    velocity[:] = 0.10, -0.05, 0.02
+    first["base_setpoint"] *= 0
+    flight = []
+    for k in range(ticks):  # The base moves with its velocity.
+        state = first["state"].copy()
+        split_state(state).p_B[:] = k * DT * velocity
+        flight.append(first | {"state": state})
+    return flight
+
+
+def health(estimator: ResidualEstimator, context: Context) -> tuple[GateCause, float]:
+    """Returns the cause for which Delta is gated off, and the time since then in s."""
+    cause, gated_s = estimator.GetOutputPort("learner_health").Eval(context)
+    return GateCause(int(cause)), gated_s

@@ -24,7 +24,7 @@ def noisy(seed: int = 7) -> Scenario:
         seed=seed,
         reference=Clover(start_s=0.3),
         mpc=Mpc(base_acceleration_m_s2=(0.2, 0.2, 0.2)),
-        residual=Residual(mode="online", learning_rate=0.01, batch=5, judge_s=0.0),
+        residual=Residual(mode="online", learning_rate=0.01, batch=5, gate_s=0.0),
         sensors=Sensors(
             position_noise_m=1e-3,
             velocity_noise_m_s=1e-2,

@@ -63,7 +63,7 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "sample_health": (("sample_outage_s", "3"), ("sample_verdict", "3")),
     "rotor_effectiveness": (("rotor_effectiveness", "k"),),
     "reference_verdict": (("reference_verdict", "1"),),
-    "learner_health": (("learner_cause", "1"), ("learner_held_s", "1")),
+    "learner_health": (("learner_cause", "1"), ("learner_gated_s", "1")),
 }
 """Ports of the closed loop that are logged, and the keys and widths of their parts.
 

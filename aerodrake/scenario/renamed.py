@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 
-RENAMED: dict[str, str] = {}
+RENAMED: dict[str, str] = {
+    "residual.judge_s": "residual.gate_s",
+}
 """Old dotted key -> new dotted key. A section counts as a key; keys of faults have no index."""
 
 REMOVED: dict[str, str] = {

@@ -159,7 +159,7 @@ class Residual:
     # Averaging time of the gate, which passes Delta only while it improves the prediction; 0 always
     # passes it. Largest mean offset between measured velocity and the derivative of measured
     # position; above it samples are rejected as inconsistent, 0 is no bound.
-    judge_s: float = quantity(1.0, "s", 0.0, 60.0)
+    gate_s: float = quantity(1.0, "s", 0.0, 60.0)
     max_offset_m_s: float = quantity(0.005, "m/s", 0.0, 100.0)
 
 

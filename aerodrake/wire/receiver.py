@@ -8,7 +8,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.reference.envelope import ReferenceVerdict
-from aerodrake.model.residual.judge import Cause
+from aerodrake.model.residual.gate import GateCause
 from aerodrake.model.sensing.sample_check import ABSURD
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Message, Phase
@@ -17,7 +17,7 @@ NUMBERED: dict[tuple[str, int], range] = {
     ("weights", 1): range(len(Mode)),
     ("status", 0): range(MISSED + 1),
     ("reference_verdict", 0): range(len(ReferenceVerdict)),
-    ("learner_health", 0): range(len(Cause)),
+    ("learner_health", 0): range(len(GateCause)),
 }
 """Parts, and places in them, that are one of so many things: others are told by nobody of ours."""
 

@@ -23,7 +23,7 @@ duration: 0.2
 settle_s: 0.1
 reference: {kind: waypoints, file: path.csv}
 sensors: {position_noise_m: 1.0e-3, velocity_noise_m_s: 1.0e-2, joint_noise_rad: 1.0e-4}
-residual: {mode: online, learning_rate: 0.01, batch: 5, judge_s: 0}
+residual: {mode: online, learning_rate: 0.01, batch: 5, gate_s: 0}
 """
 
 

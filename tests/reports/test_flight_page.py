@@ -30,7 +30,7 @@ SCENARIO = {
     "settle_s": 0.1,
     "reference": {"kind": "clover", "start_s": 0.2},
     "orientation": {"kind": "fixed", "axis": [0.0, 0.3, -1.0]},
-    "residual": {"mode": "online", "judge_s": 0.0},
+    "residual": {"mode": "online", "gate_s": 0.0},
     "faults": [{"kind": "sample_nan", "start_s": 0.1, "duration_s": 0.4}],
 }
 

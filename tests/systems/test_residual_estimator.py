@@ -37,8 +37,8 @@ class Pending:
     delta: np.ndarray
 
 
-def straightforward(network, model, mode, learning_rate, batch, flight):
-    """What the paper says, with autograd and torch's SGD."""
+def reference_outputs(network, model, mode, learning_rate, batch, flight):
+    """Returns the outputs of the paper's algorithm, with autograd and torch's SGD."""
     network = copy.deepcopy(network)
     sgd = torch.optim.SGD(network.last.parameters(), lr=learning_rate)
     rows, c = model.base_velocity, torch.tensor(model.C[model.base_velocity])
@@ -76,33 +76,33 @@ def straightforward(network, model, mode, learning_rate, batch, flight):
 
 @pytest.mark.parametrize("mode", ["off", "offline", "online"])
 @pytest.mark.parametrize("kind", ["flight", *AXIS_MODELS])
-def test_equals_the_straightforward_way(mode, kind):
+def test_outputs_equal_those_of_the_reference_loop(mode, kind):
     model = equivalent_model(kind)
     setup = (trained(), model, mode, 0.01, 20, inputs(45, nx=len(model.A)))
-    assert_same(fly(*setup), straightforward(*setup))
+    assert_same(fly(*setup), reference_outputs(*setup))
 
 
 @pytest.mark.parametrize("batch", [1, 3, 100])
-def test_batches(batch):
+def test_any_batch_size(batch):
     setup = (trained(), equivalent_model(), "online", 0.01, batch, inputs(40))
-    assert_same(fly(*setup), straightforward(*setup))
+    assert_same(fly(*setup), reference_outputs(*setup))
 
 
 @pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")  # An infinite quaternion.
 @pytest.mark.parametrize("port", PORTS)
 @pytest.mark.parametrize("number", [np.nan, np.inf])
-def test_ticks_that_are_not_finite_are_skipped(port, number):
+def test_ticks_with_nan_or_infinite_inputs_are_skipped(port, number):
     flight = inputs(40)
     for k in (0, 7, 8, 30):
-        flight[k][port][-1 - k % min(3, len(flight[k][port]))] = number  # That it heeds.
+        flight[k][port][-1 - k % min(3, len(flight[k][port]))] = number  # In an entry that is used.
     setup = (trained(), equivalent_model(), "online", 0.01, 20, flight)
     log = fly(*setup)
     assert np.all(log["delta"][[0, 7, 8, 30]] == 0)
-    assert_same(log, straightforward(*setup))
+    assert_same(log, reference_outputs(*setup))
 
 
 def test_saturated_samples_are_compared_and_not_learned():
-    """The sample is judged by the flag of the tick that completes it."""
+    """The flag of the tick that completes a sample counts."""
     setup, flight = (trained(), equivalent_model()), inputs(40)
     saturated = {5, 6, 21}
     for k, tick in enumerate(flight):
@@ -111,36 +111,32 @@ def test_saturated_samples_are_compared_and_not_learned():
     estimator = ResidualEstimator(*setup, config)
     context, errors = estimator.CreateDefaultContext(), []
     for k, tick in enumerate(flight):
-        theta, phis, targets, seen = (
-            context.get_discrete_state(i).value().copy() for i in range(4)
-        )
+        old = estimator.groups.learner.read(context)
         errors.append(drive(estimator, context, [tick])["prediction_error"][0])
-        kept = [context.get_discrete_state(i).value() for i in range(4)]
-        if k in saturated or k == 0:
-            for old, new in zip((theta, phis, targets, seen), kept, strict=True):
-                np.testing.assert_array_equal(old, new)
-        else:
-            assert kept[3] == seen + 1
-            for old, new in zip((theta, phis, targets), kept, strict=False):
-                assert np.any(old != new)
+        new = estimator.groups.learner.read(context)
+        is_learned = k not in saturated and k > 0
+        assert new.sample_count == old.sample_count + is_learned
+        for name in ("theta", "phis", "targets"):
+            assert np.any(getattr(old, name) != getattr(new, name)) == is_learned, name
     assert len(np.unique(errors, axis=0)) == len(errors)
 
-    # Switched off, the flag changes nothing.
+    # Without `freeze_saturated` the flag has no effect.
     assert_same(
-        fly(*setup, "online", 0.01, 20, flight), straightforward(*setup, "online", 0.01, 20, flight)
+        fly(*setup, "online", 0.01, 20, flight),
+        reference_outputs(*setup, "online", 0.01, 20, flight),
     )
 
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.sampled_from([1e-3, 1.0, 1e3, 1e80]))
 @settings(max_examples=25)
-def test_delta_is_bounded_however_badly_it_learns(seed, size):
-    """By theta_offline phi and max_drift |phi|, with an absurd learning rate."""
+def test_delta_is_bounded_at_any_learning_rate(seed, size):
+    """To max_drift |phi| about theta_offline phi."""
     network, drift = trained(), 0.3
     config = replace(plain("online", 1.0, 5), max_drift=drift)
     estimator = ResidualEstimator(network, equivalent_model(), config)
     context, rng = estimator.CreateDefaultContext(), np.random.default_rng(seed)
     for tick in inputs(25, seed):
-        # What is measured of the velocity decides what is learned.
+        # The label is the measured velocity.
         split_state(tick["state"]).v_B[:] *= size ** rng.uniform()
         delta = drive(estimator, context, [tick])["delta"][0]
         u = np.concatenate([tick["base_setpoint"][6:], tick["joint_setpoint"][2 * JOINTS :]])
@@ -155,7 +151,7 @@ def test_off_is_zero_and_predicts_as_the_model_alone():
     np.testing.assert_array_equal(log["prediction_error"], log["nominal_prediction_error"])
 
 
-def test_without_effect_nothing_is_learned():
+def test_a_model_without_delta_leaves_nothing_to_learn():
     setup = (trained(), equivalent_model("integral"))
     flight = inputs(30)
     online = fly(*setup, "online", 0.01, 20, flight)
@@ -167,8 +163,8 @@ def test_the_first_tick_learns_nothing():
     estimator = ResidualEstimator(trained(), equivalent_model(), plain("online", 0.01, 20))
     context = estimator.CreateDefaultContext()
     log = drive(estimator, context, inputs(1))
-    theta = context.get_discrete_state(0).value()
-    np.testing.assert_array_equal(theta, trained().last_layer().ravel())
+    theta = estimator.groups.learner.read(context).theta
+    np.testing.assert_array_equal(theta, trained().last_layer())
     assert np.all(log["prediction_error"] == 0) and np.all(log["nominal_prediction_error"] == 0)
 
 
@@ -186,7 +182,7 @@ def test_the_update_comes_before_the_inference():
     assert np.all(log["delta"][0] == 0)
     assert np.all(log["delta"][1] != 0)
     np.testing.assert_allclose(log["delta"][1], theta @ phi(flight[1]), rtol=1e-10)
-    # The network had nothing to say when it made the prediction that is compared here.
+    # Delta was zero in the prediction that is compared here.
     np.testing.assert_array_equal(log["prediction_error"][1], -target)
 
 
@@ -209,11 +205,11 @@ def test_learns_a_constant_residual(kind):
     np.testing.assert_allclose(log["nominal_prediction_error"][-1], -state.v_B, atol=1e-15)
 
 
-def test_clones_are_independent_and_alike():
+def test_clones_are_independent_and_equal():
     estimator = ResidualEstimator(trained(), equivalent_model(), plain("online", 0.01, 20))
     context = estimator.CreateDefaultContext()
     drive(estimator, context, inputs(25))
-    estimator.GetOutputPort("delta").Eval(context)  # A cached value is cloned, too.
+    estimator.GetOutputPort("delta").Eval(context)  # The cached value is cloned, too.
     clone, other = context.Clone(), context.Clone()
     drive(estimator, other, inputs(30, seed=2))
 
@@ -235,7 +231,7 @@ def test_the_network_is_copied():
     assert_same(log, fly(trained(), equivalent_model(), "offline", 0.01, 20, inputs(3)))
 
 
-def test_feedthrough_is_that_of_delta_alone():
+def test_only_delta_has_direct_feedthrough():
     estimator = ResidualEstimator(trained(), equivalent_model(), plain("online", 0.01, 20))
     for port in range(len(PORTS)):
         assert estimator.HasDirectFeedthrough(port, 0)
@@ -265,13 +261,14 @@ def test_output_and_update_share_one_computation_that_is_never_stale():
 
     delta = estimator.GetOutputPort("delta")
     new = inputs(1, seed=9)[0] | {"saturated": np.ones(1)}
-    del new["x_0"]  # It is for the sample that begins.
+    del new["x_0"]  # It enters the next sample only.
     for port, value in new.items():
         before = delta.Eval(context)
         estimator.GetInputPort(port).FixValue(context, value)
         assert np.any(delta.Eval(context) != before), port
     before = delta.Eval(context)
-    context.SetDiscreteState(0, context.get_discrete_state(0).value() + 1)
+    theta = estimator.groups.learner.groups["theta"]
+    context.SetDiscreteState(theta, context.get_discrete_state(theta).value() + 1)
     assert np.any(delta.Eval(context) != before)
 
 

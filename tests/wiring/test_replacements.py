@@ -173,7 +173,7 @@ def wrapped(ours):
     "name",
     [
         *("station", "coordinator", "sensors", "mpc", "rotors", "propellers", "air"),
-        *("rotor_faults", "learner_fault"),
+        *("rotor_faults", "residual_estimator"),
     ],
 )
 def test_a_diagram_around_ours_flies_as_ours(name):

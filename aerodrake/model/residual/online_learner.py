@@ -1,55 +1,55 @@
-"""Online learning of the last layer, sample by sample, with guards."""
+"""Online learning of the network's last layer, in closed form and with guards."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from aerodrake.model.residual.last_layer import last_layer_step
 from aerodrake.scenario import Residual
 
 
-@dataclass(frozen=True, eq=False)
-class LearnerState:
-    """What has been learned, and the latest samples: never changed in place.
+class LearnerState(NamedTuple):
+    """Last layer, and ring buffer of the latest samples. Its arrays are never changed in place.
 
     Attributes:
         theta: (3, m) m/s, last layer.
-        phis: (B_l, m) ring of the samples' activations.
-        targets: (B_l, 3) m/s, ring of their targets.
-        seen: Samples that have entered the ring; the next goes to `seen` mod B_l.
+        phis: (B_l, m) activations of the samples.
+        targets: (B_l, 3) m/s, their targets.
+        sample_count: Number of samples written so far; the next one goes to row
+            `sample_count` mod B_l.
     """
 
     theta: np.ndarray
     phis: np.ndarray
     targets: np.ndarray
-    seen: int
+    sample_count: int
 
 
 @dataclass(frozen=True, eq=False)
 class OnlineLearner:
-    """The step of the paper's eq. 6 (`last_layer_step`), and guards around it.
+    """The gradient step of the paper's eq. 6 (`last_layer_step`), with guards.
 
     With its three bounds 0 and `freeze_saturated` false the step is the paper's.
     Otherwise
 
-    - a sample is not learned and not kept while the flight controller is
-      saturated: the base then does not do what the model is about;
-    - nor is one that the network as trained offline mispredicts by more than
-      `max_error_m_s`. That the judge does not learn keeps a learner that went
-      astray from refusing all that would bring it back;
-    - a step of theta is shortened to `max_step`;
-    - theta is projected onto the ball of `max_drift` about theta_offline, so that
-      |Delta - theta_offline phi| <= max_drift |phi|, whatever was learned.
+    - a sample is rejected while the flight controller is saturated, since the
+      base then does not follow the equivalent model;
+    - a sample is rejected if the offline layer mispredicts it by more than
+      `max_error_m_s`. The learned layer is not used for this test: a learner that
+      diverged would reject the samples that correct it;
+    - a step of theta is shortened to the length `max_step`;
+    - theta is projected onto the ball of radius `max_drift` about theta_offline, so
+      that |Delta - theta_offline phi| <= max_drift |phi|.
 
-    Norms are Frobenius norms. A projection onto a convex set that holds the old
-    theta never lengthens the step. A sample that is not finite is never kept, and
-    a step that overflows is not taken.
+    Norms are Frobenius norms. Projecting onto a convex set that contains the old
+    theta never lengthens the step. Samples with NaN or infinite entries are
+    rejected, and a step that overflows is discarded.
 
     Attributes:
         config: Learning rate, batch and bounds.
-        theta_offline: (3, m) m/s, where learning starts.
+        theta_offline: (3, m) m/s, initial last layer.
         gain: (3,) c, the diagonal of the model's C in the rows of p_B'.
     """
 
@@ -58,51 +58,52 @@ class OnlineLearner:
     gain: np.ndarray
 
     def start(self) -> LearnerState:
-        """The state in which nothing has been seen."""
+        """Returns the offline layer with an empty ring buffer."""
         batch, m = self.config.batch, self.theta_offline.shape[1]
         return LearnerState(self.theta_offline, np.zeros((batch, m)), np.zeros((batch, 3)), 0)
 
     def step(
-        self, state: LearnerState, phi: np.ndarray, target: np.ndarray, saturated: bool
+        self, state: LearnerState, phi: np.ndarray, target: np.ndarray, is_saturated: bool
     ) -> LearnerState:
-        """Learns from one more sample, or leaves the state as it is.
+        """Returns the state after one more sample; `state` itself if the sample is rejected.
 
         Args:
             state: Before the sample.
-            phi: (m,) when the prediction was made.
-            target: (3,) m/s, the velocity that came of it minus the model's
-                prediction without Delta.
-            saturated: Whether the flight controller was, in between.
+            phi: (m,) at the time of the prediction.
+            target: (3,) m/s, measured velocity minus the model's prediction
+                without Delta.
+            is_saturated: True if the flight controller was saturated in between.
         """
-        # Samples may be as wild as floats are; what they give is looked at below.
+        # Extreme samples may overflow; the results are tested below.
         with np.errstate(over="ignore", invalid="ignore"):
-            if (saturated and self.config.freeze_saturated) or not self._is_credible(phi, target):
+            is_frozen = is_saturated and self.config.freeze_saturated
+            if is_frozen or not self._is_credible(phi, target):
                 return state
             phis, targets = state.phis.copy(), state.targets.copy()
-            row = state.seen % self.config.batch
+            row = state.sample_count % self.config.batch
             phis[row], targets[row] = phi, target
-            seen = state.seen + 1
-            held = slice(min(seen, self.config.batch))
+            count = state.sample_count + 1
+            filled = slice(min(count, self.config.batch))
             theta = self._guard(
                 state.theta,
                 last_layer_step(
-                    state.theta, phis[held], targets[held], self.gain, self.config.learning_rate
+                    state.theta, phis[filled], targets[filled], self.gain, self.config.learning_rate
                 ),
             )
-        return LearnerState(theta, phis, targets, seen)
+        return LearnerState(theta, phis, targets, count)
 
     def run(self, phi: np.ndarray, target: np.ndarray, saturated: np.ndarray) -> np.ndarray:
-        """Delta as the residual estimator would have inferred it along a recorded flight.
+        """Returns the Delta that the residual estimator infers along a recorded flight.
 
-        Delta_k is that of phi_k and of the theta that has learned the samples up
-        to k-1, since the target of the sample k is measured at k+1. Its error is
+        Delta_k uses phi_k and the theta that has learned the samples up to k-1,
+        since the target of sample k is measured at k+1. Its prediction error is
         gain * Delta_k - target_k.
 
         Args:
             phi: (T, m) at successive ticks.
             target: (T, 3) m/s.
-            saturated: (T,) of each sample: the flag as read when its target is
-                measured, one tick after its phi.
+            saturated: (T,) flag of each sample, read when its target is measured,
+                one tick after its phi.
 
         Returns:
             (T, 3) m/s.
@@ -117,18 +118,54 @@ class OnlineLearner:
         if not (np.isfinite(phi).all() and np.isfinite(target).all()):
             return False
         error = np.linalg.norm(self.gain * (self.theta_offline @ phi) - target)
-        most = self.config.max_error_m_s
-        return bool(most == 0 or error <= most)
+        bound = self.config.max_error_m_s
+        return bool(bound == 0 or error <= bound)
 
     def _guard(self, old: np.ndarray, new: np.ndarray) -> np.ndarray:
         if not np.isfinite(new).all():
             return old
-        new = _within(self.config.max_step, old, new)
-        return _within(self.config.max_drift, self.theta_offline, new)
+        new = _project(self.config.max_step, old, new)
+        return _project(self.config.max_drift, self.theta_offline, new)
 
 
-def _within(radius: float, centre: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """The point of a ball nearest to `theta`; `theta` itself if the radius is 0."""
-    away = theta - centre
-    distance = np.linalg.norm(away)
-    return centre + away * (radius / distance) if 0 < radius < distance else theta
+def last_layer_step(
+    theta: np.ndarray,
+    phi: np.ndarray,
+    target: np.ndarray,
+    gain: np.ndarray,
+    learning_rate: float,
+) -> np.ndarray:
+    """Returns theta after one step theta_k = theta_{k-1} - eta mean_i grad L_i (paper, eq. 6).
+
+    L_i = || p_hat'_i - p'_i ||^2 with p_hat'_i = base_i + c * (theta phi_i): the
+    model's velocity prediction is affine in theta, so that
+
+        grad L_i = 2 diag(c) (c * (theta phi_i) - target_i) phi_i^T,
+        target_i = p'_i - base_i.
+
+    The printed sum over i = k-B_l..k has B_l + 1 terms and is divided by B_l; it
+    is read as i = k-B_l+1..k. While fewer than B_l samples have been recorded, the
+    mean runs over those.
+
+    The method is that of Saviolo et al., "Active Learning of Discrete-Time
+    Dynamics for Uncertainty-Aware Model Predictive Control", 2023. The step is
+    stable for eta c^2 < 1 / lambda_max, the largest eigenvalue of mean phi phi^T.
+
+    Args:
+        theta: (3, m) last layer, [weights, bias].
+        phi: (B, m) last hidden activations and a 1, B >= 1.
+        target: (B, 3) m/s, measured velocity minus the model's prediction
+            without Delta.
+        gain: (3,) c, the diagonal of the model's C in the rows of p_B'.
+        learning_rate: eta.
+    """
+    error = gain * (phi @ theta.T) - target
+    gradient = 2 * (gain * error).T @ phi / len(phi)
+    return theta - learning_rate * gradient
+
+
+def _project(radius: float, centre: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Projects `theta` onto a ball; a radius of 0 is no bound."""
+    offset = theta - centre
+    distance = np.linalg.norm(offset)
+    return centre + offset * (radius / distance) if 0 < radius < distance else theta

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from aerodrake.model.reference.envelope import ReferenceVerdict
-from aerodrake.model.residual.judge import Cause
+from aerodrake.model.residual.gate import GateCause
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.rotation import rotation_matrix
 from aerodrake.model.vehicle.state import split_state
@@ -204,7 +204,7 @@ class FlightStatus(NamedTuple):
         rotor_effectiveness: (k,) fraction of its thrust that each rotor gives.
         saturated: 1 while the flight controller is saturated.
         reference_verdict: A `ReferenceVerdict`.
-        learner_cause: The `Cause` for which Delta is zero, or OK.
+        learner_cause: The `GateCause` for which Delta is zero, or OK.
     """
 
     state: np.ndarray
@@ -250,7 +250,7 @@ def compute_signals(status: FlightStatus, feet: float, mpc_period: float) -> np.
     values[Signal.REFERENCE_TOO_FAST.value] = verdict == ReferenceVerdict.TOO_FAST.value
     values[Signal.REFERENCE_JUMPED.value] = verdict == ReferenceVerdict.JUMPED.value
     # UNPROVEN, the lowest cause, is no harm: Delta has yet to improve predictions.
-    values[Signal.LEARNER_SHUT_OUT.value] = status.learner_cause > Cause.UNPROVEN.value
+    values[Signal.LEARNER_SHUT_OUT.value] = status.learner_cause > GateCause.UNPROVEN.value
     values[Signal.ON_GROUND.value] = not is_descending and height <= ON_GROUND_M
     values[Signal.LANDED.value] = is_descending and not is_predicted and has_landed
     values[Signal.GROUND_EXPECTED.value] = is_descending and is_predicted and height <= 0

@@ -1,18 +1,22 @@
-"""The guards around the printed step: what they let through, and what they bound."""
+"""The closed form against autograd and torch's SGD; the guards around it."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from aerodrake.model.residual.last_layer import last_layer_step
-from aerodrake.model.residual.online_learner import LearnerState, OnlineLearner
+from aerodrake.model.residual.network import ResidualNetwork
+from aerodrake.model.residual.online_learner import LearnerState, OnlineLearner, last_layer_step
 from aerodrake.scenario import Residual
 
-M = 5
+# Threads that wait for each other cost a hundred times the arithmetic.
+torch.set_num_threads(1)
+
+JOINTS, M = 6, 5
 PRINTED = Residual(
     learning_rate=0.02,
     batch=4,
@@ -23,35 +27,35 @@ PRINTED = Residual(
 )
 
 
-def learner(config: Residual = PRINTED, **changes) -> OnlineLearner:
+def make_learner(config: Residual = PRINTED, **changes) -> OnlineLearner:
     theta = np.random.default_rng(1).normal(size=(3, M))
     return OnlineLearner(replace(config, **changes), theta, np.array([1.0, 0.9, 0.8]))
 
 
-def flown(ticks: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """phi and target at each tick."""
+def make_samples(ticks: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Returns phi and target at each tick."""
     rng = np.random.default_rng(seed)
     return rng.normal(size=(ticks, M)), rng.normal(size=(ticks, 3))
 
 
-def states(of: OnlineLearner, phi, target, saturated=None) -> list[LearnerState]:
-    """From the start to the last sample."""
+def states(learner: OnlineLearner, phi, target, saturated=None) -> list[LearnerState]:
+    """Returns the states from the start to the last sample."""
     flags = np.zeros(len(phi)) if saturated is None else saturated
-    state = of.start()
-    found = [state]
+    state = learner.start()
+    history = [state]
     for sample in zip(phi, target, flags, strict=True):
-        state = of.step(state, *sample)
-        found.append(state)
-    return found
+        state = learner.step(state, *sample)
+        history.append(state)
+    return history
 
 
-def naive(of: OnlineLearner, phi, target) -> list[np.ndarray]:
-    """The last B_l samples at each tick, in the ring's order, given to the printed step."""
-    theta, batch, thetas = of.theta_offline, of.config.batch, [of.theta_offline]
+def naive(learner: OnlineLearner, phi, target) -> list[np.ndarray]:
+    """Returns theta after each printed step on the last B_l samples, in the ring's order."""
+    theta, batch, thetas = learner.theta_offline, learner.config.batch, [learner.theta_offline]
     for k in range(len(phi)):
         window = sorted(range(max(0, k - batch + 1), k + 1), key=lambda i: i % batch)
         theta = last_layer_step(
-            theta, phi[window], target[window], of.gain, of.config.learning_rate
+            theta, phi[window], target[window], learner.gain, learner.config.learning_rate
         )
         thetas.append(theta)
     return thetas
@@ -62,10 +66,10 @@ WIDE = {"max_step": 100.0, "max_drift": 100.0, "max_error_m_s": 100.0, "freeze_s
 
 @pytest.mark.parametrize("guards", [{}, WIDE], ids=["off", "wide"])
 @pytest.mark.parametrize("batch", [1, 4, 100])
-def test_guards_that_do_not_bind_leave_the_printed_form(guards, batch):
-    """Bit for bit; without `freeze_saturated` the flag changes nothing either."""
-    plain = learner(batch=batch, **guards)
-    phi, target = flown(30)
+def test_inactive_guards_leave_the_printed_step_unchanged(guards, batch):
+    """Bit for bit; without `freeze_saturated` the flag has no effect either."""
+    plain = make_learner(batch=batch, **guards)
+    phi, target = make_samples(30)
     saturated = np.full(30, not plain.config.freeze_saturated)
     for state, theta in zip(
         states(plain, phi, target, saturated), naive(plain, phi, target), strict=True
@@ -73,63 +77,63 @@ def test_guards_that_do_not_bind_leave_the_printed_form(guards, batch):
         np.testing.assert_array_equal(state.theta, theta)
 
 
-@pytest.mark.parametrize("spoil", ["saturated", "error", "phi", "target"])
+@pytest.mark.parametrize("defect", ["saturated", "error", "phi", "target"])
 @pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
-def test_bad_samples_leave_no_trace(spoil, number):
-    guarded = learner(max_error_m_s=20.0, freeze_saturated=True)
-    phi, target = flown(20)
+def test_rejected_samples_do_not_change_the_state(defect, number):
+    guarded = make_learner(max_error_m_s=20.0, freeze_saturated=True)
+    phi, target = make_samples(20)
     bad = np.zeros(20, dtype=bool)
     bad[[0, 3, 4, 12]] = True
     clean = states(guarded, phi[~bad], target[~bad])
-    assert clean[-1].seen == 16
-    saturated = bad & (spoil == "saturated")
-    if spoil == "error":
+    assert clean[-1].sample_count == 16
+    saturated = bad & (defect == "saturated")
+    if defect == "error":
         target[bad] = [30.0, 0.0, 0.0]
-    elif spoil != "saturated":
-        {"phi": phi, "target": target}[spoil][bad, 1] = number
+    elif defect != "saturated":
+        {"phi": phi, "target": target}[defect][bad, 1] = number
     dirty = states(guarded, phi, target, saturated)
     for before, after, was_bad in zip(dirty, dirty[1:], bad, strict=False):
         assert (before is after) == was_bad
-    for name in ("theta", "phis", "targets", "seen"):
+    for name in ("theta", "phis", "targets", "sample_count"):
         np.testing.assert_array_equal(getattr(dirty[-1], name), getattr(clean[-1], name))
 
 
-def test_a_sample_is_judged_by_the_offline_layer():
-    """At the bound it is learned, beyond it is not, whatever was learned before."""
-    guarded = learner(max_error_m_s=0.5)
+def test_samples_are_rejected_by_the_error_of_the_offline_layer():
+    """Whatever was learned before."""
+    guarded = make_learner(max_error_m_s=0.5)
     phi = np.eye(M)[0]
     predicted = guarded.gain * guarded.theta_offline[:, 0]
-    astray = replace(guarded.start(), theta=guarded.theta_offline + 50.0)
-    for state in (guarded.start(), astray):
+    diverged = guarded.start()._replace(theta=guarded.theta_offline + 50.0)
+    for state in (guarded.start(), diverged):
         for error, is_learned in ((0.499, True), (0.501, False)):
             target = predicted + [0.0, error, 0.0]
             assert (guarded.step(state, phi, target, False) is not state) == is_learned
 
 
-def test_a_learner_that_went_astray_comes_back():
-    """Good samples are not refused for the errors that a bad layer makes of them."""
-    guarded = learner(max_error_m_s=0.5, max_drift=10.0, learning_rate=0.1)
-    phi, _ = flown(400)
+def test_a_diverged_learner_recovers():
+    """Good samples are not rejected for the errors of a bad layer."""
+    guarded = make_learner(max_error_m_s=0.5, max_drift=10.0, learning_rate=0.1)
+    phi, _ = make_samples(400)
     target = guarded.gain * (phi @ guarded.theta_offline.T)
-    state = replace(guarded.start(), theta=guarded.theta_offline + 2.0)
+    state = guarded.start()._replace(theta=guarded.theta_offline + 2.0)
     for sample in zip(phi, target, strict=True):
         state = guarded.step(state, *sample, False)
     np.testing.assert_allclose(state.theta, guarded.theta_offline, atol=1e-3)
 
 
-def test_a_step_is_shortened_along_its_way():
-    phi, target = flown(1)
-    free, guarded = learner(), learner(max_step=0.01)
-    step = states(free, phi, target)[1].theta - free.theta_offline
+def test_a_step_is_shortened_along_its_direction():
+    phi, target = make_samples(1)
+    unbounded, guarded = make_learner(), make_learner(max_step=0.01)
+    step = states(unbounded, phi, target)[1].theta - unbounded.theta_offline
     short = states(guarded, phi, target)[1].theta - guarded.theta_offline
     assert np.linalg.norm(step) > 0.02
     np.testing.assert_allclose(short, step * 0.01 / np.linalg.norm(step), rtol=1e-10)
 
 
-def test_a_drift_ends_at_the_nearest_point_of_the_ball():
-    phi, target = flown(1)
-    free, guarded = learner(), learner(max_drift=0.01)
-    drift = states(free, phi, target)[1].theta - free.theta_offline
+def test_theta_is_projected_onto_the_nearest_point_of_the_ball():
+    phi, target = make_samples(1)
+    unbounded, guarded = make_learner(), make_learner(max_drift=0.01)
+    drift = states(unbounded, phi, target)[1].theta - unbounded.theta_offline
     assert np.linalg.norm(drift) > 0.02
     nearest = guarded.theta_offline + drift * 0.01 / np.linalg.norm(drift)
     np.testing.assert_allclose(states(guarded, phi, target)[1].theta, nearest, rtol=1e-12)
@@ -147,14 +151,14 @@ BOUND = st.floats(1e-3, 10.0)
     max_error=st.sampled_from([0.0, 0.5, 100.0]),
     rate=st.floats(0.0, 1.0),
 )
-def test_theta_stays_within_its_bounds_however_wild_the_samples(
+def test_theta_stays_within_its_bounds_for_any_samples(
     samples, max_step, max_drift, max_error, rate
 ):
-    guarded = learner(
+    guarded = make_learner(
         max_step=max_step, max_drift=max_drift, max_error_m_s=max_error, learning_rate=rate
     )
-    found = states(guarded, *zip(*samples, strict=True))
-    for old, new in zip(found, found[1:], strict=False):
+    history = states(guarded, *zip(*samples, strict=True))
+    for old, new in zip(history, history[1:], strict=False):
         assert np.isfinite(new.theta).all()
         assert np.linalg.norm(new.theta - guarded.theta_offline) <= max_drift * (1 + 1e-9)
         if max_step:
@@ -168,13 +172,13 @@ def test_theta_stays_within_its_bounds_however_wild_the_samples(
     seed=st.integers(0, 2**32 - 1),
 )
 @settings(max_examples=50)
-def test_bounds_bind_where_they_are_exceeded(scale, max_step, max_drift, seed):
-    """Each step is the printed one, unless that one is too long or leads out."""
-    guarded = learner(max_step=max_step, max_drift=max_drift, learning_rate=1.0, batch=1)
-    phi, target = flown(10, seed)
-    found = states(guarded, scale * phi, scale * target)
+def test_bounds_act_only_where_they_are_exceeded(scale, max_step, max_drift, seed):
+    """Each step is the printed one, unless that one is too long or leaves the ball."""
+    guarded = make_learner(max_step=max_step, max_drift=max_drift, learning_rate=1.0, batch=1)
+    phi, target = make_samples(10, seed)
+    history = states(guarded, scale * phi, scale * target)
     for k in range(10):
-        old, new = found[k].theta, found[k + 1].theta
+        old, new = history[k].theta, history[k + 1].theta
         printed = last_layer_step(
             old, scale * phi[k : k + 1], scale * target[k : k + 1], guarded.gain, 1.0
         )
@@ -188,23 +192,23 @@ def test_bounds_bind_where_they_are_exceeded(scale, max_step, max_drift, seed):
             np.testing.assert_allclose(new, shortened, rtol=1e-9, atol=1e-12)
 
 
-def test_a_step_that_overflows_is_not_taken_and_passes():
-    guarded = learner(max_drift=1.0)
-    phi, target = flown(20)
+def test_a_step_that_overflows_is_discarded():
+    guarded = make_learner(max_drift=1.0)
+    phi, target = make_samples(20)
     phi[6] = 1e200
-    found = states(guarded, phi, target)
-    thetas = [state.theta for state in found]
+    history = states(guarded, phi, target)
+    thetas = [state.theta for state in history]
     assert all(np.isfinite(theta).all() for theta in thetas)
-    # Until the sample has left the ring, nothing is learned; then again.
+    # Nothing is learned until the sample has left the ring.
     for k in range(6, 6 + guarded.config.batch):
         np.testing.assert_array_equal(thetas[k + 1], thetas[6])
     assert np.any(thetas[7 + guarded.config.batch] != thetas[6])
 
 
 def test_a_prediction_is_made_before_its_sample_is_learned():
-    """Delta_k has learned the samples up to k-1 and knows nothing of the target k."""
-    plain = learner(freeze_saturated=True)
-    phi, target = flown(12)
+    """Delta_k depends on the samples up to k-1, and not on the target k."""
+    plain = make_learner(freeze_saturated=True)
+    phi, target = make_samples(12)
     saturated = np.arange(12) % 5 == 2
     thetas = [state.theta for state in states(plain, phi, target, saturated)]
     delta = plain.run(phi, target, saturated)
@@ -217,14 +221,59 @@ def test_a_prediction_is_made_before_its_sample_is_learned():
 
 
 def test_states_are_not_changed_in_place():
-    plain = learner(batch=3)
-    phi, target = flown(9)
-    found = states(plain, phi, target)
-    kept = [(s.theta.copy(), s.phis.copy(), s.targets.copy()) for s in found]
+    plain = make_learner(batch=3)
+    phi, target = make_samples(9)
+    history = states(plain, phi, target)
+    kept = [(s.theta.copy(), s.phis.copy(), s.targets.copy()) for s in history]
     for sample in zip(phi, target, strict=True):
-        for state in found:
+        for state in history:
             plain.step(state, *sample, False)
-    for state, (theta, phis, targets) in zip(found, kept, strict=True):
+    for state, (theta, phis, targets) in zip(history, kept, strict=True):
         np.testing.assert_array_equal(state.theta, theta)
         np.testing.assert_array_equal(state.phis, phis)
         np.testing.assert_array_equal(state.targets, targets)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("batch", [1, 7, 20])
+def test_steps_equal_sgd_on_the_network(seed, batch):
+    rng = np.random.default_rng(seed)
+    network = ResidualNetwork.untrained(JOINTS, seed)
+    with torch.no_grad():
+        network.last.weight.copy_(torch.tensor(rng.normal(size=(3, 32))))
+    gain, learning_rate = rng.uniform(0, 1, 3), 0.01
+    sgd = torch.optim.SGD(network.last.parameters(), lr=learning_rate)
+    theta = network.last_layer()
+
+    for _ in range(10):
+        features, base, measured = (rng.normal(size=(batch, m)) for m in (30, 3, 3))
+        theta = last_layer_step(theta, network.phi(features), measured - base, gain, learning_rate)
+        sgd.zero_grad()
+        predicted = torch.tensor(base) + torch.tensor(gain) * network(torch.tensor(features))
+        ((predicted - torch.tensor(measured)) ** 2).sum(dim=1).mean().backward()
+        sgd.step()
+        np.testing.assert_allclose(theta, network.last_layer(), rtol=0, atol=1e-12)
+
+
+def test_the_argument_is_not_changed():
+    theta = np.zeros((3, 4))
+    moved = last_layer_step(theta, np.ones((2, 4)), np.ones((2, 3)), np.ones(3), 0.1)
+    assert np.all(theta == 0) and np.all(moved == 0.2)
+
+
+def test_without_gain_nothing_is_learned():
+    theta = np.random.default_rng(0).normal(size=(3, 4))
+    moved = last_layer_step(theta, np.ones((2, 4)), np.ones((2, 3)), np.zeros(3), 0.1)
+    np.testing.assert_array_equal(moved, theta)
+
+
+@pytest.mark.parametrize(("ratio", "shrinks"), [(0.99, True), (1.01, False)])
+def test_stability_bound_of_the_docstring(ratio, shrinks):
+    rng = np.random.default_rng(1)
+    phi, gain = rng.normal(size=(20, 5)), 0.9
+    largest, axis = (v[..., -1] for v in np.linalg.eigh(phi.T @ phi / len(phi)))
+    theta = np.tile(axis, (3, 1))
+    moved = last_layer_step(
+        theta, phi, np.zeros((20, 3)), np.full(3, gain), ratio / (gain**2 * largest)
+    )
+    assert (np.linalg.norm(moved) < np.linalg.norm(theta)) == shrinks

@@ -48,7 +48,7 @@ def test_a_recorded_flight_is_that_of_the_estimator_in_a_diagram(kind):
     with torch.no_grad():
         network.last.weight.fill_(0.1)
     config = Residual(mode="online", learning_rate=0.05, batch=7, max_step=0.05, max_drift=0.3,
-                      max_error_m_s=1.0, judge_s=0.0)  # fmt: skip
+                      max_error_m_s=1.0, gate_s=0.0)  # fmt: skip
     state, base, joints, thrust, external, disturbance = recorded(ticks)
     saturated = np.random.default_rng(9).uniform(size=ticks) < 0.2
     saturated[1] = True  # The recorded flight lacks the first sample.

@@ -1,0 +1,194 @@
+"""One tick of the residual estimator, as a pure function of its inputs and state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.residual.features import PHI_SIZE, features
+from aerodrake.model.residual.gate import GateCause, GateState, LearningGate, Sample
+from aerodrake.model.residual.online_learner import LearnerState, OnlineLearner
+from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.scenario import Residual
+
+if TYPE_CHECKING:  # torch takes a second to import.
+    from aerodrake.model.residual.network import ResidualNetwork
+
+
+class EstimatorInputs(NamedTuple):
+    """Values of the input ports of `ResidualEstimator`, which documents them."""
+
+    state: np.ndarray
+    x_0: np.ndarray
+    base_setpoint: np.ndarray
+    joint_setpoint: np.ndarray
+    saturated: np.ndarray
+
+
+class Prediction(NamedTuple):
+    """Prediction made at one tick, which the next tick compares with its measurement.
+
+    Attributes:
+        is_pending: False if the next tick has no prediction to compare.
+        x: (nx,) state of the model.
+        phi: (33,) last hidden activations and a 1.
+        p_B: (3,) m, measured position of the base.
+        v_B: (3,) m/s, measured velocity of the base.
+        delta: (3,) m/s, Delta as used.
+    """
+
+    is_pending: bool
+    x: np.ndarray
+    phi: np.ndarray
+    p_B: np.ndarray
+    v_B: np.ndarray
+    delta: np.ndarray
+
+
+class PredictionErrors(NamedTuple):
+    """Errors of the last prediction that was compared: predicted minus measured velocity.
+
+    Attributes:
+        error: (3,) m/s, of the model with the Delta that was used.
+        nominal_error: (3,) m/s, of the model without Delta.
+    """
+
+    error: np.ndarray
+    nominal_error: np.ndarray
+
+
+class EstimatorState(NamedTuple):
+    """Discrete state of `ResidualEstimator`."""
+
+    learner: LearnerState
+    prediction: Prediction
+    errors: PredictionErrors
+    gate: GateState
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualEstimation:
+    """Equations of the residual estimator: learning and inference at one tick.
+
+    Attributes:
+        network: None in the mode `off`.
+        model: Its prediction error is learned.
+        mode: In `offline`, the last layer is not updated; in `off`, Delta is zero.
+        learner: Updates the last layer.
+        gate: Decides if Delta is used and if labels are learned.
+    """
+
+    network: ResidualNetwork | None
+    model: EquivalentModel
+    mode: Literal["off", "offline", "online"]
+    learner: OnlineLearner
+    gate: LearningGate
+
+    @classmethod
+    def make(
+        cls, network: ResidualNetwork | None, model: EquivalentModel, config: Residual
+    ) -> ResidualEstimation:
+        """Makes the equations of the configured learner and gate."""
+        theta = np.zeros((3, PHI_SIZE)) if network is None else network.last_layer()
+        learner = OnlineLearner(config, theta, model.C[model.base_velocity].diagonal())
+        gate = LearningGate(config, theta, model.dt)
+        return cls(network, model, config.mode, learner, gate)
+
+    def start(self) -> EstimatorState:
+        """Returns the state before the first tick."""
+        zero = np.zeros(3)
+        prediction = Prediction(
+            False, np.zeros(len(self.model.A)), np.zeros(PHI_SIZE), zero, zero, zero
+        )
+        return EstimatorState(
+            self.learner.start(), prediction, PredictionErrors(zero, zero), self.gate.start()
+        )
+
+    def tick(
+        self, state: EstimatorState, inputs: EstimatorInputs
+    ) -> tuple[np.ndarray, EstimatorState]:
+        """Learns from the pending prediction, then infers Delta.
+
+        A tick with NaN or infinite inputs returns a zero Delta and discards the
+        pending prediction; the rest of the state is unchanged.
+
+        Returns:
+            (3,) m/s, Delta to use, and the state after the tick.
+        """
+        vehicle, n = split_state(inputs.state), self.model.joints
+        u = np.concatenate([inputs.base_setpoint[6:], inputs.joint_setpoint[2 * n :]])
+        s = features(inputs.state, u)
+        phi = np.zeros(PHI_SIZE) if self.mode == "off" else self.network.phi(s)
+        if not np.isfinite(np.concatenate([inputs.x_0, s, phi, inputs.saturated])).all():
+            prediction = state.prediction._replace(is_pending=False)
+            return np.zeros(3), state._replace(prediction=prediction)
+        p_B, v_B = self.label_motion(vehicle)
+        sample, errors = self._complete(state, p_B, v_B, u)
+        learner, gate, delta = state.learner, state.gate, np.zeros(3)
+        if self.mode != "off":
+            is_saturated = bool(inputs.saturated[0] > 0.5)
+            learner, gate, cause = self.learn(state, sample, is_saturated)
+            learner, gate, delta = self._infer(learner, gate, cause, phi, state.prediction.delta)
+        prediction = Prediction(True, inputs.x_0, phi, p_B, v_B, delta)
+        return delta, EstimatorState(learner, prediction, errors, gate)
+
+    def label_motion(self, vehicle: VehicleState) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the measured p_B, (3,) m, and v_B, (3,) m/s, that label a sample."""
+        return vehicle.p_B, vehicle.v_B
+
+    def learn(
+        self, state: EstimatorState, sample: Sample | None, is_saturated: bool
+    ) -> tuple[LearnerState, GateState, GateCause]:
+        """Updates the last layer and the gate's statistics, if there is a sample.
+
+        Returns:
+            States of learner and gate, and the result of the gate's check of its statistics.
+        """
+        learner, gate = state.learner, state.gate
+        if sample is None:
+            return learner, gate, GateCause.OK
+        gate = self.gate.update(gate, sample)
+        cause = self.gate.check_statistics(gate)
+        if cause != GateCause.OK:
+            learner = self.learner.start()
+        elif self.mode == "online" and not self.gate.rejects_labels(gate):
+            phi = state.prediction.phi
+            learner = self.learner.step(learner, phi, sample.target, is_saturated)
+        return learner, gate, cause
+
+    def _infer(
+        self,
+        learner: LearnerState,
+        gate: GateState,
+        cause: GateCause,
+        phi: np.ndarray,
+        last: np.ndarray,
+    ) -> tuple[LearnerState, GateState, np.ndarray]:
+        """Infers Delta from phi and gates it; a layer that fails the check is reset."""
+        with np.errstate(invalid="ignore"):  # The check rejects NaN.
+            delta = learner.theta @ phi
+        cause = max(cause, self.gate.check_layer(learner.theta, delta))
+        if cause > GateCause.POISONED:
+            learner = self.learner.start()
+        gate = self.gate.apply(gate, cause, last)
+        return learner, gate, self.gate.output(gate, learner.theta @ phi)
+
+    def _complete(
+        self, state: EstimatorState, p_B: np.ndarray, v_B: np.ndarray, u: np.ndarray
+    ) -> tuple[Sample | None, PredictionErrors]:
+        """Compares the pending prediction with the motion measured now, after `u` was applied."""
+        prediction, gain = state.prediction, self.learner.gain
+        if not prediction.is_pending:
+            return None, state.errors
+        nominal = self.model.next_velocity(prediction.x, u)
+        correction = gain * (state.learner.theta @ prediction.phi)
+        if not np.isfinite(correction).all():
+            return None, state.errors
+        displacement = (p_B - prediction.p_B) / self.model.dt
+        offset = (prediction.v_B + v_B) / 2 - displacement
+        target = v_B - nominal
+        error = nominal + gain * prediction.delta - v_B
+        return Sample(target, correction, offset), PredictionErrors(error, -target)

@@ -1,0 +1,75 @@
+"""Equations of one tick, without Drake: prediction, learning step and reset."""
+
+import numpy as np
+import pytest
+
+from aerodrake.model.residual.estimation import EstimatorInputs, EstimatorState, ResidualEstimation
+from aerodrake.model.residual.features import features
+from aerodrake.model.residual.online_learner import last_layer_step
+from aerodrake.model.vehicle.state import split_state
+from tests.estimator_flights import JOINTS, equivalent_model, inputs, plain, trained
+
+FIRST, SECOND = (EstimatorInputs(**tick) for tick in inputs(2))
+MODEL = equivalent_model()
+
+
+def make_estimation(mode: str) -> ResidualEstimation:
+    network = None if mode == "off" else trained()
+    return ResidualEstimation.make(network, MODEL, plain(mode, 0.01, 20))
+
+
+def applied_input(tick: EstimatorInputs) -> np.ndarray:
+    return np.concatenate([tick.base_setpoint[6:], tick.joint_setpoint[2 * JOINTS :]])
+
+
+def phi(tick: EstimatorInputs) -> np.ndarray:
+    return trained().phi(features(tick.state, applied_input(tick)))
+
+
+def assert_equal(state: EstimatorState, expected: EstimatorState):
+    for part, values in zip(state, expected, strict=True):
+        for value, wanted in zip(part, values, strict=True):
+            np.testing.assert_array_equal(value, wanted)
+
+
+@pytest.mark.parametrize("mode", ["off", "offline", "online"])
+def test_a_tick_compares_the_prediction_of_the_tick_before(mode):
+    estimation = make_estimation(mode)
+    delta, state = estimation.tick(estimation.start(), FIRST)
+    assert state.prediction.is_pending and not state.errors.error.any()
+    assert delta.any() == (mode != "off")
+    _, state = estimation.tick(state, SECOND)
+    u, v_B = applied_input(SECOND), split_state(SECOND.state).v_B
+    predicted = MODEL.predict(FIRST.x_0, u, delta)[MODEL.base_velocity]
+    np.testing.assert_allclose(state.errors.error, predicted - v_B, atol=1e-12)
+    nominal = MODEL.next_velocity(FIRST.x_0, u)
+    np.testing.assert_allclose(state.errors.nominal_error, nominal - v_B, atol=1e-12)
+
+
+def test_the_last_layer_takes_its_step_before_delta_is_inferred():
+    estimation = make_estimation("online")
+    _, state = estimation.tick(estimation.start(), FIRST)
+    delta, state = estimation.tick(state, SECOND)
+    target = -state.errors.nominal_error
+    theta = last_layer_step(
+        trained().last_layer(), phi(FIRST)[None], target[None], estimation.learner.gain, 0.01
+    )
+    np.testing.assert_allclose(state.learner.theta, theta, atol=1e-12)
+    np.testing.assert_allclose(delta, theta @ phi(SECOND), atol=1e-12)
+
+
+def test_a_tick_that_is_not_finite_discards_the_pending_prediction_alone():
+    estimation = make_estimation("online")
+    _, before = estimation.tick(estimation.start(), FIRST)
+    bad = SECOND._replace(x_0=np.full_like(SECOND.x_0, np.nan))
+    delta, state = estimation.tick(before, bad)
+    assert not delta.any() and not state.prediction.is_pending
+    assert_equal(state._replace(prediction=state.prediction._replace(is_pending=True)), before)
+
+
+def test_arguments_are_not_changed():
+    estimation = make_estimation("online")
+    _, state = estimation.tick(estimation.start(), FIRST)
+    copy = EstimatorState(*(type(part)(*(np.copy(v) for v in part)) for part in state))
+    estimation.tick(state, SECOND)
+    assert_equal(state, copy)
