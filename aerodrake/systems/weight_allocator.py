@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.mpc.weight_allocation import AllocatedWeights, Mode, allocate
@@ -10,15 +9,15 @@ from aerodrake.scenario import Allocation
 
 
 class WeightAllocator(LeafSystem):
-    """gamma, mode and weights from three distances.
+    """Computes gamma, mode and weights from three distances.
 
     Ports:
         in `distances` (2): d_e, d_o in m.
         in `d_g` (1): m.
-        out `weights` (5): gamma, mode (a value of `Mode`), w_q, w_m, w_d. Feeds
-            through, so that the MPC, which pulls it, has it without delay.
+        out `weights` (5): `AllocatedWeights`. Direct feedthrough, so that the MPC samples it
+            without delay.
     State:
-        the mode at the last tick, for hysteresis.
+        `mode`: the mode at the last tick, for hysteresis.
     Rate:
         `period`.
 
@@ -44,11 +43,8 @@ class WeightAllocator(LeafSystem):
     def _calc_weights(self, context: Context, output: BasicVector) -> None:
         last = Mode(int(context.get_discrete_state(self._x_mode).value()[0]))
         d_e, d_o = self._distances.Eval(context)
-        weights: AllocatedWeights = allocate(
-            self._config, last, d_e, d_o, self._d_g.Eval(context)[0]
-        )
-        output.SetFromVector([weights.gamma, weights.mode, weights.w_q, weights.w_m, weights.w_d])
+        output.SetFromVector(allocate(self._config, last, d_e, d_o, self._d_g.Eval(context)[0]))
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        mode = self._weights.Eval(context)[1]
-        discrete.set_value(self._x_mode, np.array([mode]))
+        weights = AllocatedWeights(*self._weights.Eval(context))
+        discrete.set_value(self._x_mode, [weights.mode])

@@ -1,4 +1,4 @@
-"""A short flight that brings the MPC's bounds into play, tick by tick."""
+"""Ticks of a short flight in which constraints of the MPC are active."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,7 +17,7 @@ FLOWN_S = 2.6
 
 @pytest.fixture(scope="session")
 def tight_scenario() -> Scenario:
-    """A clover four times too fast for a base that may hardly move."""
+    """A clover four times as fast as usual, with tight bounds of the base."""
     return Scenario(
         settle_s=0.0,
         reference=Clover(lap_s=6.0, start_s=0.5),
@@ -27,7 +27,7 @@ def tight_scenario() -> Scenario:
 
 @pytest.fixture(scope="session")
 def ticks(tight_scenario) -> list[MpcInputs]:
-    """What each tick of that flight was about."""
+    """Inputs of each tick of that flight."""
     diagram = make_closed_loop(tight_scenario)
     mpc = diagram.GetSubsystemByName("coordinator").GetSubsystemByName("mpc")
     simulator = Simulator(diagram, make_context(diagram, seed=0))
@@ -42,7 +42,7 @@ def ticks(tight_scenario) -> list[MpcInputs]:
 
 @pytest.fixture(scope="session")
 def ticks_of(ticks, tight_scenario) -> Callable[[EquivalentModel], list[MpcInputs]]:
-    """The same, with x_0 in the layout of any model of that vehicle."""
+    """Returns a function that makes the ticks with x_0 in the layout of another model."""
 
     def ticks_of(model: EquivalentModel) -> list[MpcInputs]:
         flown = EquivalentModel.of(tight_scenario, model.joints)

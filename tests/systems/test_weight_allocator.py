@@ -1,4 +1,4 @@
-"""The weight allocator in time: memory of its mode, hysteresis, and feedthrough."""
+"""WeightAllocator over time: state, hysteresis, and direct feedthrough."""
 
 import math
 
@@ -23,15 +23,15 @@ class Driver:
     def __init__(self, allocator):
         self.allocator, self.context = allocator, allocator.CreateDefaultContext()
 
-    def look(self, d_e: float, d_o: float, d_g: float) -> np.ndarray:
-        """(5,) the output, without a tick."""
+    def weights(self, d_e: float, d_o: float, d_g: float) -> np.ndarray:
+        """Returns the output (5,) without a tick."""
         self.allocator.GetInputPort("distances").FixValue(self.context, [d_e, d_o])
         self.allocator.GetInputPort("d_g").FixValue(self.context, [d_g])
         return self.allocator.GetOutputPort("weights").Eval(self.context)
 
     def tick(self, d_e: float, d_o: float, d_g: float) -> Mode:
-        """The mode at a tick, as the MPC pulls it."""
-        mode = Mode(int(self.look(d_e, d_o, d_g)[1]))
+        """Updates the state; returns the mode that the MPC samples at that tick."""
+        mode = Mode(int(self.weights(d_e, d_o, d_g)[1]))
         self.context.SetDiscreteState(self.allocator.EvalUniquePeriodicDiscreteUpdate(self.context))
         return mode
 
@@ -52,19 +52,19 @@ def driver(allocator) -> Driver:
     ],
 )
 def test_weights_by_hand(driver, distances, weights):
-    for value, expected in zip(driver.look(*distances), weights, strict=True):
+    for value, expected in zip(driver.weights(*distances), weights, strict=True):
         assert expected is None or value == pytest.approx(expected, rel=1e-12)
 
 
-def test_feeds_through_from_both_inputs(allocator, driver):
+def test_both_inputs_have_direct_feedthrough(allocator, driver):
     assert allocator.HasDirectFeedthrough(0, 0) and allocator.HasDirectFeedthrough(1, 0)
-    # And in fact: each input changes the output at once, without a tick.
-    seen = [driver.look(*d)[1] for d in ((0.01, 0.0, 0.0), (2.0, 0.0, 0.0), (0.5, 0.0, LARGE))]
-    assert seen == [HOVER, FLIGHT, COORDINATED]
+    # Each input changes the output without a tick.
+    modes = [driver.weights(*d)[1] for d in ((0.01, 0.0, 0.0), (2.0, 0.0, 0.0), (0.5, 0.0, LARGE))]
+    assert modes == [HOVER, FLIGHT, COORDINATED]
 
 
 def test_modes_over_time(driver):
-    """Out past a boundary by more than 10 % to leave a mode, back inside it to return."""
+    """A mode is left 10 % beyond its boundary and entered within it."""
     flight = [
         (0.50, 0.00, COORDINATED),
         (0.99, 0.00, COORDINATED),
@@ -84,30 +84,30 @@ def test_modes_over_time(driver):
     assert modes == [mode for _, _, mode in flight]
 
 
-def test_chatter_within_the_band_changes_nothing(driver):
+def test_noise_within_the_hysteresis_band_does_not_change_the_mode(driver):
     for start, mode in ((0.05, HOVER), (0.09, FLIGHT)):
         driver.tick(start, 0.0, 0.0)
         noise = np.random.default_rng(0).uniform(0.0751, 0.0824, 100)
         assert {driver.tick(d_e, 0.0, 0.0) for d_e in noise} == {mode}
 
 
-def test_only_ticks_are_remembered(driver):
-    """What is seen between ticks leaves no trace in the hysteresis."""
+def test_only_ticks_change_the_state(driver):
+    """Outputs between ticks do not affect the hysteresis."""
     assert driver.tick(0.50, 0.0, LARGE) is COORDINATED
-    assert driver.look(1.50, 0.0, LARGE)[1] == FLIGHT
-    assert driver.look(1.05, 0.0, LARGE)[1] == COORDINATED
+    assert driver.weights(1.50, 0.0, LARGE)[1] == FLIGHT
+    assert driver.weights(1.05, 0.0, LARGE)[1] == COORDINATED
     assert driver.tick(1.50, 0.0, LARGE) is FLIGHT
-    assert driver.look(1.05, 0.0, LARGE)[1] == FLIGHT
+    assert driver.weights(1.05, 0.0, LARGE)[1] == FLIGHT
 
 
-def test_the_output_follows_the_memory(allocator, driver):
-    """Also when the inputs have not changed: what is cached is not stale."""
-    assert driver.look(1.05, 0.0, LARGE)[1] == COORDINATED
+def test_the_output_depends_on_the_state(allocator, driver):
+    """The cached output is invalidated even if the inputs do not change."""
+    assert driver.weights(1.05, 0.0, LARGE)[1] == COORDINATED
     driver.context.SetDiscreteState([FLIGHT])
     assert allocator.GetOutputPort("weights").Eval(driver.context)[1] == FLIGHT
 
 
 def test_starts_in_hover_and_ticks_at_its_period(allocator, driver):
-    assert driver.look(0.08, 0.08, 0.0)[1] == HOVER  # Within both bands.
+    assert driver.weights(0.08, 0.08, 0.0)[1] == HOVER  # Within both bands.
     timing = allocator.GetUniquePeriodicDiscreteUpdateAttribute()
     assert (timing.period_sec(), timing.offset_sec()) == (0.02, 0)

@@ -1,1 +1,1 @@
-"""The MPC (paper, section III): cost, condensing, weight allocation; and CLIK, its alternative."""
+"""MPC (paper, section III): cost, condensing, weight allocation; CLIK as its baseline."""

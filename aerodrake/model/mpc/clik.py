@@ -8,8 +8,8 @@ import numpy as np
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.horizon import stage_times
+from aerodrake.model.mpc.stage_cost import limited_gain
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.mpc.tracking import limited_gain
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Clik, Mpc
@@ -17,12 +17,12 @@ from aerodrake.scenario import Clik, Mpc
 
 @dataclass(frozen=True)
 class ClikCommand:
-    """What one tick commands.
+    """Command of one tick.
 
     Attributes:
-        velocity: (3 + n,) m/s and rad/s, wanted of [p_B, q].
+        velocity: (3 + n,) m/s and rad/s, desired velocity of [p_B, q].
         u: (3 + n,) m/s^2 and rad/s^2, within the bounds.
-        is_clipped: Whether a bound changed u.
+        is_clipped: True if a bound changed u.
     """
 
     velocity: np.ndarray
@@ -31,30 +31,29 @@ class ClikCommand:
 
 
 class InverseKinematics:
-    """Resolves the wanted velocity of the end-effector into those of base and joints.
+    """Resolves the desired velocity of the end-effector into those of base and joints.
 
-    With s = [p_B', q'], J = J_s and W = diag(w_q, ..., w_m, ...), scaled to a least
-    weight of 1,
+    With s = [p_B', q'], J = J_s and W = diag(w_q, ..., w_m, ...), scaled so that its
+    smallest weight is 1,
 
         s   = s_0 + W^-1 J' (J W^-1 J' + lambda^2 I)^-1 v
         v   = p_Ed' - K_e e_E - J_yaw yaw'
         s_0 = [-R_B J_B q_0', q_0'],  q_0' = -k_c J_B' (J_B J_B' + lambda^2 I)^-1 (p_EB - p_O)
 
-    s_0 lies in the null space of J: it descends the paper's J_4, so that the arm
-    returns to its learning space, without moving the end-effector. p_Ed' is that
-    of the next tick, at which the velocity is to be reached; roll and pitch
-    rates count as disturbances, which K_e takes out. The accelerations follow by
-    a first-order loop, u = k (s - s_d), clipped to their bounds.
+    s_0 is a null-space motion of J that descends the paper's J_4: it returns the arm
+    to its learning space without moving the end-effector. p_Ed' is taken at the next
+    tick. Roll and pitch rates are treated as disturbances, which K_e rejects. The
+    accelerations are those of a first-order loop, u = k (s - s_d), clipped to their bounds.
 
-    Damped least squares are Nakamura's and Hanafusa's (1986) and Wampler's
-    (1986); weights and null space as in Chiaverini, Siciliano and Egeland (1994).
+    Damped least squares: Nakamura and Hanafusa (1986), Wampler (1986). Weights and null
+    space: Chiaverini, Siciliano and Egeland (1994).
 
     Args:
         config: Damping and rates.
-        mpc: K_e and the approach speed.
-        model: For the period and the places of the setpoints in x_0.
-        limits: Of the setpoints, (3 + n).
-        vehicle: For the centre of the learning space.
+        mpc: Gives K_e and the approach speed.
+        model: Gives the period and the indices of the setpoints in x_0.
+        limits: Limits of the setpoints (3 + n).
+        vehicle: Gives the centre of the learning space.
     """
 
     def __init__(
@@ -70,29 +69,29 @@ class InverseKinematics:
         self._stages_s = stage_times(mpc, model.dt)
 
     def command(self, tick: MpcInputs) -> ClikCommand:
-        """The command of one tick.
+        """Returns the command of one tick.
 
         Args:
-            tick: Its model's x_0 is asked for the setpoints alone; delta is not used.
+            tick: Only the setpoints of x_0 are used; delta is not.
         """
         velocity = self._centring(tick) + self._tracking(tick)
         model = self.model
         commanded = tick.x_0[np.concatenate([model.setpoint_velocity, model.joint_velocity])]
-        wanted = self._config.bandwidth_1_s * (velocity - commanded)
-        u = np.clip(wanted, -self._limits.acceleration, self._limits.acceleration)
-        return ClikCommand(velocity, u, bool(np.any(u != wanted)))
+        unbounded = self._config.bandwidth_1_s * (velocity - commanded)
+        u = np.clip(unbounded, -self._limits.acceleration, self._limits.acceleration)
+        return ClikCommand(velocity, u, bool(np.any(u != unbounded)))
 
     def predict(self, tick: MpcInputs, velocity: np.ndarray) -> np.ndarray:
-        """(N + 1, 3) m, p_E now and at each stage if base and joints moved at `velocity`.
+        """Returns p_E (N + 1, 3) m now and at each stage at constant `velocity`.
 
         Args:
-            tick: What it is about.
-            velocity: (3 + n,) m/s and rad/s.
+            tick: Inputs of the tick.
+            velocity: (3 + n,) m/s and rad/s, of [p_B, q].
         """
         return tick.end_effector.p_E + np.outer(self._stages_s, tick.end_effector.J_s @ velocity)
 
     def _tracking(self, tick: MpcInputs) -> np.ndarray:
-        """(3 + n,), the weighted, damped inverse of v."""
+        """Returns s - s_0 (3 + n,): the weighted, damped inverse of v."""
         J, n = tick.end_effector.J_s, self.model.joints
         W = np.array([tick.w_q] * 3 + [tick.w_m] * n)
         weighted = J / (W / W.min())
@@ -105,7 +104,7 @@ class InverseKinematics:
         return weighted.T @ np.linalg.solve(weighted @ J.T + self._damping, v)
 
     def _centring(self, tick: MpcInputs) -> np.ndarray:
-        """(3 + n,), s_0."""
+        """Returns s_0 (3 + n,)."""
         J_B, offset = tick.end_effector.J_B, tick.end_effector.p_EB - self._p_O
         rate = (
             -self._config.centring_1_s

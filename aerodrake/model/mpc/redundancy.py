@@ -1,4 +1,4 @@
-"""Joints that answer alike: the arm's motions that carry the tool, apart from those that do not."""
+"""Unconstrained minimiser with the arm's null-space motion decoupled."""
 
 from __future__ import annotations
 
@@ -9,113 +9,113 @@ from aerodrake.model.mpc.condensing import Condensing, hessian
 from aerodrake.support.compiled import compiled
 
 DEPENDENT = 1e-9
-"""What is left of a row without those before it, relative to it, if they imply it."""
+"""Relative norm of a row, after projecting out the rows before it, below which it is linearly
+dependent on them."""
 
 
-class Redundancy:
-    """The unconstrained minimiser of a program, in parts.
+class DecoupledMinimiser:
+    """Computes the unconstrained minimiser of a program from independent parts.
 
-    Where all joints answer and cost alike, any n orthonormal motions of the arm can be
-    commanded in their place. The first r are those that carry what the cost has wishes for,
-    the other n - r leave it where it is: the program has nothing to say about these but their
-    own cost, and so falls apart into one of 3 + r axes and n - r of one axis each.
+    If all joints have the same dynamics and weights, the joint coordinates can be rotated by an
+    orthonormal Q whose first r columns span the row space of the task Jacobian. The remaining
+    n - r null-space coordinates decouple, so H is block-diagonal: one block of 3 + r axes and
+    n - r blocks of one axis each.
 
     Args:
-        condensing: Of the program.
-        W_2: (m,), cost of speeds.
+        condensing: Constant part of the program.
+        W_2: (m,), weights of the velocities.
     """
 
     def __init__(self, condensing: Condensing, W_2: np.ndarray):
         self._joints = joints = len(W_2) - 3
-        answers = condensing.kind[condensing.outputs]
-        self._is_alike = all(
-            bool((of_axis[3:] == of_axis[3]).all())
-            for of_axis in (condensing.H_input, answers, W_2)
+        kinds = condensing.kind[condensing.output_index]
+        self._is_identical = all(
+            bool((by_axis[3:] == by_axis[3]).all()) for by_axis in (condensing.H_input, kinds, W_2)
         )
         self._coupled = [
             condensing._replace(
                 H_input=condensing.H_input[: 3 + r],
-                outputs=condensing.outputs[: 3 + r],
-                answers=condensing.answers[: 3 + r],
+                output_index=condensing.output_index[: 3 + r],
+                output_count=condensing.output_count[: 3 + r],
             )
             for r in range(joints)
         ]
-        speed = condensing.kind[condensing.outputs[3, 0]]
-        self._H_speed = condensing.products[speed, speed]
+        velocity = condensing.kind[condensing.output_index[3, 0]]
+        self._H_velocity = condensing.products[velocity, velocity]
         self._H_input = condensing.H_input[3]
 
     def minimiser(
         self, C: np.ndarray, g: np.ndarray, task_jacobian: np.ndarray
     ) -> np.ndarray | None:
-        """(m N,) z; None where the joints differ, or the program does not fall apart.
+        """Returns z (m N,); None if joints differ, there is no null space or H is singular.
 
         Args:
-            C: (F, F), of the program.
+            C: (F, F), cost of the outputs.
             g: (m N,), of the program.
-            task_jacobian: (k, n), how the joints move what the cost has wishes for.
+            task_jacobian: (k, n), motion of all task vectors per joint motion.
         """
-        if not self._is_alike:
+        if not self._is_identical:
             return None
-        Q, r = motions(task_jacobian)
+        Q, r = task_basis(task_jacobian)
         if r == self._joints:
             return None
-        C = turned_cost(C, Q)
+        C = rotated_cost(C, Q)
         N = len(self._H_input)
-        pull = -g.reshape(-1, N)
+        descent = -g.reshape(-1, N)
         coupled = 3 + r
-        turned = Q.T @ pull[3:]
-        _, along, is_bad = dposv(
+        rotated = Q.T @ descent[3:]
+        _, task_part, info = dposv(
             hessian(self._coupled[r], C).T,
-            np.concatenate([pull[:3].ravel(), turned[:r].ravel()]),
+            np.concatenate([descent[:3].ravel(), rotated[:r].ravel()]),
             lower=1,
             overwrite_a=1,
             overwrite_b=1,
         )
-        _, aside, is_bad_aside = dposv(
-            self._H_input + C[coupled, coupled] * self._H_speed, turned[r:].T
+        _, null_part, null_info = dposv(
+            self._H_input + C[coupled, coupled] * self._H_velocity, rotated[r:].T
         )
-        if is_bad or is_bad_aside:
+        if info or null_info:
             return None
-        z = np.empty_like(pull)
-        z[:3] = along[: 3 * N].reshape(3, N)
-        z[3:] = Q[:, :r] @ along[3 * N :].reshape(r, N) + Q[:, r:] @ aside.T
+        z = np.empty_like(descent)
+        z[:3] = task_part[: 3 * N].reshape(3, N)
+        z[3:] = Q[:, :r] @ task_part[3 * N :].reshape(r, N) + Q[:, r:] @ null_part.T
         return z.ravel()
 
 
 @compiled
-def motions(task_jacobian: np.ndarray) -> tuple[np.ndarray, int]:
-    """(Q (n, n), r): orthonormal motions of the arm, of which the first r span the rows.
+def task_basis(task_jacobian: np.ndarray) -> tuple[np.ndarray, int]:
+    """Returns an orthonormal Q (n, n) and r, whose first r columns span the row space.
 
     Args:
-        task_jacobian: (k, n), of any rank.
+        task_jacobian: (k, n), of any rank r.
     """
     k, n = task_jacobian.shape
     Q, v = np.empty((n, n)), np.empty(n)
-    found = r = 0
+    columns = r = 0
     for i in range(k + n):
-        for j in range(n):  # The rows first, and then the joints one by one.
+        for j in range(n):  # Rows of the Jacobian first, then unit vectors of the joints.
             v[j] = task_jacobian[i, j] if i < k else (1.0 if j == i - k else 0.0)
-        whole = np.sqrt(v @ v)
-        for _ in range(2):  # Once is not enough where little is left of it.
-            for j in range(found):
+        norm = np.sqrt(v @ v)
+        for _ in range(2):  # Repeated: one pass loses orthogonality if little is left of v.
+            for j in range(columns):
                 v -= (Q[j] @ v) * Q[j]
-        left = np.sqrt(v @ v)
-        if left > DEPENDENT * whole and found < n:
-            Q[found] = v / left
-            found += 1
+        projected = np.sqrt(v @ v)
+        if projected > DEPENDENT * norm and columns < n:
+            Q[columns] = v / projected
+            columns += 1
         if i < k:
-            r = found
+            r = columns
     return Q.T.copy(), r
 
 
 @compiled
-def turned_cost(C: np.ndarray, Q: np.ndarray) -> np.ndarray:
-    """(F, F), C (F, F) of outputs whose joints are turned to the motions Q (n, n)."""
+def rotated_cost(C: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """Returns C (F, F) in outputs whose joint coordinates are rotated by Q (n, n)."""
     n = len(Q)
     m = n + 3
-    turned = C.copy()
+    rotated = C.copy()
     for first in (3, m + 3):
-        turned[first : first + n] = Q.T @ turned[first : first + n]
+        rotated[first : first + n] = Q.T @ rotated[first : first + n]
     for first in (3, m + 3):
-        turned[:, first : first + n] = np.ascontiguousarray(turned[:, first : first + n]) @ Q
-    return turned
+        rotated[:, first : first + n] = np.ascontiguousarray(rotated[:, first : first + n]) @ Q
+    return rotated

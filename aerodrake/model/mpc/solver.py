@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
-from aerodrake.model.mpc.redundancy import Redundancy
+from aerodrake.model.mpc.redundancy import DecoupledMinimiser
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult, QpStatus, is_solved
 
 
@@ -22,7 +22,7 @@ class MpcSolver:
     def __init__(self, formulation: MpcFormulation):
         self._formulation = formulation
         self._qp = CondensedQp(formulation.A, formulation.config.max_iterations)
-        self._redundancy = Redundancy(formulation.condensing, formulation.W_2)
+        self._decoupled = DecoupledMinimiser(formulation.condensing, formulation.W_2)
 
     def solve(self, program: MpcProgram, active: np.ndarray | None = None) -> QpResult:
         """Solves one program.
@@ -34,7 +34,7 @@ class MpcSolver:
         """
         g, lower, upper = program.g, program.lower, program.upper
         if active is None:  # Otherwise some constraints are most likely active again.
-            z = self._redundancy.minimiser(program.C, g, program.task_jacobian)
+            z = self._decoupled.minimiser(program.C, g, program.task_jacobian)
             if z is not None:
                 result = self._qp.accept_unconstrained(z, lower, upper)
                 if result is not None:

@@ -1,4 +1,4 @@
-"""Weight allocation: which of base and arm moves, and how freely (paper, section III-C)."""
+"""Weight allocation between base and arm motion (paper, section III-C)."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import NamedTuple
 from aerodrake.scenario import Allocation
 
 HYSTERESIS = 0.1
-"""A boundary d, once crossed inward, is crossed outward at (1 + HYSTERESIS) d."""
+"""Relative hysteresis: a boundary d crossed inward is crossed outward at (1 + HYSTERESIS) d."""
 
 ADJUSTMENT_GAMMA_FLOOR = 0.2
-"""Least |gamma| that w_m sees in adjustment, lest the arm be frozen when it must recentre."""
+"""Lower bound of |gamma| in w_m in adjustment mode, so that the arm can recentre."""
 
 
 class Mode(IntEnum):
@@ -25,7 +25,7 @@ class Mode(IntEnum):
 
     @property
     def label(self) -> str:
-        """The name by which results have it."""
+        """Name in logs and summaries."""
         return self.name.lower()
 
 
@@ -48,16 +48,16 @@ class AllocatedWeights(NamedTuple):
 
 
 def next_mode(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float) -> Mode:
-    """The mode, by the cases of the paper's gamma in their printed order.
+    """Returns the mode, by the cases of the paper's gamma in their printed order.
 
-    Two things the paper leaves open: boundaries have hysteresis, and an
-    end-effector on a target that is too large for hovering is coordinated.
+    Beyond the paper, boundaries have hysteresis, and the mode is COORDINATED if the
+    end-effector is on a target trajectory that is too large for hovering.
 
     Args:
         config: Boundaries.
-        last: The mode until now.
-        d_e: m, from the end-effector to its target.
-        d_o: m, from the end-effector to the centre of the learning space.
+        last: The current mode.
+        d_e: m, distance from the end-effector to its target.
+        d_o: m, distance from the end-effector to the centre of the learning space.
         d_g: m, maximum diameter of the target trajectory.
     """
 
@@ -78,10 +78,10 @@ def next_mode(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float
 def allocate(
     config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float
 ) -> AllocatedWeights:
-    """gamma and the weights, from the distances in m, as in `next_mode` (paper, eq. 10, 11).
+    """Returns gamma and the weights (paper, eq. 10, 11). The distances are those of `next_mode`.
 
-    With `config.kind` fixed the mode is told as ever, but nothing follows it:
-    the weights are always those of `fixed_gamma` at d_o = d_h / 2.
+    With `config.kind` "fixed", the mode is reported but not used: the weights are those of
+    `fixed_gamma` at d_o = d_h / 2.
     """
     mode = next_mode(config, last, d_e, d_o, d_g)
     if config.kind == "fixed":

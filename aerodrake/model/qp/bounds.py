@@ -13,7 +13,10 @@ FEASIBILITY = 1e-6
 
 @compiled
 def is_within(A: BandedRows, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
-    """Returns True if z (nz,) is in its box and A z in [lower, upper] (rows,); False for NaN."""
+    """Returns True if z (nz,) is in its box and A z within `lower` and `upper` (rows,).
+
+    False if a value is NaN.
+    """
     for x in z:
         if not abs(x) <= 1 + FEASIBILITY:
             return False
@@ -28,11 +31,11 @@ def is_within(A: BandedRows, z: np.ndarray, lower: np.ndarray, upper: np.ndarray
 def without_redundant(
     lower: np.ndarray, upper: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns (lower, upper) with infinite bounds for redundant constraints; all (rows,).
+    """Returns (lower, upper) with infinite bounds for redundant constraints.
 
     Args:
-        lower, upper: The bounds.
-        reach: Largest |A z| of z in its box.
+        lower, upper: (rows,).
+        reach: (rows,), largest |A z| of z in its box.
     """
     return np.where(lower <= -reach, -np.inf, lower), np.where(upper >= reach, np.inf, upper)
 

@@ -1,4 +1,4 @@
-"""The condensed MPC against the paper's problem, written with its states and solved by Clarabel."""
+"""The condensed MPC against the paper's problem with explicit states, solved by Clarabel."""
 
 import dataclasses
 
@@ -9,13 +9,13 @@ from scipy.spatial.transform import Rotation
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.stage_cost import tilt_matrix
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.mpc.tracking import tilt_matrix
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpStatus
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Model, Mpc, Scenario
-from tests.written_out import K_B, UP, G, WrittenOut, acceleration, displaced
+from tests.explicit_mpc import K_B, UP, ExplicitMpc, G, acceleration, displacement
 
 DT = 0.02
 OPTIONS = [
@@ -38,7 +38,7 @@ def make_model(kind: str, vehicle: VehicleModel) -> EquivalentModel:
 def formulation(
     config: Mpc, vehicle: VehicleModel, kind: str, error: str, tilt: str, span: int
 ) -> MpcFormulation:
-    """The formulation under test, with weights that tell all axes and joints apart."""
+    """Returns the formulation under test, with different weights for all axes and joints."""
     config = dataclasses.replace(
         config,
         error=error,
@@ -59,7 +59,10 @@ def formulation(
 
 @pytest.fixture(scope="module")
 def prepared(ticks_of):
-    """The ticks with a residual; and with a commanded base where the model believes in it."""
+    """Returns a function that makes the ticks of a model, with a residual.
+
+    Models that start from the command get the commanded base.
+    """
 
     def prepared(model: EquivalentModel) -> list[MpcInputs]:
         made = []
@@ -74,20 +77,20 @@ def prepared(ticks_of):
 
 
 @pytest.mark.parametrize("option", OPTIONS)
-def test_optimum_is_that_of_the_problem_written_out(option, prepared, tight_scenario, vehicle):
-    """At every eighth tick of a flight along its bounds: over 100 programs in all."""
+def test_optimum_is_that_of_the_explicit_problem(option, prepared, tight_scenario, vehicle):
+    """At every eighth tick of a flight with active bounds: over 100 programs in all."""
     ours = formulation(tight_scenario.mpc, vehicle, *option)
     qp = CondensedQp(ours.A, ours.config.max_iterations)
-    theirs = WrittenOut(ours.config, ours.model, vehicle)
+    theirs = ExplicitMpc(ours.config, ours.model, vehicle)
     statuses, active, gaps = [], [], []
     for tick in prepared(ours.model)[::8]:
         program = ours.form(tick)
         result = qp.solve(program.H, program.g, program.lower, program.upper)
-        u_0, share = theirs.solve(tick)
+        u_0, active_fraction = theirs.solve(tick)
         statuses.append(result.status)
-        active.append(share)
+        active.append(active_fraction)
         gaps.append(np.abs(ours.inputs(result.z)[0] - u_0).max())
-        if not theirs.is_exact:  # Then it is off, not we: ours is feasible, and cheaper.
+        if not theirs.is_exact:  # Then ours is feasible and has a lower cost.
             costs = [
                 z @ program.H @ z / 2 + program.g @ z
                 for z in (result.z, theirs.U.T.ravel() / ours.scale)
@@ -103,8 +106,8 @@ def test_optimum_is_that_of_the_problem_written_out(option, prepared, tight_scen
 
 
 @pytest.mark.parametrize("option", OPTIONS[:3])
-def test_prediction_of_the_program_is_the_models(option, prepared, tight_scenario, vehicle):
-    """Of all stages, and of p_E by J_s and tilt from where it is."""
+def test_prediction_of_the_program_equals_the_model(option, prepared, tight_scenario, vehicle):
+    """At all stages; p_E by J_s and tilt from the measured one."""
     ours = formulation(tight_scenario.mpc, vehicle, *option)
     model, tick = ours.model, prepared(ours.model)[50]
     u = np.random.default_rng(0).normal(size=(ours.config.horizon, 3 + vehicle.joints))
@@ -115,21 +118,21 @@ def test_prediction_of_the_program_is_the_models(option, prepared, tight_scenari
         for _ in range(ticks):
             free = model.predict(free, np.zeros_like(u[k]), tick.delta)
             driven = model.predict(driven, u[k], tick.delta)
-        places = [*model.base_position, *model.joint_position]
-        m = len(places)
+        positions = [*model.base_position, *model.joint_position]
+        m = len(positions)
         np.testing.assert_allclose(
-            program.free[m : 2 * m, k], (free - tick.x_0)[places], atol=1e-12
+            program.free_response[m : 2 * m, k], (free - tick.x_0)[positions], atol=1e-12
         )
         moved = driven - tick.x_0
-        place = moved[model.base_position] + at.J_c[:, 4:] @ moved[model.joint_position]
+        position = moved[model.base_position] + at.J_c[:, 4:] @ moved[model.joint_position]
         if ours.config.tilt == "flatness":
-            place = place + displaced(at.r, acceleration(model, moved))
-        np.testing.assert_allclose(p_E[k + 1], at.p_E + place, atol=1e-10)
+            position = position + displacement(at.r, acceleration(model, moved))
+        np.testing.assert_allclose(p_E[k + 1], at.p_E + position, atol=1e-10)
     np.testing.assert_array_equal(p_E[0], at.p_E)
 
 
 def test_tilt_matrix_is_the_rotation_of_the_thrust_axis():
-    """Turned so that the thrust points along g + a, the base moves its tool by T a."""
+    """A rotation that points the thrust along g + a moves the tool by T a."""
     r = np.array([0.1, 0.2, -0.3])
     for a in 0.01 * np.vstack([np.eye(3), [1, -2, 0.5]]):
         thrust = a + G * UP
@@ -137,25 +140,25 @@ def test_tilt_matrix_is_the_rotation_of_the_thrust_axis():
         np.testing.assert_allclose(tilt_matrix(r) @ a, turned.apply(r) - r, atol=2e-6)
 
 
-def test_per_joint_weights_may_be_given_once(tight_scenario, ticks, vehicle):
+def test_one_weight_applies_to_all_joints(tight_scenario, ticks, vehicle):
     config = tight_scenario.mpc
-    spelled_out = dataclasses.replace(
+    per_joint = dataclasses.replace(
         config, w_2_joints=config.w_2_joints * 6, w_3_joints=config.w_3_joints * 6
     )
     model, limits = make_model("flight", vehicle), SetpointLimits.make(config, vehicle)
     for name in ("H", "g"):
         one, other = (
             getattr(MpcFormulation(c, model, limits, vehicle).form(ticks[0]), name)
-            for c in (config, spelled_out)
+            for c in (config, per_joint)
         )
         np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("horizon", [10, 15])
-def test_a_feasible_program_is_followed_by_a_feasible_one(horizon, ticks_of, vehicle):
-    """Flown by plans that care for nothing but speed towards the joints' upper limits.
+def test_feasibility_is_recursive(horizon, ticks_of, vehicle):
+    """Even if plans maximise the speed towards the upper limits of the joints.
 
-    The horizons are those in which a joint can stop: v_max / a_max = 10 ticks and more.
+    A joint can stop within the horizons: v_max / a_max = 10 ticks and more.
     """
     config, model = Mpc(horizon=horizon, span_ticks=horizon), make_model("velocity_aware", vehicle)
     ours = MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)

@@ -1,4 +1,4 @@
-"""The condensed cost against the one that a simulation of the model adds up, tick by tick."""
+"""The condensed cost against the cost summed in a simulation of the model."""
 
 import dataclasses
 
@@ -27,17 +27,17 @@ CONFIG = Mpc(
 )
 
 
-def weighed(weights: tuple[float, ...], x: np.ndarray) -> float:
+def weighted_square(weights: tuple[float, ...], x: np.ndarray) -> float:
     return np.dot(weights, x**2)
 
 
 def cost(config: Mpc, model: EquivalentModel, tick: MpcInputs, p_O, u: np.ndarray) -> float:
-    """Of the inputs u (N, 3 + n) held through their stages."""
+    """Returns the cost of inputs u (N, 3 + n), constant over their stages."""
     at, K_e, tilts = tick.end_effector, np.array(config.k_e), config.tilt == "flatness"
     p_0, q_0 = tick.x_0[model.base_position], tick.x_0[model.joint_position]
 
     def tilted(x: np.ndarray) -> np.ndarray:
-        """Where the tilt of the base has moved the end-effector."""
+        """Returns the displacement of the end-effector by the tilt of the base."""
         v_d, v = x[model.setpoint_velocity], x[model.base_velocity]
         if not tilts:
             return np.zeros(3)
@@ -59,11 +59,12 @@ def cost(config: Mpc, model: EquivalentModel, tick: MpcInputs, p_O, u: np.ndarra
         e = at.p_E + moved + tilted(x) - tilted(tick.x_0) - p_Ed
         if config.error == "frozen":
             e = at.p_E - tick.reference[0, :3]
-        J_1 = weighed(config.w_1, v + at.J_c[:, 4:] @ qdot + turned - v_Ed + K_e * e)
-        J_2 = tick.w_q * weighed(config.w_2_base, v) + tick.w_m * weighed(config.w_2_joints, qdot)
-        J_3 = weighed(config.w_3_base + config.w_3_joints, u[k])
-        J_4 = tick.w_d * weighed(config.w_4, at.p_EB + at.J_B @ (q - q_0) - p_O)
-        J_5 = weighed(config.w_5, u[k][:3] - u_last[:3])
+        J_1 = weighted_square(config.w_1, v + at.J_c[:, 4:] @ qdot + turned - v_Ed + K_e * e)
+        J_2 = tick.w_q * weighted_square(config.w_2_base, v)
+        J_2 += tick.w_m * weighted_square(config.w_2_joints, qdot)
+        J_3 = weighted_square(config.w_3_base + config.w_3_joints, u[k])
+        J_4 = tick.w_d * weighted_square(config.w_4, at.p_EB + at.J_B @ (q - q_0) - p_O)
+        J_5 = weighted_square(config.w_5, u[k][:3] - u_last[:3])
         total, u_last = total + ticks * (J_1 + J_2 + J_3 + J_4) + J_5, u[k]
     return total
 
@@ -81,12 +82,12 @@ def cost(config: Mpc, model: EquivalentModel, tick: MpcInputs, p_O, u: np.ndarra
     ],
 )
 def test_the_program_is_half_the_cost(kind, tilt, error, span, ticks_of, vehicle):
-    """z' H z / 2 + g' z for any inputs, but for what does not depend on them."""
+    """z' H z / 2 + g' z for any inputs, up to a constant."""
     config = dataclasses.replace(CONFIG, error=error, tilt=tilt, span_ticks=span)
     model = EquivalentModel.of(Scenario(model=Model(kind=kind, k_b=K_B)), vehicle.joints)
     ours = MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
     rng, N = np.random.default_rng(0), config.horizon
-    # K_e is as it is written, since the target is near.
+    # The target is so near that K_e is not limited.
     near = 0.05 * rng.normal(size=(N + 1, 6))
     tick = ticks_of(model)[70]
     near[:, :3] += tick.end_effector.p_E

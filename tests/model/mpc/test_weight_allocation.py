@@ -1,4 +1,4 @@
-"""Weight allocation: the paper's cases and numbers, and the whole plane of distances."""
+"""Weight allocation: cases and numbers of the paper, and all combinations of distances."""
 
 import itertools
 import math
@@ -31,7 +31,7 @@ configs = st.sampled_from(
 
 
 @given(configs, modes, distances, distances, diameters)
-def test_weights_are_sane_on_the_whole_plane(config, last, d_e, d_o, d_g):
+def test_weights_are_finite_and_in_range_for_all_distances(config, last, d_e, d_o, d_g):
     weights = allocate(config, last, d_e, d_o, d_g)
     assert weights.mode is next_mode(config, last, d_e, d_o, d_g)
     for weight, gain in (
@@ -54,8 +54,8 @@ def test_weights_are_sane_on_the_whole_plane(config, last, d_e, d_o, d_g):
 
 
 @given(configs, distances, distances, diameters)
-def test_cases_in_printed_order_once_settled(config, d_e, d_o, d_g):
-    """Away from the hysteresis bands the modes are the paper's, whichever was the last."""
+def test_modes_are_the_cases_of_the_paper_in_printed_order(config, d_e, d_o, d_g):
+    """Outside the hysteresis bands, whatever the last mode was."""
     d_h, d_f = config.d_h_m, config.d_h_m if d_g < config.d_h_m else config.d_f_m
     if d_f < d_e <= 1.1 * d_f or d_h < d_o <= 1.1 * d_h:
         return
@@ -80,7 +80,7 @@ def test_every_mode_is_reachable_from_every_mode(last):
 
 
 def sweep(config, mode, path, at):
-    """The (value, mode) pairs at which the mode changes along a path of values."""
+    """Returns the (value, mode) pairs at which the mode changes along a path of values."""
     changes = []
     for d in path:
         new = next_mode(config, mode, **{**at, **d})
@@ -100,7 +100,7 @@ def sweep(config, mode, path, at):
     ],
 )
 def test_hysteresis(inner, outer, key, boundary, at):
-    """Outward 10 % beyond the boundary, inward at the boundary, and no chatter between."""
+    """Outward 10 % beyond the boundary, inward at the boundary, without chatter between."""
     up = np.linspace(0, 2 * boundary, 2001)
     path = [{key: d} for d in (*up, *up[::-1])]
     (left, first), (entered, second) = sweep(CONFIG, inner, path, at)
@@ -116,7 +116,7 @@ def test_hysteresis(inner, outer, key, boundary, at):
 
 
 def test_gamma_is_continuous_in_coordination():
-    """(k_mp + d_h) / (k_mp + d_e) from the hysteresis' end down to d_h, and 1 within."""
+    """(k_mp + d_h) / (k_mp + d_e) from the end of the hysteresis down to d_h, and 1 within."""
     d_e = np.linspace(0, 1.1 * D_F, 5001)
     gamma = np.array([allocate(CONFIG, COORDINATED, d, 0.0, 1.0).gamma for d in d_e])
     assert np.all(gamma[d_e <= D_H] == 1)
@@ -134,19 +134,19 @@ def test_gamma_is_continuous_in_coordination():
         (0.05, 0.2275, 1.0, ADJUSTMENT, -0.5, 350.0, 10 / 0.51, 22.75 / 0.6),
         # gamma stops at -1 beyond the edge of the workspace.
         (0.05, 0.7, 1.0, ADJUSTMENT, -1.0, 1100.0, 10 / 1.01, 70 / 0.1),
-        # |gamma| = 0.1 counts as 0.2 in w_m alone, lest the arm freeze.
+        # |gamma| = 0.1 is raised to 0.2 in w_m only.
         (0.05, 0.1055, 1.0, ADJUSTMENT, -0.1, 110.0, 10 / 0.21, 10.55 / 1.0),
-        # d_o = 0 counts as its floor, lest J_4 vanish.
+        # d_o = 0 is raised to its floor, so that J_4 does not vanish.
         (0.05, 0.0, 0.02, HOVER, 1.0, 1100.0, 10 / 1.01, 1 / 2.1),
-        # What the printed cases leave open: close to a target too large for hovering.
+        # Not in the printed cases: close to a target trajectory too large for hovering.
         (0.05, 0.03, 1.0, COORDINATED, 1.0, 1100.0, 10 / 1.01, 3 / 2.1),
     ],
 )
 def test_hand_computed_values(d_e, d_o, d_g, mode, gamma, w_q, w_m, w_d):
     weights = allocate(CONFIG, mode, d_e, d_o, d_g)
     assert weights.mode is mode
-    found = (weights.gamma, weights.w_q, weights.w_m, weights.w_d)
-    assert found == pytest.approx((gamma, w_q, w_m, w_d), rel=1e-12)
+    values = (weights.gamma, weights.w_q, weights.w_m, weights.w_d)
+    assert values == pytest.approx((gamma, w_q, w_m, w_d), rel=1e-12)
 
 
 def test_labels():
@@ -154,16 +154,16 @@ def test_labels():
 
 
 @given(distances, distances, diameters)
-def test_fixed_weights_know_no_distance(d_e, d_o, d_g):
-    """Those of fixed_gamma at d_o = d_h / 2, everywhere; the mode is told as ever."""
+def test_fixed_weights_do_not_depend_on_distances(d_e, d_o, d_g):
+    """They are those of fixed_gamma at d_o = d_h / 2; the mode is reported as usual."""
     fixed = Allocation(kind="fixed", fixed_gamma=0.5)
     weights = allocate(fixed, HOVER, d_e, d_o, d_g)
     assert weights.mode is next_mode(CONFIG, HOVER, d_e, d_o, d_g)
-    found = (weights.gamma, weights.w_q, weights.w_m, weights.w_d)
-    assert found == pytest.approx((0.5, 350.0, 10 / 0.51, 3.75 / 1.6), rel=1e-12)
+    values = (weights.gamma, weights.w_q, weights.w_m, weights.w_d)
+    assert values == pytest.approx((0.5, 350.0, 10 / 0.51, 3.75 / 1.6), rel=1e-12)
 
 
-def test_fixed_weights_are_those_of_tracking():
-    """By default: on the target, half way to the boundary of hovering."""
+def test_default_fixed_weights_are_those_of_tracking():
+    """On the target, half way to the boundary of hovering."""
     ours = allocate(Allocation(kind="fixed"), COORDINATED, 0.0, D_H / 2, 1.0)
     assert ours == allocate(CONFIG, COORDINATED, 0.0, D_H / 2, 1.0)

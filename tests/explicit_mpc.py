@@ -1,4 +1,4 @@
-"""The paper's problem, written out with all of its states."""
+"""The paper's MPC problem with explicit states, the dynamics as equality constraints."""
 
 import clarabel
 import numpy as np
@@ -15,7 +15,7 @@ UP, G = np.array([0.0, 0.0, 1.0]), 9.81
 
 
 def acceleration(model: EquivalentModel, x: np.ndarray) -> np.ndarray:
-    """(3, ...), what tilts the base: b of the flight model, K_B (v_d - v) of the first-order ones.
+    """Returns (3, ...): b of the flight model, K_B (v_d - v) of the first-order models.
 
     Args:
         x: (nx, ...).
@@ -25,17 +25,16 @@ def acceleration(model: EquivalentModel, x: np.ndarray) -> np.ndarray:
     return (K_B * (x[model.base_state("v_d")] - x[model.base_state("v")]).T).T
 
 
-def displaced(r: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """(3, ...), by how much a horizontal acceleration's tilt moves the end-effector at `r`."""
+def displacement(r: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """Returns the displacement (3, ...) of the end-effector at `r` by a horizontal acceleration."""
     return np.cross(np.cross(UP, a.T) / G, r).T
 
 
-class WrittenOut:
-    """min of the stage costs over all states and inputs, dynamics as equalities.
+class ExplicitMpc:
+    """Minimises the stage costs over all states and inputs, subject to the dynamics.
 
-    Variables are x_0 ... x_N, u_0 ... u_N-1; those of x in units of their size. With them
-    the flight model's stages must not be long: its tilt forgets within a few ticks
-    where it began, and the equalities hardly tell.
+    Variables are x_0 ... x_N, u_0 ... u_N-1, with x scaled. Stages of the flight model must
+    be short: its tilt decays within a few ticks, which makes the equalities ill-conditioned.
     """
 
     def __init__(self, config: Mpc, model: EquivalentModel, vehicle: VehicleModel):
@@ -49,32 +48,32 @@ class WrittenOut:
         self.units = np.concatenate([np.tile(units, 3), np.ones(2 * self.n)])
 
     def x(self, k: int) -> np.ndarray:
-        """(nx, size), picks x_k."""
+        """Returns the matrix (nx, size) that selects x_k."""
         return self.units[:, None] * self.identity[k * self.nx : (k + 1) * self.nx]
 
     def u(self, k: int) -> np.ndarray:
-        """(3 + n, size), picks u_k."""
+        """Returns the matrix (3 + n, size) that selects u_k."""
         first = (self.N + 1) * self.nx + k * self.m
         return self.identity[first : first + self.m]
 
     def stage(self, k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """A, B and C over all ticks of a stage, by a power of the matrix that has all three."""
+        """Returns A, B and C over all ticks of a stage, from a power of the joint matrix."""
         model, nx = self.model, self.nx
-        held = np.eye(nx + self.m + 3)
-        held[:nx] = np.hstack([model.A, model.B, model.C])
-        power = np.linalg.matrix_power(held, stage_ticks(self.config)[k])
+        joint = np.eye(nx + self.m + 3)
+        joint[:nx] = np.hstack([model.A, model.B, model.C])
+        power = np.linalg.matrix_power(joint, stage_ticks(self.config)[k])
         return np.split(power[:nx], [nx, nx + self.m], axis=1)
 
     def cost(self, tick: MpcInputs):
-        """Yields (L, c, w): the cost is the sum of w |L z + c|^2."""
+        """Yields (L, c, w); the cost is the sum of w |L z + c|^2."""
         config, model, at = self.config, self.model, tick.end_effector
         K_e, z0 = np.array(config.k_e), np.zeros(self.size)
         q_0 = tick.x_0[model.joint_position]
 
-        def places(x: np.ndarray) -> np.ndarray:
+        def position(x: np.ndarray) -> np.ndarray:
             moved = x[model.base_position] + at.J_c[:, 4:] @ x[model.joint_position]
             if config.tilt == "flatness":
-                moved = moved + displaced(at.r, acceleration(model, x))
+                moved = moved + displacement(at.r, acceleration(model, x))
             return moved
 
         for k, ticks in enumerate(stage_ticks(config), start=1):
@@ -85,10 +84,10 @@ class WrittenOut:
                 known = known + at.J_u @ tick.rpy_rates[:2]
             if config.tilt == "flatness":
                 change = acceleration(model, x) - acceleration(model, self.x(k - 1))
-                velocity = velocity + displaced(at.r, change / (ticks * DT))
+                velocity = velocity + displacement(at.r, change / (ticks * DT))
             p_Ed, v_Ed = tick.reference[k, :3], tick.reference[k, 3:]
             if config.error == "predicted":
-                e, e_fixed = places(x), at.p_E - places(tick.x_0) - p_Ed
+                e, e_fixed = position(x), at.p_E - position(tick.x_0) - p_Ed
             else:
                 e, e_fixed = np.zeros((3, self.size)), at.p_E - tick.reference[0, :3]
             w_1, w_2, w_4 = (np.array(w) for w in (config.w_1, config.w_2_base, config.w_4))
@@ -103,7 +102,7 @@ class WrittenOut:
             yield at.J_B @ x[model.joint_position], p_EB, ticks * tick.w_d * w_4
 
     def bounds(self):
-        """Yields (G, h): G z <= h."""
+        """Yields (G, h) of the constraints G z <= h."""
         vehicle, config, model = self.vehicle, self.config, self.model
         for k in range(self.N):
             u, limit = self.u(k), [*config.base_acceleration_m_s2, *vehicle.acceleration]
@@ -120,11 +119,11 @@ class WrittenOut:
         yield from ((brake, vehicle.upper), (-brake, -vehicle.lower))
 
     def solve(self, tick: MpcInputs) -> tuple[np.ndarray, float]:
-        """(u_0, the share of input and state bounds that are active)."""
+        """Returns u_0 and the fraction of bounds that are active."""
         L, c, w = (np.concatenate(parts) for parts in zip(*self.cost(tick), strict=True))
-        L, w = sparse.csc_matrix(L), 1e-4 * w  # Of the size of the bounds' multipliers.
+        L, w = sparse.csc_matrix(L), 1e-4 * w  # Scaled like the multipliers of the bounds.
         P, linear = 2 * L.T @ sparse.diags(w) @ L, 2 * L.T @ (w * c)
-        # Each row is divided by its unit as well.
+        # Rows are scaled as well.
         equal, equal_to = [self.x(0) / self.units[:, None]], [tick.x_0 / self.units]
         for k in range(self.N):
             A, B, C = self.stage(k)

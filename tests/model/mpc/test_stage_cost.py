@@ -1,4 +1,4 @@
-"""J_6 against what it says, written with the model's own states and the arm turned for real."""
+"""Tracking cost: J_6 against its definition, from model states and numerical rotations."""
 
 import dataclasses
 
@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.stage_cost import limited_gain
 from aerodrake.model.mpc.tick import MpcInputs, Pointing
-from aerodrake.model.mpc.tracking import limited_gain
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import VehicleState, split_state
@@ -32,7 +32,7 @@ def model(scenario, vehicle) -> EquivalentModel:
 
 @pytest.fixture(scope="module")
 def state(vehicle) -> VehicleState:
-    """Near trim, tilted and yawed."""
+    """State near trim, tilted and yawed."""
     x = vehicle.trim_state + 0.1 * np.random.default_rng(1).normal(size=len(vehicle.trim_state))
     x[:4] /= np.linalg.norm(x[:4])
     return split_state(x)
@@ -63,23 +63,23 @@ def formulation(config, model, vehicle) -> MpcFormulation:
     return MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
 
 
-def turned(kinematics, state, by=(0.0, 0.0, 0.0), q=0.0) -> np.ndarray:
-    """(3,), the tool's direction once the base turned by a small rotation and the arm by q."""
+def tool_direction(kinematics, state, by=(0.0, 0.0, 0.0), q=0.0) -> np.ndarray:
+    """Returns the tool direction (3,) after a small rotation of the base and a motion of q."""
     t_B, _ = kinematics.arm_axis(state.q + q)
     return Rotation.from_rotvec(by).apply(state.R_B @ t_B)
 
 
 def derivative(change, size: int, h: float = 1e-6) -> np.ndarray:
-    """(3, size), of a direction by its arguments at zero."""
+    """Returns the central difference quotients (3, size) at zero."""
     steps = h * np.eye(size)
     return np.column_stack([(change(s) - change(-s)) / (2 * h) for s in steps])
 
 
 def j_6(config, model, kinematics, state, tick, ticks, U) -> float:
-    """Stage by stage, from states by the model and directions by rotations."""
-    by_q = derivative(lambda q: turned(kinematics, state, q=q), model.joints)
+    """Returns J_6, summed over the stages, with states of the model and numerical Jacobians."""
+    by_q = derivative(lambda q: tool_direction(kinematics, state, q=q), model.joints)
     # A base acceleration a turns the base by z x a / g.
-    by_a = derivative(lambda a: turned(kinematics, state, by=np.cross(UP, a) / G), 3)
+    by_a = derivative(lambda a: tool_direction(kinematics, state, by=np.cross(UP, a) / G), 3)
     _, pitch, yaw = state.rpy
     spin = YAW_RATE * UP
     if config.tilt == "held":
@@ -88,7 +88,7 @@ def j_6(config, model, kinematics, state, tick, ticks, U) -> float:
         spin = spin + XI_U_RATES @ [roll_axis, pitch_axis]
     if config.tilt != "flatness":
         by_a = 0 * by_a
-    t_0 = turned(kinematics, state)
+    t_0 = tool_direction(kinematics, state)
     x, cost = tick.x_0, 0.0
     for k, (stage, u) in enumerate(zip(ticks, U, strict=True), start=1):
         before = model.acceleration @ x
@@ -108,8 +108,8 @@ def j_6(config, model, kinematics, state, tick, ticks, U) -> float:
         d, d_rate = np.split(tick.pointing.reference[k], 2)
         if config.error == "frozen":
             t, d = t_0, tick.pointing.reference[0, :3]
-        miss = rate - d_rate + config.k_o * (t - d)
-        cost += stage * config.w_6 * miss @ miss
+        residual = rate - d_rate + config.k_o * (t - d)
+        cost += stage * config.w_6 * residual @ residual
     return cost
 
 
@@ -117,9 +117,7 @@ def j_6(config, model, kinematics, state, tick, ticks, U) -> float:
     ("error", "tilt"),
     [("predicted", "flatness"), ("predicted", "held"), ("frozen", "none"), ("frozen", "flatness")],
 )
-def test_the_task_adds_its_cost_and_nothing_else(
-    error, tilt, model, vehicle, kinematics, state, tick
-):
+def test_the_orientation_task_adds_only_j_6(error, tilt, model, vehicle, kinematics, state, tick):
     config = dataclasses.replace(CONFIG, error=error, tilt=tilt)
     ours = formulation(config, model, vehicle)
     program, without = ours.form(tick), ours.form(dataclasses.replace(tick, pointing=None))
@@ -132,20 +130,20 @@ def test_the_task_adds_its_cost_and_nothing_else(
         return j_6(config, model, kinematics, state, tick, ours.stage_ticks, ours.inputs(z))
 
     for z in rng.uniform(-1, 1, (5, len(ours.scale))):
-        # The program is half of the sum of squares, less what no input changes.
+        # The program is half of the sum of squares, up to a constant.
         value = 2 * (z @ H @ z / 2 + g @ z)
         assert value == pytest.approx(expected(z) - expected(0 * z), rel=1e-6, abs=1e-6)
 
 
-def test_turning_the_tool_about_its_axis_costs_nothing(model, vehicle, tick):
-    """The last joint of the arm is that axis."""
+def test_rotation_about_the_tool_axis_is_free(model, vehicle, tick):
+    """The axis of the last joint is the tool axis."""
     ours = formulation(CONFIG, model, vehicle)
     H = ours.form(tick).H - ours.form(dataclasses.replace(tick, pointing=None)).H
     np.testing.assert_allclose(H[-CONFIG.horizon :], 0, atol=1e-9)
     assert np.abs(H).max() > 1e-3
 
 
-def test_a_far_direction_is_turned_to_at_the_approach_speed():
+def test_gain_is_limited_by_the_approach_speed():
     gain, error = np.full(3, 4.0), np.array([0.0, 0.3, 0.4])
     np.testing.assert_allclose(limited_gain(gain, error, 0.5), 1.0)
     np.testing.assert_array_equal(limited_gain(gain, error, 5.0), gain)
