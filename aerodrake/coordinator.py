@@ -138,7 +138,7 @@ def make_coordinator(
     replacements = replacements or Replacements()
     builder = replacements.builder()
     builder.AddSystem(make_guidance(scenario, vehicle, replacements.part()))
-    kinematics = Kinematics(vehicle.robot)
+    kinematics = Kinematics(vehicle.plant)
     systems = {
         "kinematics": KinematicsSystem(kinematics, vehicle.joints, vehicle.p_O),
         "weight_allocator": WeightAllocator(scenario.allocation, period),

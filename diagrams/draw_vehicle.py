@@ -18,7 +18,8 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
 from aerodrake.model.reference.curves import make_reference
-from aerodrake.model.vehicle.vehicle import VehicleModel, add_robot
+from aerodrake.model.vehicle.robot import add_robot
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario.load import load_scenario
 
 EYE, TARGET = np.array([0.75, 1.35, 1.75]), np.array([-0.22, 0.12, 1.33])
@@ -30,7 +31,7 @@ def main() -> None:
     vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 1e-3)
-    add_robot(plant, vehicle.robot)
+    add_robot(plant, vehicle.description)
     lap = make_reference(scenario.reference, vehicle.p_E).evaluate(np.linspace(3, 27, 700))[0]
     for i, point in enumerate(lap):
         pose, color = RigidTransform(point), np.array([0.91, 0.35, 0.05, 1.0])

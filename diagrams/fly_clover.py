@@ -5,6 +5,7 @@ from pydrake.systems.analysis import Simulator
 
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.threads import single_thread
@@ -15,7 +16,7 @@ def main() -> None:
     closed_loop = make_closed_loop(scenario)
     context = make_context(closed_loop, scenario.seed)
     simulator = Simulator(closed_loop, context)
-    kinematics = Kinematics(scenario.vehicle.robot)
+    kinematics = Kinematics(VehicleModel.load(scenario).plant)
     for t in range(11):
         with single_thread():
             simulator.AdvanceTo(scenario.settle_s + t)

@@ -248,6 +248,6 @@ def test_the_closed_loop_hovers_where_it_started(closed_loop, scenario, vehicle)
     Simulator(closed_loop, context).AdvanceTo(scenario.settle_s + 0.5)
     state = closed_loop.GetOutputPort("true_state").Eval(context)
     np.testing.assert_allclose(state, vehicle.trim_state, atol=1e-6)
-    p_EB, _ = Kinematics(vehicle.robot).arm(state[7:13])
+    p_EB, _ = Kinematics(vehicle.plant).arm(state[7:13])
     p_Ed = closed_loop.GetOutputPort("reference").Eval(context)[:3]
     np.testing.assert_allclose(state[4:7] + p_EB, p_Ed, atol=1e-6)

@@ -65,9 +65,10 @@ class FlightSimulation:
         self.scenario = scenario
         self._link = link
         builder = DiagramBuilder()
-        remote = make_remote_coordinator(scenario, link) if link else None
+        self._vehicle = VehicleModel.load(scenario)
+        remote = make_remote_coordinator(scenario, self._vehicle, link) if link else None
         # Beside station and coordinator, since each diagram around them costs at every step.
-        ports = add_closed_loop(builder, scenario, replacements, remote)
+        ports = add_closed_loop(builder, scenario, replacements, remote, self._vehicle)
         sizes = {name: ports[name].size() for name in PORTS}
         # Side by side in one sink: each sink would be an event of its own.
         samples = builder.AddNamedSystem("samples", Multiplexer(list(sizes.values())))
@@ -85,8 +86,7 @@ class FlightSimulation:
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
         self._tick_ms = link.tick_ms if link else _tick_ms(self.closed_loop, scenario.controller)
-        self._vehicle = VehicleModel.load(scenario)
-        self._kinematics = Kinematics(self._vehicle.robot)
+        self._kinematics = Kinematics(self._vehicle.plant)
         self.curve = make_reference(scenario.reference, self._vehicle.p_E)
         # What is compiled is loaded now, lest the first ticks wait for it.
         with single_thread():

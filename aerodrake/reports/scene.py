@@ -13,7 +13,8 @@ from pydrake.perception import PointCloud
 from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.model.vehicle.payload import add_payload
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, VehicleModel, add_ground, add_robot
+from aerodrake.model.vehicle.robot import BASE_FRAME, add_ground, add_robot
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 
 VIEW_FROM_M = np.array([0.85, 1.3, 0.3])
@@ -43,13 +44,14 @@ class Scene:
     def __init__(self, scenario: Scenario):
         self.meshcat = _silent_meshcat()
         self.meshcat.SetProperty("/Axes", "visible", False)
-        self._p_O = VehicleModel.load(scenario).p_O
+        vehicle = VehicleModel.load(scenario)
+        self._p_O = vehicle.p_O
         self._size_m = scenario.allocation.learning_space_m
         builder = DiagramBuilder()
         self._plant = builder.AddSystem(MultibodyPlant(0.0))
         scene_graph = builder.AddSystem(SceneGraph())
         self._plant.RegisterAsSourceForSceneGraph(scene_graph)
-        add_robot(self._plant, scenario.vehicle.robot)
+        add_robot(self._plant, vehicle.description)
         add_payload(self._plant, scenario.payload.mass_kg)
         add_ground(self._plant)
         self._plant.Finalize()

@@ -86,7 +86,7 @@ class FlightController(LeafSystem):
         self._outer = OuterLoop.make(config, rotor, vehicle, period)
         self._inner = InnerLoop.make(config, rotor, vehicle, period)
         is_fed = config.feedforward == "whole_body"
-        self._whole_body = WholeBody(vehicle.robot) if is_fed else None
+        self._whole_body = WholeBody(vehicle.plant) if is_fed else None
 
         trim = allocate(self._inner.rotors, vehicle.trim_wrench)
         known = vehicle.trim_wrench[1:] * is_fed

@@ -41,7 +41,7 @@ class PointingSystem(LeafSystem):
     ):
         super().__init__()
         check_start(direction, vehicle)
-        self._kinematics, self._direction = Kinematics(vehicle.robot), direction
+        self._kinematics, self._direction = Kinematics(vehicle.plant), direction
         self._settle_s, self._stages = settle_s, stages_s
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(vehicle.joints))
         self.DeclareAbstractOutputPort(

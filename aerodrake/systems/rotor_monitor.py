@@ -45,7 +45,7 @@ class RotorMonitorSystem(LeafSystem):
     def __init__(self, monitor: RotorMonitor, vehicle: VehicleModel):
         super().__init__()
         self._monitor = monitor
-        self._whole_body = WholeBody(vehicle.robot)
+        self._whole_body = WholeBody(vehicle.plant)
         rotors = len(monitor.trim)
         self._sample = self.DeclareVectorInputPort("sample", VehicleState.size(vehicle.joints))
         self._health = self.DeclareVectorInputPort("sample_health", 2 * GROUPS)

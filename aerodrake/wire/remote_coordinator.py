@@ -63,7 +63,7 @@ def make_station_link(
     return Link(lcm, *make_layouts(make_coordinator(scenario), scenario), True, say)
 
 
-def make_remote_coordinator(scenario: Scenario, link: Link) -> Diagram:
+def make_remote_coordinator(scenario: Scenario, vehicle: VehicleModel, link: Link) -> Diagram:
     """Told by wire what to do, with setpoint integrator and supervisor of its own.
 
     These two stay with the vehicle: setpoints cannot jump, whatever comes over the wire or does
@@ -75,11 +75,11 @@ def make_remote_coordinator(scenario: Scenario, link: Link) -> Diagram:
 
     Args:
         scenario: That of the coordinator, as far as it is `fingerprint.COORDINATED`.
+        vehicle: The scenario's vehicle.
         link: The station's end.
     """
     rates = scenario.rates
     step = rates.plant_step_s
-    vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()
     receiver = builder.AddNamedSystem(
         "receiver", WireReceiver(link, rates.mpc_period_s, step, 3 * step / 8)

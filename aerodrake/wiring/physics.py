@@ -11,7 +11,8 @@ from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle.payload import add_payload
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, VehicleModel, add_ground, add_robot
+from aerodrake.model.vehicle.robot import BASE_FRAME, add_ground, add_robot
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.errors import file_at
 from aerodrake.systems.faults.actuators import make_rotor_faults
@@ -54,7 +55,7 @@ def add_physics(builder: DiagramBuilder, scenario: Scenario, vehicle: VehicleMod
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant.RegisterAsSourceForSceneGraph(scene_graph)
     with file_at(scenario.source, "vehicle.robot"):
-        add_robot(plant, scenario.vehicle.robot, scenario.mismatch)
+        add_robot(plant, vehicle.description, scenario.mismatch)
     add_payload(plant, scenario.payload.mass_kg)
     add_ground(plant)
     plant.SetUseSampledOutputPorts(False)  # With them a step would be an unrestricted update.

@@ -112,7 +112,7 @@ def test_the_arm_rests_or_swings_within_its_learning_space(scenario, vehicle):
     moving = arm_motion(scenario, vehicle, "moving").vector_values(t).T
     np.testing.assert_allclose(moving[0], vehicle.working, atol=1e-12)
     np.testing.assert_allclose(np.ptp(moving, axis=0), 0.15, atol=0.01)
-    kinematics = Kinematics(vehicle.robot)
+    kinematics = Kinematics(vehicle.plant)
     moved = np.array([kinematics.arm(q)[0] for q in moving]) - vehicle.p_O
     assert np.all(np.abs(moved) < np.array(scenario.allocation.learning_space_m) / 2)
     assert np.abs(moved).max() > 0.03

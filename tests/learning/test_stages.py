@@ -77,7 +77,7 @@ def test_a_stage_flies_what_it_says_after_a_hover_that_is_not_recorded(scenario,
     assert np.diff(flown.time_s) == pytest.approx(scenario.rates.mpc_period_s)
     p_d = flown.base_setpoint[:, :3] - vehicle.p_B
     assert np.abs(p_d[0]).max() < 1e-3 and np.abs(p_d[-1]).max() > 0.05
-    kinematics = Kinematics(vehicle.robot)
+    kinematics = Kinematics(vehicle.plant)
     tool = np.array([kinematics.arm(q)[0] for q in flown.joint_setpoint[:, : vehicle.joints]])
     half = np.array(scenario.allocation.learning_space_m) / 2
     assert (np.abs(tool - vehicle.p_O) < half + 2e-3).all()

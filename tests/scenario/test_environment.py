@@ -9,8 +9,8 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.flight.simulate import FlightSimulation
+from aerodrake.model.vehicle.robot import TOOL_FRAME, add_robot
 from aerodrake.model.vehicle.state import split_state
-from aerodrake.model.vehicle.vehicle import TOOL_FRAME, add_robot
 from aerodrake.scenario import Mismatch, Payload, Scenario, Sensors, Wind
 from aerodrake.station import make_context, make_station
 from tests.trim import hovering
@@ -95,7 +95,7 @@ def test_a_payload_is_lifted_and_the_tool_returns(loaded_hover, vehicle):
 def test_joints_hold_the_static_moment_of_arm_and_payload(loaded_hover, vehicle):
     """Of the arm by Drake's gravity, of the payload by its weight and the tool's Jacobian."""
     plant = MultibodyPlant(0.0)
-    add_robot(plant, vehicle.robot)
+    add_robot(plant, vehicle.description)
     plant.Finalize()
     context = plant.CreateDefaultContext()
     log = loaded_hover

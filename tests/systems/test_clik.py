@@ -36,7 +36,7 @@ def clik(parts) -> ClikSystem:
 def values(vehicle, parts):
     """Values of the input ports: at rest in trim, 5 cm from the target."""
     state, n = vehicle.trim_state, vehicle.joints
-    end_effector = Kinematics(vehicle.robot).end_effector(split_state(state))
+    end_effector = Kinematics(vehicle.plant).end_effector(split_state(state))
     target = np.concatenate([end_effector.p_E + [0.05, 0, 0], np.zeros(3)])
     base = np.concatenate([vehicle.p_B, np.zeros(6)])
     arm = np.concatenate([vehicle.working, np.zeros(2 * n)])

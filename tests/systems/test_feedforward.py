@@ -144,7 +144,7 @@ def test_the_disturbance_is_not_what_the_arm_is_known_to_take(scenario, vehicle)
     The force beyond gravity that keeps the base in its place acts on it the other way round.
     """
     base, joints = swing(vehicle)
-    flown, whole_body = Flown(scenario, "whole_body", base, joints), WholeBody(vehicle.robot)
+    flown, whole_body = Flown(scenario, "whole_body", base, joints), WholeBody(vehicle.plant)
     orders = joints, joints.MakeDerivative(1), joints.MakeDerivative(2)
     misses, sizes = [], []
     for time in flown.advance():

@@ -8,8 +8,9 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 
+from aerodrake.model.vehicle.robot import add_robot
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.model.vehicle.vehicle import GRAVITY, add_robot
+from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.station import make_context, make_station
 from aerodrake.systems.flight_controller import FlightController
 
@@ -35,7 +36,7 @@ def mixer(scenario, vehicle):
 def centre(vehicle) -> np.ndarray:
     """(3,) m, the centre of mass in trim, from the base's origin."""
     plant = MultibodyPlant(0.0)
-    add_robot(plant, vehicle.robot)
+    add_robot(plant, vehicle.description)
     plant.Finalize()
     context = plant.CreateDefaultContext()
     plant.SetPositionsAndVelocities(context, vehicle.trim_state)

@@ -5,8 +5,8 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 
 from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.model.vehicle.robot import BASE_FRAME, TOOL_FRAME, add_robot
 from aerodrake.model.vehicle.state import split_state
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, TOOL_FRAME, add_robot
 from aerodrake.systems.kinematics import KinematicsSystem
 
 
@@ -34,7 +34,7 @@ def system(kinematics, vehicle) -> KinematicsSystem:
 @pytest.fixture(scope="module")
 def plant(vehicle) -> MultibodyPlant:
     plant = MultibodyPlant(0.0)
-    add_robot(plant, vehicle.robot)
+    add_robot(plant, vehicle.description)
     plant.Finalize()
     return plant
 

@@ -43,7 +43,7 @@ def formulation(vehicle, request) -> MpcFormulation:
 
 @pytest.fixture(scope="module")
 def kinematics(vehicle) -> Kinematics:
-    return Kinematics(vehicle.robot)
+    return Kinematics(vehicle.plant)
 
 
 @pytest.fixture

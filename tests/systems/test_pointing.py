@@ -7,7 +7,7 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 
 from aerodrake.model.reference.direction import make_direction
-from aerodrake.model.vehicle.vehicle import TOOL_FRAME, add_robot
+from aerodrake.model.vehicle.robot import TOOL_FRAME, add_robot
 from aerodrake.scenario import AxisAlong, FixedAxis, Scenario
 from aerodrake.station import make_coordinator
 from aerodrake.support.errors import BadInput
@@ -30,7 +30,7 @@ def system(vehicle, direction) -> PointingSystem:
 
 def test_outputs_are_of_the_current_state_and_time(system, vehicle, direction):
     plant = MultibodyPlant(0.0)
-    add_robot(plant, vehicle.robot)
+    add_robot(plant, vehicle.description)
     plant.Finalize()
     plant_context = plant.CreateDefaultContext()
     context, rng = system.CreateDefaultContext(), np.random.default_rng(0)

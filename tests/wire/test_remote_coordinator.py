@@ -11,6 +11,7 @@ from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
 from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.supervision.safe_mode import SafeMode
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario.load import load_scenario
 from aerodrake.support.errors import BadInput
 from aerodrake.wire.companion import Companion
@@ -43,7 +44,9 @@ def names(diagram, count, port):
 def test_it_has_the_ports_of_the_coordinator(scenario):
     own, remote = (
         make_coordinator(scenario),
-        make_remote_coordinator(scenario, make_station_link(scenario, Lockstep())),
+        make_remote_coordinator(
+            scenario, VehicleModel.load(scenario), make_station_link(scenario, Lockstep())
+        ),
     )
     inputs, outputs = ("num_input_ports", "get_input_port"), ("num_output_ports", "get_output_port")
     assert names(remote, *inputs) == names(own, *inputs) - {"followed"}

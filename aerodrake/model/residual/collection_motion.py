@@ -57,7 +57,7 @@ def joint_motion(path: Motion, vehicle: VehicleModel, period: float) -> Piecewis
     Raises:
         ValueError: if that asks for more than the joints' limits.
     """
-    kinematics = Kinematics(vehicle.robot)
+    kinematics = Kinematics(vehicle.plant)
     room = np.minimum(vehicle.upper - vehicle.working, vehicle.working - vehicle.lower)
     scale = np.sqrt(room)
     q, qdot = vehicle.working, np.zeros(vehicle.joints)

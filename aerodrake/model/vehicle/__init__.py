@@ -1,1 +1,1 @@
-"""The robot and its physics: kinematics, whole-body dynamics, payload, wind."""
+"""The vehicle: robot description, kinematics, dynamics, payload and wind."""

@@ -1,4 +1,4 @@
-"""A serial arm below a free base, as a plant has it."""
+"""Checks of a robot's arm: revolute joints in series, driven and limited."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from aerodrake.model.vehicle.state import BASE_POSITIONS, BASE_VELOCITIES
 from aerodrake.support.errors import BadInput
 
 LIGHTEST, HEAVIEST = 1e-9, 1e9
-"""Between these is all that is positive: masses, moments of inertia, and limits of joints."""
+"""Bounds of all positive quantities: masses, moments of inertia, and ranges of joints."""
 
 
 def arm_joints(
     plant: MultibodyPlant, base: RigidBody, tool: RigidBody, robot: str
 ) -> list[RevoluteJoint]:
-    """The joints of a robot's arm, from the base to the tool.
+    """Returns the joints of a robot's arm, from the base to the tool.
 
     Args:
-        plant: With the robot, finalised.
-        base, tool: The links that the arm begins and ends with.
-        robot: Its file, for messages.
+        plant: The finalised plant, which contains the robot alone.
+        base, tool: The first and the last link of the arm.
+        robot: URI or path of the robot, for messages.
 
     Raises:
-        BadInput: if it is no serial arm of revolute joints below a free base, or a joint
+        BadInput: if the arm is not a series of revolute joints on a free base, or a joint
             lacks limits or a transmission.
     """
     joints = [plant.get_joint(i) for i in plant.GetJointIndices()]
     arm = [j for j in joints if isinstance(j, RevoluteJoint)]
-    arm.sort(key=lambda joint: joint.position_start())  # That of the chain, not of the file.
+    arm.sort(key=lambda joint: joint.position_start())  # The file may have another order.
     if (
         not arm
         or plant.num_positions() != BASE_POSITIONS + len(arm)
@@ -66,10 +66,10 @@ def arm_joints(
 def _is_chain(
     plant: MultibodyPlant, base: RigidBody, arm: list[RevoluteJoint], tool: RigidBody
 ) -> bool:
-    """Whether each joint carries the next, the base the first, and the last one the tool."""
-    carriers = [base, *(j.child_body() for j in arm)]
-    carried = [*(j.parent_body() for j in arm), tool]
+    """Returns True if the joints connect the base to the tool in this order."""
+    parents = [base, *(j.child_body() for j in arm)]
+    children = [*(j.parent_body() for j in arm), tool]
     return all(
-        body in plant.GetBodiesWeldedTo(carrier)
-        for carrier, body in zip(carriers, carried, strict=True)
+        child in plant.GetBodiesWeldedTo(parent)
+        for parent, child in zip(parents, children, strict=True)
     )

@@ -1,4 +1,4 @@
-"""Where the end-effector is and how it moves with base and joints."""
+"""Forward kinematics and Jacobians of the end-effector and of the tool's axis."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from pydrake.math import VectorToSkewSymmetric
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from aerodrake.model.vehicle.robot import BASE_FRAME, TOOL_AXIS, TOOL_FRAME
 from aerodrake.model.vehicle.rotation import cross
-from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, TOOL_AXIS, TOOL_FRAME, add_robot
+from aerodrake.model.vehicle.state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
 from aerodrake.support.compiled import compiled
 
 
 @dataclass(frozen=True)
 class TaskVector:
-    """A vector in the world that the tool carries, and how it moves with base and joints.
+    """Position or direction fixed to the tool, in the world, and its Jacobians.
 
     Attributes:
-        r: (3,), the part of it that turns with the base.
-        J_c: (3, 4 + n), its derivative per xi_c' = [p_B', yaw', q'] (paper, eq. 2).
-        J_u: (3, 2), its derivative per xi_u' = [roll', pitch'] (paper, eq. 2).
+        r: (3,), its part that rotates with the base.
+        J_c: (3, 4 + n), Jacobian with respect to xi_c = [p_B, yaw, q] (paper, eq. 2).
+        J_u: (3, 2), Jacobian with respect to xi_u = [roll, pitch] (paper, eq. 2).
     """
 
     r: np.ndarray
@@ -37,28 +37,28 @@ class TaskVector:
 
     @cached_property
     def J_s(self) -> np.ndarray:
-        """(3, 3 + n), the columns of J_c that the MPC commands: [p_B', q']."""
+        """(3, 3 + n), the columns of J_c for the MPC's inputs, [p_B, q]."""
         return np.delete(self.J_c, 3, axis=1)
 
     @property
     def J_yaw(self) -> np.ndarray:
-        """(3,), the column of J_c that belongs to the yaw rate."""
+        """(3,), the column of J_c for yaw."""
         return self.J_c[:, 3]
 
 
 @dataclass(frozen=True)
 class ToolAxis(TaskVector):
-    """The direction of the tool's axis, a unit vector; r is the whole of it."""
+    """Direction of the tool's axis, a unit vector equal to r."""
 
 
 @dataclass(frozen=True)
 class EndEffector(TaskVector):
-    """The position of the end-effector; r, in m, is R_B p_EB, from the base to it.
+    """Position of the end-effector; r, in m, is R_B p_EB, from the base's origin to it.
 
     Attributes:
         p_E: (3,) m, position in the world: p_B + R_B p_EB (paper, eq. 1).
         p_EB: (3,) m, position in the base frame.
-        J_B: (3, n), p_EB' per q', in the base frame.
+        J_B: (3, n) m/rad, Jacobian of p_EB with respect to q.
     """
 
     p_E: np.ndarray
@@ -72,55 +72,58 @@ class EndEffector(TaskVector):
 
 
 class Kinematics:
-    """Forward kinematics and Jacobians, with the arm's chain from the URDF.
+    """Forward kinematics and Jacobians of the arm, from the robot's nominal plant.
 
     Args:
-        robot: A `package://aerodrake/...` URI, or the path of a URDF.
+        plant: The robot's nominal plant, `VehicleModel.plant`.
     """
 
-    def __init__(self, robot: str):
-        self._plant = MultibodyPlant(0.0)
-        add_robot(self._plant, robot)
-        base = self._plant.GetFrameByName(BASE_FRAME)
-        self._plant.WeldFrames(self._plant.world_frame(), base)
-        self._plant.Finalize()
-        self._context = self._plant.CreateDefaultContext()
-        self._tool = self._plant.GetFrameByName(TOOL_FRAME)
+    def __init__(self, plant: MultibodyPlant):
+        self._plant = plant
+        self._base = plant.GetFrameByName(BASE_FRAME)
+        self._tool = plant.GetFrameByName(TOOL_FRAME)
+        self._context = plant.CreateDefaultContext()
+        self._positions = plant.GetDefaultPositions()
 
     def tool(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(p_EB (3,) m, t (3,)) in the base frame at q (n,) rad: where the tool is, and points."""
-        self._plant.SetPositions(self._context, q)
-        X_BE = self._tool.CalcPoseInWorld(self._context)  # The base is the world here.
+        """Returns position p_EB (3,) m and axis t (3,) of the tool in the base frame, at joint
+        angles q (n,) rad."""
+        self._set(q)
+        X_BE = self._plant.CalcRelativeTransform(self._context, self._base, self._tool)
         return X_BE.translation(), X_BE.rotation().multiply(TOOL_AXIS)
 
     def arm(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(p_EB (3,) m, J_B (3, n)) in the base frame at joint angles q (n,) rad."""
-        plant, world = self._plant, self._plant.world_frame()
-        plant.SetPositions(self._context, q)
-        p_EB = plant.CalcPointsPositions(self._context, self._tool, np.zeros(3), world)[:, 0]
-        J_B = plant.CalcJacobianTranslationalVelocity(
-            self._context, JacobianWrtVariable.kQDot, self._tool, np.zeros(3), world, world
+        """Returns p_EB (3,) m and its Jacobian J_B (3, n) m/rad in the base frame, at joint angles
+        q (n,) rad."""
+        plant, origin = self._plant, np.zeros(3)
+        self._set(q)
+        p_EB = plant.CalcPointsPositions(self._context, self._tool, origin, self._base)[:, 0]
+        J = plant.CalcJacobianTranslationalVelocity(
+            self._context, JacobianWrtVariable.kV, self._tool, origin, self._base, self._base
         )
-        return p_EB, J_B
+        return p_EB, J[:, BASE_VELOCITIES:]
 
     def arm_axis(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(t (3,), its Jacobian (3, n)) in the base frame, of the tool's axis at q (n,) rad."""
-        plant, world = self._plant, self._plant.world_frame()
-        plant.SetPositions(self._context, q)
-        t = self._tool.CalcRotationMatrixInWorld(self._context).multiply(TOOL_AXIS)
-        J_omega = plant.CalcJacobianAngularVelocity(
-            self._context, JacobianWrtVariable.kQDot, self._tool, world, world
-        )
+        """Returns the tool's axis t (3,) and its Jacobian (3, n) 1/rad in the base frame, at joint
+        angles q (n,) rad."""
+        _, t = self.tool(q)
+        J_omega = self._plant.CalcJacobianAngularVelocity(
+            self._context, JacobianWrtVariable.kV, self._tool, self._base, self._base
+        )[:, BASE_VELOCITIES:]
         return t, -VectorToSkewSymmetric(t) @ J_omega
 
+    def _set(self, q: np.ndarray) -> None:
+        self._positions[BASE_POSITIONS:] = q
+        self._plant.SetPositions(self._context, self._positions)
+
     def end_effector(self, state: VehicleState) -> EndEffector:
-        """Position of the end-effector at `state`."""
+        """Returns the position of the end-effector and its Jacobians at `state`."""
         p_EB, J_B = self.arm(state.q)
         r, J_c, J_u = task_vector(state.R_B, p_EB, J_B, moves=True)
         return EndEffector(r=r, J_c=J_c, J_u=J_u, p_E=state.p_B + r, p_EB=p_EB, J_B=J_B)
 
     def tool_axis(self, state: VehicleState) -> ToolAxis:
-        """Direction of the tool's axis at `state`."""
+        """Returns the direction of the tool's axis and its Jacobians at `state`."""
         t_B, J_B = self.arm_axis(state.q)
         t, J_c, J_u = task_vector(state.R_B, t_B, J_B, moves=False)
         return ToolAxis(r=t, J_c=J_c, J_u=J_u)
@@ -130,13 +133,13 @@ class Kinematics:
 def task_vector(
     R_B: np.ndarray, p: np.ndarray, J_B: np.ndarray, moves: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(r (3,), J_c (3, 4 + n), J_u (3, 2)) as `TaskVector` has them, of what the arm carries.
+    """Returns r (3,), J_c (3, 4 + n) and J_u (3, 2) of a `TaskVector`.
 
     Args:
-        R_B: (3, 3).
-        p: (3,), in the base frame.
-        J_B: (3, n), p' per q', in the base frame.
-        moves: Whether it moves with the base, as places do and directions do not.
+        R_B: (3, 3) rotation from the base to the world frame.
+        p: (3,) position or direction in the base frame.
+        J_B: (3, n) Jacobian of p with respect to q, in the base frame.
+        moves: True for positions, which translate with the base; False for directions.
     """
     n = J_B.shape[1]
     r = np.zeros(3)
@@ -147,8 +150,7 @@ def task_vector(
             r[i] += R_B[i, j] * p[j]
             for k in range(n):
                 J_c[i, 4 + k] += R_B[i, j] * J_B[j, k]
-    # The axes about which roll, pitch and yaw turn the base: its own x, that level and to
-    # the left of it, and up.
+    # Axes of roll, pitch and yaw: the base's x axis, the level axis to its left, and up.
     level = np.sqrt(R_B[0, 0] * R_B[0, 0] + R_B[1, 0] * R_B[1, 0])
     left = np.array([-R_B[1, 0] / level, R_B[0, 0] / level, 0.0])
     J_u[:, 0], J_u[:, 1] = cross(np.ascontiguousarray(R_B[:, 0]), r), cross(left, r)

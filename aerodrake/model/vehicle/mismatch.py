@@ -1,49 +1,35 @@
-"""Robots whose links are not what their URDF says, as a plant may be off its model."""
+"""Model mismatch: links of the plant that differ from their URDF."""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from pathlib import Path
-from xml.dom.minidom import Element
+from xml.dom.minidom import Document, Element
 
 from aerodrake.scenario import Mismatch
 from aerodrake.support.errors import BadInput
-from aerodrake.support.urdf import parse_urdf, urdf_content
 
 EXACT = Mismatch()
-"""That of a plant that is as its files have it."""
+"""No mismatch."""
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-"""Of inertia, as URDF calls them."""
+"""Attributes of `<inertia>` in a URDF."""
 
 
-def is_exact(mismatch: Mismatch) -> bool:
-    """Whether the links are as their URDF has them."""
-    return mismatch.mass_scale == mismatch.inertia_scale == 1
+def scaled_urdf(robot: str, document: Document, mismatch: Mismatch) -> str:
+    """Returns a URDF's text with the mass and central inertia of every link scaled.
 
-
-def mismatched_urdf(path: Path, mismatch: Mismatch) -> str:
-    """A URDF with every link's mass, and inertia about its centre of mass, by their factors.
-
-    A URDF states just these two numbers, so that they are scaled in its text: a
-    body welded to the link could not add to the one without the other.
+    The numbers are scaled in the description, since a body welded to a link could not
+    add to its mass without adding to its inertia.
 
     Args:
-        path: The URDF; meshes relative to it are named by absolute URIs in the result.
+        robot: URI or path of the URDF, for messages.
+        document: Its XML, which stays as it is.
         mismatch: The factors.
 
     Raises:
-        BadInput: as `read_urdf`, or where a number is none.
+        BadInput: if a number in the file is malformed.
     """
-    # A run parses its robot a dozen times, and asks for its text as often.
-    return _mismatched(path, path.absolute(), urdf_content(path), mismatch)
-
-
-@lru_cache(maxsize=16)
-def _mismatched(path: Path, place: Path, content: bytes, mismatch: Mismatch) -> str:
-    """The same for the file's place and content, which it depends on."""
-    document = parse_urdf(path, content)
-    if is_exact(mismatch):
+    if mismatch.mass_scale == mismatch.inertia_scale == 1:
         return document.toxml()
+    document = document.cloneNode(deep=True)
     try:
         for link in document.getElementsByTagName("inertial"):
             for mass in link.getElementsByTagName("mass"):
@@ -51,7 +37,7 @@ def _mismatched(path: Path, place: Path, content: bytes, mismatch: Mismatch) -> 
             for inertia in link.getElementsByTagName("inertia"):
                 _scale(inertia, MOMENTS, mismatch.inertia_scale)
     except ValueError as error:
-        raise BadInput(path, "", f"mismatch of links: {error}") from None
+        raise BadInput(robot, "", f"mismatch of links: {error}") from None
     return document.toxml()
 
 

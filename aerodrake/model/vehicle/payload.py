@@ -1,4 +1,4 @@
-"""A load at the end-effector: part of the plant, but of no controller's model."""
+"""Payload at the end-effector: part of the plant, but not of the controllers' model."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import SpatialInertia
 
-from aerodrake.model.vehicle.vehicle import TOOL_FRAME
+from aerodrake.model.vehicle.robot import TOOL_FRAME
 
 STEEL_KG_M3 = 7850.0
-"""Density, from which the payload has its size."""
+"""Density of the payload, which determines its size."""
 STEEL_COLOR = (0.55, 0.57, 0.60, 1.0)
 PAYLOAD_BODY = "payload"
 
 
 def add_payload(plant: MultibodyPlant, mass: float) -> None:
-    """Welds a steel ball to the tool of an unfinalised plant that has a robot.
+    """Welds a steel ball to the tool of an unfinalised plant that contains a robot.
 
-    Its centre is the origin of the tool frame. It weighs and has inertia, but
-    touches nothing; where the plant is registered with a SceneGraph it is seen.
+    The ball's centre is the origin of the tool frame. It has mass and inertia, but no
+    collision geometry; in a plant that is registered with a SceneGraph it is visible.
 
     Args:
-        plant: Where it goes; it comes after the bodies that are there.
-        mass: kg; with 0 nothing is added.
+        plant: The plant; the ball becomes its last body.
+        mass: kg; 0 adds nothing.
     """
     if mass == 0:
         return

@@ -1,4 +1,4 @@
-"""How far the arm reaches."""
+"""Reach of the arm."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.vehicle import VehicleModel
 
 STARTS = 32
-"""Configurations from which the farthest one is searched."""
+"""Number of random start configurations of the search."""
 
 
 def farthest_reach(vehicle: VehicleModel) -> float:
-    """The farthest that joint limits let the end-effector get from p_O, in m.
+    """Returns the largest distance of the end-effector from p_O within joint limits, in m.
 
-    The URDF's own answer to what the paper's d_edge stands for. Searched from
-    random configurations, always the same.
+    This is the URDF's value of the paper's d_edge. Found by local searches from random
+    configurations, which are the same at every call.
     """
-    kinematics = Kinematics(vehicle.robot)
+    kinematics = Kinematics(vehicle.plant)
 
-    def closeness(q: np.ndarray) -> tuple[float, np.ndarray]:
+    def negative_square(q: np.ndarray) -> tuple[float, np.ndarray]:
         p_EB, J_B = kinematics.arm(q)
         offset = p_EB - vehicle.p_O
         return -offset @ offset / 2, -J_B.T @ offset
 
     spread = np.random.default_rng(0).random((STARTS, vehicle.joints))
     bounds = list(zip(vehicle.lower, vehicle.upper, strict=True))
-    found = [
-        minimize(closeness, q, jac=True, bounds=bounds, method="L-BFGS-B").fun
+    minima = [
+        minimize(negative_square, q, jac=True, bounds=bounds, method="L-BFGS-B").fun
         for q in vehicle.lower + spread * (vehicle.upper - vehicle.lower)
     ]
-    return float(np.sqrt(-2 * min(found)))
+    return float(np.sqrt(-2 * min(minima)))

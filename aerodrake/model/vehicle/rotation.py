@@ -1,4 +1,4 @@
-"""Rotations inside compiled equations, where Drake's cannot be called; tested against these."""
+"""Rotations for compiled equations, which cannot call Drake's."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ UP = np.array([0.0, 0.0, 1.0])
 
 @compiled
 def rotation_matrix(quaternion: np.ndarray) -> np.ndarray:
-    """(3, 3), of a quaternion (4,), w first, of any length but 0."""
+    """Returns R (3, 3) of a quaternion (4,), w first, of any length but 0."""
     w, x, y, z = quaternion
     s = 2 / (w * w + x * x + y * y + z * z)
-    # Number by number: of a list of lists it would take five times as long.
+    # Entry by entry: a list of lists would take five times as long.
     R = np.empty((3, 3))
     R[0, 0], R[1, 1] = 1 - s * (y * y + z * z), 1 - s * (x * x + z * z)
     R[2, 2] = 1 - s * (x * x + y * y)
@@ -27,7 +27,7 @@ def rotation_matrix(quaternion: np.ndarray) -> np.ndarray:
 
 @compiled
 def roll_pitch_yaw(R: np.ndarray) -> np.ndarray:
-    """(3,) rad of a rotation matrix R (3, 3), pitch within +- 90 deg: R = R_z R_y R_x."""
+    """Returns roll, pitch and yaw (3,) rad of R = R_z R_y R_x (3, 3), pitch within +- 90 deg."""
     level = np.sqrt(R[2, 1] * R[2, 1] + R[2, 2] * R[2, 2])
     return np.array(
         [
@@ -40,13 +40,13 @@ def roll_pitch_yaw(R: np.ndarray) -> np.ndarray:
 
 @compiled
 def rpy_rates(R: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """(3,) rad/s, how fast roll, pitch and yaw of R change at omega.
+    """Returns the rates (3,) rad/s of roll, pitch and yaw.
 
     Args:
         R: (3, 3), rotation matrix.
-        omega: (3,) rad/s, in the frame that R leads to; pitch is to be within +- 90 deg.
+        omega: (3,) rad/s, in the frame that R maps to; pitch must be within +- 90 deg.
     """
-    # Along the level axis ahead, and the one to its left, about which pitch turns.
+    # Components along the level axis ahead and the one to its left, the axis of pitch.
     level = np.sqrt(R[0, 0] * R[0, 0] + R[1, 0] * R[1, 0])
     ahead_x, ahead_y = R[0, 0] / level, R[1, 0] / level
     ahead = ahead_x * omega[0] + ahead_y * omega[1]
@@ -56,7 +56,7 @@ def rpy_rates(R: np.ndarray, omega: np.ndarray) -> np.ndarray:
 
 @compiled
 def quaternion_of(rpy: np.ndarray) -> np.ndarray:
-    """(4,) of rpy (3,) rad, roll, pitch and yaw: R = R_z R_y R_x."""
+    """Returns the quaternion (4,) of roll, pitch and yaw (3,) rad: R = R_z R_y R_x."""
     c, s = np.cos(rpy / 2), np.sin(rpy / 2)
     return np.array(
         [
@@ -70,14 +70,14 @@ def quaternion_of(rpy: np.ndarray) -> np.ndarray:
 
 @compiled
 def conjugate(quaternion: np.ndarray) -> np.ndarray:
-    """(4,) the rotation back, of a quaternion (4,) of length 1."""
+    """Returns the inverse (4,) of a unit quaternion (4,)."""
     w, x, y, z = quaternion
     return np.array([w, -x, -y, -z])
 
 
 @compiled
 def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(4,) the quaternion of the rotation b (4,), followed by a (4,)."""
+    """Returns the quaternion (4,) of the rotation b (4,) followed by the rotation a (4,)."""
     return np.array(
         [
             a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
@@ -90,18 +90,18 @@ def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 @compiled
 def turned(quaternion: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """(4,) of length 1: a quaternion (4,) turned by a rotation vector (3,) rad in its own frame."""
+    """Returns the unit quaternion (4,) after a rotation by `vector` (3,) rad in its own frame."""
     angle = length(vector)
-    # sin(angle / 2) / angle, which is 1 / 2 where they vanish.
+    # sin(angle / 2) / angle, whose limit at 0 is 1 / 2.
     factor = np.sin(angle / 2) / angle if angle > 1e-12 else 0.5
     by = np.array([np.cos(angle / 2), factor * vector[0], factor * vector[1], factor * vector[2]])
-    found = product(quaternion, by)
-    return found / length(found)
+    rotated = product(quaternion, by)
+    return rotated / length(rotated)
 
 
 @compiled
 def rotation_vector(quaternion: np.ndarray) -> np.ndarray:
-    """(3,) rad, at most half a turn, of a quaternion (4,) of any length but 0."""
+    """Returns the rotation vector (3,) rad, at most pi long, of a quaternion of length > 0."""
     sign = 1.0 if quaternion[0] >= 0 else -1.0
     v = sign * quaternion[1:]
     sine = length(v)
@@ -112,13 +112,13 @@ def rotation_vector(quaternion: np.ndarray) -> np.ndarray:
 
 @compiled
 def vee(R: np.ndarray) -> np.ndarray:
-    """(3,) of (R - R') / 2 of R (3, 3); of a rotation, its axis times the sine of its angle."""
+    """Returns the vector (3,) of (R - R') / 2: the axis of R (3, 3) times the sine of its angle."""
     return 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
 
 
 @compiled
 def turn(R: np.ndarray) -> np.ndarray:
-    """(3,) rad, the rotation vector of a rotation matrix R (3, 3) of less than half a turn."""
+    """Returns the rotation vector (3,) rad, shorter than pi, of a rotation matrix R (3, 3)."""
     v = vee(R)
     sine = np.sqrt(np.sum(v * v))
     if sine == 0:
@@ -128,7 +128,7 @@ def turn(R: np.ndarray) -> np.ndarray:
 
 @compiled
 def apply(R: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """(3,) R v, of R (3, 3) and v (3,). At this size R @ v takes longer."""
+    """Returns R v (3,), faster than R @ v at this size."""
     return np.array(
         [
             R[0, 0] * v[0] + R[0, 1] * v[1] + R[0, 2] * v[2],
@@ -140,7 +140,7 @@ def apply(R: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 @compiled
 def length(v: np.ndarray) -> float:
-    """Of a vector v (m,) of any size, in its unit."""
+    """Returns the Euclidean norm of v (m,)."""
     total = 0.0
     for x in v:
         total += x * x
@@ -149,7 +149,7 @@ def length(v: np.ndarray) -> float:
 
 @compiled
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(3,) a x b, of a (3,) and b (3,)."""
+    """Returns a x b (3,)."""
     return np.array(
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     )

@@ -1,4 +1,4 @@
-"""Where the rotors of a robot are, as its URDF has them."""
+"""Positions and spin of a robot's rotors."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from pydrake.multibody.tree import RigidBody
 from aerodrake.support.errors import BadInput
 
 ROTOR_PREFIX = "rotor_"
-"""Of the names of the frames in the URDF that are rotors."""
+"""Prefix of the names of the rotors' frames in the URDF."""
 
 
 @dataclass(frozen=True)
 class Rotors:
-    """Where the rotors are.
+    """Positions and spin of the rotors.
 
     Attributes:
-        names: Of their frames, in the order of thrust vectors.
+        names: Names of their frames, in the order of thrust vectors.
         p_B: (k, 3) m, their positions in the base frame.
-        spin: (k,) +1 where the propeller turns counter-clockwise seen from above.
+        spin: (k,) +1 for propellers that turn counter-clockwise seen from above, else -1.
     """
 
     names: tuple[str, ...]
@@ -29,26 +29,27 @@ class Rotors:
     spin: np.ndarray
 
     def mixer(self, torque_ratio: float) -> np.ndarray:
-        """(4, k) from thrusts [N] to [collective thrust N, torque about the base x, y, z N m].
+        """Returns the matrix (4, k) that maps thrusts in N to [collective thrust in N, torque
+        about the base's x, y and z axes in N m].
 
         Args:
-            torque_ratio: m, drag torque over thrust; it acts against the spin.
+            torque_ratio: m, drag torque over thrust; the torque acts against the spin.
         """
         x, y, _ = self.p_B.T
         return np.vstack([np.ones_like(x), y, -x, -self.spin * torque_ratio])
 
     @classmethod
     def of(cls, plant: MultibodyPlant, base: RigidBody, robot: str) -> Rotors:
-        """Those of a robot.
+        """Reads the rotors from a plant.
 
         Args:
-            plant: With the robot.
-            base: The link that they are on.
-            robot: Its file, for messages.
+            plant: The plant, which contains the robot.
+            base: The link that the rotors are fixed to.
+            robot: URI or path of the robot, for messages.
 
         Raises:
-            BadInput: if there are less than four, or they are on another link, or tilted, or
-                their frames' names do not tell which way they turn.
+            BadInput: if there are fewer than four, one is on another link or tilted, or
+                the name of its frame does not say which way it turns.
         """
         frames = [plant.get_frame(i) for i in plant.GetFrameIndices(base.model_instance())]
         frames = [f for f in frames if f.name().startswith(ROTOR_PREFIX)]

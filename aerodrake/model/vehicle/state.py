@@ -1,4 +1,4 @@
-"""The state vector of base and arm and its named parts."""
+"""State vector of the vehicle and its named parts."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from aerodrake.model.vehicle.rotation import roll_pitch_yaw, rotation_matrix, rp
 from aerodrake.support.compiled import compiled
 
 BASE_POSITIONS = 7
-"""Numbers of the base in q: its quaternion and p_B."""
+"""Size of the base's part of q: its quaternion and p_B."""
 BASE_VELOCITIES = 6
-"""And in v: omega_W and v_B."""
+"""Size of the base's part of v: omega_W and v_B."""
 
 
 class VehicleState(NamedTuple):
-    """State of the vehicle, in the order in which `MultibodyPlant` has it.
+    """State of the vehicle, in the order of `MultibodyPlant`.
 
     Attributes:
         quaternion: (4,) attitude of the base, w first.
@@ -36,7 +36,7 @@ class VehicleState(NamedTuple):
 
     @staticmethod
     def size(joints: int) -> int:
-        """Length of the state vector of a vehicle whose arm has `joints` joints."""
+        """Returns the length of the state vector for an arm of `joints` joints."""
         return BASE_POSITIONS + BASE_VELOCITIES + 2 * joints
 
     def to_vector(self) -> np.ndarray:

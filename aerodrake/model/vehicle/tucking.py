@@ -1,4 +1,4 @@
-"""Where the arm goes for a landing: up, out of the way of the ground."""
+"""Tucked configuration of the arm for a landing, away from the ground."""
 
 from __future__ import annotations
 
@@ -11,31 +11,29 @@ from scipy.optimize import minimize
 from aerodrake.model.vehicle.state import BASE_POSITIONS
 
 CLEARANCE_M = 0.1
-"""By how much all of the arm is to be higher than the base's lowest point."""
+"""Required height of the arm above the base's lowest point."""
 MARGIN_RAD = 0.05
-"""What joints keep from their limits, where the working configuration does."""
+"""Distance of joints from their limits, unless the working configuration is closer."""
 TOLERANCE_M = 1e-6
-"""By how much less is high enough."""
+"""Accepted violation of the clearance."""
 STARTS = 16
-"""Configurations to search from if the working one leads to none that is high enough."""
+"""Number of further start configurations, if the search from the working one fails."""
 
 
 class GroundGeometry:
-    """What of a robot could touch the ground: its collision geometry, as the boxes around it.
+    """Bounding boxes of a robot's collision geometry, which could touch the ground.
 
     Attributes:
-        feet: m, the base's lowest point in its frame; 0 if nothing of it collides.
+        feet: m, the base's lowest point in its frame; 0 without collision geometry.
         lower, upper: (n,) rad, limits of the joints.
+
+    Args:
+        plant: Finalised plant of the robot alone, registered with a SceneGraph.
+        scene_graph: The SceneGraph with its geometry.
+        base: Name of the link that the arm is mounted on.
     """
 
     def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph, base: str):
-        """Of a robot.
-
-        Args:
-            plant: With the robot alone, finalised, and registered with
-            scene_graph: Its geometry.
-            base: The link that the arm is on.
-        """
         inspector = scene_graph.model_inspector()
         link = plant.GetBodyByName(base)
         corners = {
@@ -51,7 +49,7 @@ class GroundGeometry:
         self._context = plant.CreateDefaultContext()
 
     def heights(self, q: np.ndarray) -> np.ndarray:
-        """(c,) m, of the corners of the arm's boxes in the base frame, at angles q (n,) rad."""
+        """Returns the heights (c,) m of the arm's box corners in the base frame at q (n,) rad."""
         self._set(q)
         heights = [
             self._plant.CalcPointsPositions(self._context, body.body_frame(), points, self._base)[2]
@@ -60,7 +58,7 @@ class GroundGeometry:
         return np.concatenate([np.empty(0), *heights])
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """(c, n) m/rad, of the heights at angles q (n,) rad."""
+        """Returns the Jacobian (c, n) m/rad of the heights at q (n,) rad."""
         self._set(q)
         return np.vstack(
             [
@@ -83,78 +81,99 @@ class GroundGeometry:
 
 
 def tuck(geometry: GroundGeometry, working: np.ndarray) -> np.ndarray:
-    """(n,) rad, the configuration next to the working one with all of the arm high enough.
+    """Returns the configuration (n,) rad nearest to the working one with the arm high enough.
 
-    That is `CLEARANCE_M` above the feet, of the boxes around its geometry and so of what is in
-    them. Found by sequential quadratic programming from the working configuration, or else
-    from others spread over the joints' range; where there is none, that with the highest
-    lowest corner.
+    High enough means `CLEARANCE_M` above the feet, for the bounding boxes of its collision
+    geometry. Found by sequential quadratic programming from the working configuration, or else
+    from others spread over the joints' range. If none is high enough, returns the one whose
+    lowest corner is highest.
 
     Args:
-        geometry: Of the robot.
+        geometry: Collision geometry of the robot.
         working: (n,) rad, within the joints' limits.
     """
-    n, corners = len(working), len(geometry.heights(working))
-    if not corners:
+    if not len(geometry.heights(working)):
         return working.copy()
-    least = geometry.feet + CLEARANCE_M
-    lower = np.minimum(geometry.lower + MARGIN_RAD, working)
-    upper = np.maximum(geometry.upper - MARGIN_RAD, working)
-    box = list(zip(lower, upper, strict=True))
+    search = _Search(geometry, working)
+    tucked = search.nearest(working)
+    if search.is_clear(tucked):
+        return tucked
+    from scipy.stats.qmc import Halton  # Importing it takes a third of a second.
 
-    def clearance(q: np.ndarray) -> float:
-        return float(geometry.heights(q).min()) - least
+    spread = Halton(len(working), scramble=False).random(STARTS)
+    starts = search.lower + (search.upper - search.lower) * spread
+    raised = [search.highest(start) for start in (working, *starts)]
+    clear = [q for start in raised if search.is_clear(q := search.nearest(start))]
+    return min(clear, key=search.distance) if clear else max(raised, key=search.clearance)
 
-    def distance(q: np.ndarray) -> float:
-        return float(np.sum((q - working) ** 2))
 
-    def nearest(start: np.ndarray) -> np.ndarray:
+class _Search:
+    """Optimisation problems of `tuck`.
+
+    Attributes:
+        lower, upper: (n,) rad, bounds of the configuration.
+    """
+
+    def __init__(self, geometry: GroundGeometry, working: np.ndarray):
+        self._geometry, self._working = geometry, working
+        self._least = geometry.feet + CLEARANCE_M
+        self.lower = np.minimum(geometry.lower + MARGIN_RAD, working)
+        self.upper = np.maximum(geometry.upper - MARGIN_RAD, working)
+        self._bounds = list(zip(self.lower, self.upper, strict=True))
+
+    def clearance(self, q: np.ndarray) -> float:
+        """Returns the height of the lowest corner above the required one, in m."""
+        return float(self._geometry.heights(q).min()) - self._least
+
+    def is_clear(self, q: np.ndarray) -> bool:
+        """Returns True if the arm is high enough."""
+        return self.clearance(q) >= -TOLERANCE_M
+
+    def distance(self, q: np.ndarray) -> float:
+        """Returns the squared distance from the working configuration, in rad^2."""
+        return float(np.sum((q - self._working) ** 2))
+
+    def nearest(self, start: np.ndarray) -> np.ndarray:
+        """Minimises the distance, subject to the clearance of all corners."""
+        geometry = self._geometry
         above = {
             "type": "ineq",
-            "fun": lambda q: geometry.heights(q) - least,
+            "fun": lambda q: geometry.heights(q) - self._least,
             "jac": geometry.jacobian,
         }
-        found = minimize(
-            lambda q: (distance(q), 2 * (q - working)),
+        result = minimize(
+            lambda q: (self.distance(q), 2 * (q - self._working)),
             start,
             jac=True,
             method="SLSQP",
-            bounds=box,
+            bounds=self._bounds,
             constraints=above,
         )
-        return np.clip(found.x, lower, upper)
+        return np.clip(result.x, self.lower, self.upper)
 
-    def highest(start: np.ndarray) -> np.ndarray:
-        """By the height h that all corners reach, with x = [q, h]."""
+    def highest(self, start: np.ndarray) -> np.ndarray:
+        """Maximises the height h that all corners reach, with x = [q, h]."""
+        n, geometry = len(start), self._geometry
+        heights = geometry.heights(start)
         up = np.eye(n + 1)[n]
         above = {
             "type": "ineq",
             "fun": lambda x: geometry.heights(x[:n]) - x[n],
-            "jac": lambda x: np.column_stack([geometry.jacobian(x[:n]), -np.ones(corners)]),
+            "jac": lambda x: np.column_stack([geometry.jacobian(x[:n]), -np.ones(len(heights))]),
         }
-        found = minimize(
+        result = minimize(
             lambda x: (-x[n], -up),
-            np.append(start, geometry.heights(start).min()),
+            np.append(start, heights.min()),
             jac=True,
             method="SLSQP",
-            bounds=[*box, (None, None)],
+            bounds=[*self._bounds, (None, None)],
             constraints=above,
         )
-        return np.clip(found.x[:n], lower, upper)
-
-    found = nearest(working)
-    if clearance(found) >= -TOLERANCE_M:
-        return found
-    from scipy.stats.qmc import Halton  # A third of a second of every start that needs it not.
-
-    spread = lower + (upper - lower) * Halton(n, scramble=False).random(STARTS)
-    raised = [highest(start) for start in (working, *spread)]
-    near = [q for start in raised if clearance(q := nearest(start)) >= -TOLERANCE_M]
-    return min(near, key=distance) if near else max(raised, key=clearance)
+        return np.clip(result.x[:n], self.lower, self.upper)
 
 
 def _corners(plant: MultibodyPlant, inspector: SceneGraphInspector, body: RigidBody) -> np.ndarray:
-    """(3, 8 g) m, of the boxes around its g collision geometries, in its frame."""
+    """Returns the corners (3, 8 g) m of the boxes around a body's g collision geometries."""
     signs = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, 8)
     boxes = [np.empty((3, 0))]
     for geometry in plant.GetCollisionGeometriesForBody(body):

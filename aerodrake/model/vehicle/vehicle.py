@@ -1,104 +1,67 @@
-"""The vehicle as its URDF has it: joints, limits, rotors, inertia and trim."""
+"""Model of the vehicle: facts from its URDF, and its trim."""
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import resources
 
 import numpy as np
-from pydrake.geometry import Box, SceneGraph
-from pydrake.math import RigidTransform
-from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
+from pydrake.multibody.plant import MultibodyPlant
 
 from aerodrake.model.vehicle.arm import HEAVIEST, LIGHTEST, arm_joints
-from aerodrake.model.vehicle.mismatch import EXACT, mismatched_urdf
+from aerodrake.model.vehicle.robot import (
+    BASE_FRAME,
+    TOOL_AXIS,
+    TOOL_FRAME,
+    RobotDescription,
+    make_nominal_plant,
+)
 from aerodrake.model.vehicle.rotors import Rotors
 from aerodrake.model.vehicle.state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
 from aerodrake.model.vehicle.tucking import GroundGeometry, tuck
-from aerodrake.scenario import Mismatch, Scenario
-from aerodrake.support.errors import BadInput, ScenarioError, file_at
-from aerodrake.support.files import locate
-from aerodrake.support.urdf import SUFFIX
+from aerodrake.scenario import Scenario
+from aerodrake.support.errors import ScenarioError, file_at
 
-BASE_FRAME = "base"
-"""The base's link in the URDF, whose frame is B."""
-TOOL_FRAME = "tool"
-"""The tool's frame in the URDF, whose origin is the end-effector, E."""
-TOOL_AXIS = np.array([0.0, 0.0, -1.0])
-"""Where the tool points, in its frame: the direction in which it approaches things."""
 GRAVITY = 9.81
 """m/s^2, Drake's default."""
 ROUNDING_M = 1e-6
-"""What feet on the ground may be below it."""
-
-
-def add_robot(plant: MultibodyPlant, robot: str, mismatch: Mismatch = EXACT) -> None:
-    """Parses a robot into an unfinalised plant.
-
-    Args:
-        plant: Where the robot goes.
-        robot: A `package://aerodrake/...` URI, or the path of a URDF.
-        mismatch: How its links are off what is written there.
-
-    Raises:
-        BadInput: if the file is missing, is no URDF, or lacks the frames
-            `base` and `tool`.
-    """
-    parser = Parser(plant)
-    parser.package_map().AddPackageXml(str(resources.files("aerodrake") / "package.xml"))
-    try:
-        parser.AddModelsFromString(mismatched_urdf(locate(robot), mismatch), SUFFIX)
-    except BadInput as error:
-        raise BadInput(robot, *error.args[1:]) from None
-    except (RuntimeError, ValueError, SystemExit) as error:  # Drake's own, and its conditions.
-        problem = re.sub(r"<literal-string>\S*: error: ", "", str(error))
-        raise BadInput(robot, "", f"cannot be parsed: {problem}") from None
-    for frame in (BASE_FRAME, TOOL_FRAME):
-        if not plant.HasFrameNamed(frame):
-            raise BadInput(robot, "", f"expected a frame named '{frame}'")
-    if not plant.HasBodyNamed(BASE_FRAME):
-        raise BadInput(robot, "", f"expected '{BASE_FRAME}' to be a link")
-
-
-def add_ground(plant: MultibodyPlant) -> None:
-    """Adds ground at z = 0 to a plant that is registered with a SceneGraph."""
-    slab = Box(100.0, 100.0, 1.0)
-    pose = RigidTransform([0.0, 0.0, -0.5])
-    friction = CoulombFriction(static_friction=0.8, dynamic_friction=0.6)
-    plant.RegisterCollisionGeometry(plant.world_body(), pose, slab, "ground_collision", friction)
+"""Depth to which feet that rest on the ground may be below it."""
 
 
 @dataclass(frozen=True)
 class VehicleModel:
     """Facts about the robot, all read from its URDF, and its trim.
 
+    Its nominal plant is parsed once and shared by kinematics, dynamics and tucking, each with a
+    Context of its own.
+
     Attributes:
-        source: The scenario it belongs to, for messages.
-        robot: The URI or path it was read from.
-        joint_names: Of the n arm joints, from the base to the tool.
+        source: Source of the scenario, for messages.
+        description: The robot's URDF.
+        plant: Finalised plant of the robot alone, as in its URDF, with a free base.
+        ground_geometry: Collision geometry of the robot.
+        joint_names: Names of the n arm joints, from the base to the tool.
         lower, upper: (n,) rad, joint position limits.
         velocity: (n,) rad/s, joint velocity limits.
         acceleration: (n,) rad/s^2, joint acceleration limits.
         effort: (n,) N m, joint torque limits.
-        rotors: Where the rotors are.
-        p_B: (3,) m, where the base starts.
+        rotors: Positions and spin of the rotors.
+        p_B: (3,) m, initial position of the base.
         working: (n,) rad, the working configuration.
-        p_O: (3,) m, the tool there, in the base frame: centre of the learning space.
-        tool_axis: (3,) where the tool points there, in the base frame.
+        p_O: (3,) m, position of the tool there, in the base frame: centre of the learning space.
+        tool_axis: (3,) direction of the tool's axis there, in the base frame.
         mass: kg, base and arm.
         inertia: (3, 3) kg m^2, of base and arm in the working configuration,
             about their common centre of mass, in the base frame.
-        joint_inertia: (n,) kg m^2, that each joint feels there with the base free.
-        trim_wrench: (4,) [N, N m, N m, N m], what the rotors give in hover there.
-        trim_torque: (n,) N m, what the joints hold there.
-        feet_m: m, the base's lowest point in its frame: on that it stands.
+        joint_inertia: (n,) kg m^2, effective inertia of each joint there, with a free base.
+        trim_wrench: (4,) [N, N m, N m, N m], wrench of the rotors in hover there.
+        trim_torque: (n,) N m, joint torques in hover there.
     """
 
     source: str
-    robot: str
+    description: RobotDescription = field(repr=False)
+    plant: MultibodyPlant = field(repr=False)
+    ground_geometry: GroundGeometry = field(repr=False)
     joint_names: tuple[str, ...]
     lower: np.ndarray
     upper: np.ndarray
@@ -115,33 +78,41 @@ class VehicleModel:
     joint_inertia: np.ndarray
     trim_wrench: np.ndarray
     trim_torque: np.ndarray
-    feet_m: float
+
+    @property
+    def robot(self) -> str:
+        """URI or path of the URDF."""
+        return self.description.robot
+
+    @property
+    def feet_m(self) -> float:
+        """Lowest point of the base in its frame, in m; the vehicle lands on it."""
+        return self.ground_geometry.feet
 
     @property
     def joints(self) -> int:
-        """n, the number of arm joints."""
+        """Number n of arm joints."""
         return len(self.joint_names)
 
     @property
     def p_E(self) -> np.ndarray:
-        """(3,) m, where the end-effector starts."""
+        """(3,) m, initial position of the end-effector."""
         return self.p_B + self.p_O
 
     @property
     def trim_state(self) -> np.ndarray:
-        """(13 + 2 n,) the state in which flights start, as `VehicleState` has it."""
+        """(13 + 2 n,) initial state of flights: hover in the working configuration."""
         level, still = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)
         rest = np.zeros(self.joints)
         return VehicleState(level, self.p_B, self.working, still, still, rest).to_vector()
 
     @cached_property
     def tucked(self) -> np.ndarray:
-        """(n,) rad, where the arm goes for a landing, as `tuck` finds it."""
-        plant, scene_graph = _parsed(self.robot)
-        return tuck(GroundGeometry(plant, scene_graph, BASE_FRAME), self.working)
+        """(n,) rad, configuration of the arm for a landing; see `tuck`."""
+        return tuck(self.ground_geometry, self.working)
 
     def per_joint(self, values: tuple[float, ...], key: str) -> np.ndarray:
-        """(n,), from a scenario's list of one value, or of one per joint.
+        """Returns (n,) values from a scenario's list of one value, or one per joint.
 
         Raises:
             ScenarioError: if the list has another length.
@@ -159,17 +130,17 @@ class VehicleModel:
         """Reads the scenario's robot and computes its trim.
 
         Raises:
-            ScenarioError: if it cannot be flown, or the working configuration does not fit it.
+            ScenarioError: if the robot cannot fly, or the working configuration does not fit it.
         """
-        robot, working = scenario.vehicle.robot, scenario.vehicle.working_rad
         with file_at(scenario.source, "vehicle.robot"):
-            plant, scene_graph = _parsed(robot)
+            description = RobotDescription.read(scenario.vehicle.robot)
+            plant, scene_graph = make_nominal_plant(description)
             base, tool = plant.GetFrameByName(BASE_FRAME), plant.GetFrameByName(TOOL_FRAME)
-            joints = arm_joints(plant, base.body(), tool.body(), robot)
-            rotors = Rotors.of(plant, plant.GetBodyByName(BASE_FRAME), robot)
-        n = len(joints)
+            joints = arm_joints(plant, base.body(), tool.body(), description.robot)
+            rotors = Rotors.of(plant, base.body(), description.robot)
+        n, working = len(joints), np.array(scenario.vehicle.working_rad, dtype=float)
         lower, upper = plant.GetPositionLowerLimits()[-n:], plant.GetPositionUpperLimits()[-n:]
-        _check_working(np.array(working), lower, upper, [j.name() for j in joints], scenario.source)
+        _check_working(working, lower, upper, [j.name() for j in joints], scenario.source)
 
         context = plant.CreateDefaultContext()
         q = plant.GetDefaultPositions()
@@ -180,18 +151,17 @@ class VehicleModel:
             context, base, plant.GetBodyIndices(base.model_instance())
         )
         gravity = plant.CalcGravityGeneralizedForces(context)
-        M = plant.CalcMassMatrix(context)
-        b, a = slice(BASE_VELOCITIES), slice(BASE_VELOCITIES, None)
-        felt = np.zeros((n, n))
-        if np.all((np.diag(M) > LIGHTEST) & (np.diag(M) < HEAVIEST)):
-            felt = M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])
-        if not np.all(np.diag(felt) > LIGHTEST):
-            problem = f"{robot}: expected links of masses and inertias that can be moved"
+        joint_inertia = _joint_inertia(plant.CalcMassMatrix(context))
+        if not np.all(joint_inertia > LIGHTEST):
+            problem = (
+                f"{description.robot}: expected links of masses and inertias that can be moved"
+            )
             raise ScenarioError(scenario.source, "vehicle.robot", problem)
-        geometry = GroundGeometry(plant, scene_graph, BASE_FRAME)
         vehicle = cls(
             source=scenario.source,
-            robot=robot,
+            description=description,
+            plant=plant,
+            ground_geometry=GroundGeometry(plant, scene_graph, BASE_FRAME),
             joint_names=tuple(j.name() for j in joints),
             lower=lower,
             upper=upper,
@@ -200,21 +170,22 @@ class VehicleModel:
             effort=plant.GetEffortUpperLimits(),
             rotors=rotors,
             p_B=np.array(scenario.vehicle.base_position_m),
-            working=np.array(working, dtype=float),
+            working=working,
             p_O=X_BE.translation(),
             tool_axis=X_BE.rotation().multiply(TOOL_AXIS),
             mass=inertia.get_mass(),
             inertia=inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3(),
-            joint_inertia=np.diag(felt).copy(),
+            joint_inertia=joint_inertia,
             trim_wrench=-gravity[[5, 0, 1, 2]],  # Generalized forces are [torque, force].
-            trim_torque=-gravity[a],
-            feet_m=geometry.feet,
+            trim_torque=-gravity[BASE_VELOCITIES:],
         )
-        vehicle._check_start(geometry.heights(vehicle.working).min(initial=geometry.feet))
+        vehicle._check_start()
         return vehicle
 
-    def _check_start(self, lowest: float) -> None:
-        """Refuses to start in the ground, lowest m below the base's origin, or with a limp arm."""
+    def _check_start(self) -> None:
+        """Raises ScenarioError if the vehicle starts in the ground, or a joint is too weak."""
+        heights = self.ground_geometry.heights(self.working)
+        lowest = heights.min(initial=self.feet_m)
         if self.p_B[2] + lowest < -ROUNDING_M:
             raise ScenarioError(
                 self.source,
@@ -232,18 +203,21 @@ class VehicleModel:
                 )
 
 
-def _parsed(robot: str) -> tuple[MultibodyPlant, SceneGraph]:
-    """The robot by itself, and its geometry."""
-    plant, scene_graph = MultibodyPlant(0.0), SceneGraph()
-    plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, robot)
-    plant.Finalize()
-    return plant, scene_graph
+def _joint_inertia(M: np.ndarray) -> np.ndarray:
+    """Returns the effective inertia (n,) of each joint with a free base, from the mass matrix.
+
+    Zero if the mass matrix is not positive.
+    """
+    b, a = slice(BASE_VELOCITIES), slice(BASE_VELOCITIES, None)
+    if not np.all((np.diag(M) > LIGHTEST) & (np.diag(M) < HEAVIEST)):
+        return np.zeros(len(M) - BASE_VELOCITIES)
+    return np.diag(M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])).copy()
 
 
 def _check_working(
     working: np.ndarray, lower: np.ndarray, upper: np.ndarray, names: list[str], source: object
 ) -> None:
+    """Raises ScenarioError if the working configuration does not fit the joints."""
     key = "vehicle.working_rad"
     if len(working) != len(names):
         raise ScenarioError(

@@ -1,4 +1,4 @@
-"""What it takes to move base and arm."""
+"""Whole-body inverse dynamics and momentum."""
 
 from __future__ import annotations
 
@@ -8,29 +8,27 @@ from pydrake.multibody.tree import MultibodyForces
 
 from aerodrake.model.vehicle.rotation import UP, cross, rotation_matrix
 from aerodrake.model.vehicle.state import split_state
-from aerodrake.model.vehicle.vehicle import GRAVITY, add_robot
+from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.support.compiled import compiled
 
 
 class WholeBody:
-    """Inverse dynamics, M(q) v' + C(q, v) v - tau_g(q), of the robot as its URDF has it.
+    """Dynamics of the nominal robot: M(q) v' + C(q, v) v - tau_g(q).
 
     Args:
-        robot: A `package://aerodrake/...` URI, or the path of a URDF.
+        plant: The robot's nominal plant, `VehicleModel.plant`.
     """
 
-    def __init__(self, robot: str):
-        self._plant = MultibodyPlant(0.0)
-        add_robot(self._plant, robot)
-        self._plant.Finalize()
-        self._context = self._plant.CreateDefaultContext()
-        self._gravity = MultibodyForces(self._plant)  # And the joints' damping.
+    def __init__(self, plant: MultibodyPlant):
+        self._plant = plant
+        self._context = plant.CreateDefaultContext()
+        self._gravity = MultibodyForces(plant)  # And the joints' damping.
 
     def effort(self, x: np.ndarray, vdot: np.ndarray) -> np.ndarray:
-        """(6 + n,), what it takes to give base and joints these accelerations.
+        """Returns the generalized force (6 + n,) for given accelerations: inverse dynamics.
 
         Args:
-            x: (13 + 2 n,) where they are, and how fast, as `VehicleState` has it.
+            x: (13 + 2 n,) state of the vehicle.
             vdot: (6 + n,) rad/s^2 and m/s^2 of the base, of its origin, in the world;
                 rad/s^2 of the joints.
 
@@ -43,29 +41,30 @@ class WholeBody:
         return plant.CalcInverseDynamics(context, vdot, self._gravity)
 
     def momentum(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the spatial momentum about the centre of mass, and r_BC, in the world frame.
-
-        (6,) angular momentum, N m s, and linear momentum, N s; and (3,) m, from the base's
-        origin to the centre of mass.
+        """Returns the momentum about the centre of mass, and the centre of mass, in the world.
 
         Args:
-            x: (13 + 2 n,) where base and joints are, and how fast.
+            x: (13 + 2 n,) state of the vehicle.
+
+        Returns:
+            (6,) angular momentum in N m s and linear momentum in N s; (3,) m, r_BC, from the base's
+            origin to the centre of mass.
         """
         plant, context = self._plant, self._context
         plant.SetPositionsAndVelocities(context, x)
         p_C = plant.CalcCenterOfMassPositionInWorld(context)
         momentum = plant.CalcSpatialMomentumInWorldAboutPoint(context, p_C)
-        r_BC = p_C - split_state(x)[1]
-        return momentum.get_coeffs(), r_BC
+        return momentum.get_coeffs(), p_C - split_state(x).p_B
 
 
 @compiled
 def commanded_motion(
     state: np.ndarray, joint_setpoint: np.ndarray, a_B: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The state (13 + 2 n,) with the arm as commanded, and v' (6 + n,) with no turn of the base.
+    """Returns the state (13 + 2 n,) with the arm at its setpoint, and v' (6 + n,) with no angular
+    acceleration of the base.
 
-    The commanded arm, since the measured one is noisier than its lag is long.
+    The arm's setpoint is used, since noise of the measured arm exceeds its tracking error.
 
     Args:
         state: (13 + 2 n,) measured.
@@ -83,7 +82,8 @@ def commanded_motion(
 def rigid_body_effort(
     mass: float, inertia: np.ndarray, state: np.ndarray, a_B: np.ndarray
 ) -> np.ndarray:
-    """(6,) what `WholeBody.effort` says of the base, for a rigid body with its mass at the origin.
+    """Returns the base's part (6,) of `WholeBody.effort` for a rigid body with its centre of mass
+    at the base's origin.
 
     Args:
         mass: kg.

@@ -1,4 +1,4 @@
-"""Moving air: its gusts, and the force it exerts."""
+"""Wind: gusts and drag."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from aerodrake.support.compiled import compiled
 
 
 def is_at_rest(config: Wind) -> bool:
-    """Whether there is neither wind nor gust, and so no force at all."""
+    """Returns True if there is neither wind nor gust."""
     return not any(config.velocity_m_s) and not any(config.gust_m_s)
 
 
 def discrete_gusts(config: Wind, dt: float) -> tuple[float, np.ndarray]:
-    """The Ornstein-Uhlenbeck process of the gusts, exact at its samples.
+    """Returns the Ornstein-Uhlenbeck process of the gusts, discretised exactly.
 
     On each axis, x' = -x / T + sigma sqrt(2 / T) times white noise; hence
     x+ = a x + b w with w standard normal, a = exp(-dt / T) and
@@ -26,10 +26,10 @@ def discrete_gusts(config: Wind, dt: float) -> tuple[float, np.ndarray]:
 
     Args:
         config: sigma, `gust_m_s`, and T, `gust_correlation_s`.
-        dt: s, time from one sample to the next.
+        dt: s, sample period.
 
     Returns:
-        a, and (3,) m/s, b.
+        a, and b (3,) m/s.
     """
     a = math.exp(-dt / config.gust_correlation_s)
     return a, np.array(config.gust_m_s) * math.sqrt(1 - a * a)
@@ -37,25 +37,24 @@ def discrete_gusts(config: Wind, dt: float) -> tuple[float, np.ndarray]:
 
 @compiled
 def drag(quadratic: float, linear: float, v_r: np.ndarray) -> np.ndarray:
-    """(3,) N, quadratic |v_r| v_r + linear v_r: the force of air that moves past.
+    """Returns the drag force (3,) N, quadratic |v_r| v_r + linear v_r.
 
     Args:
         quadratic: N s^2/m^2.
         linear: N s/m.
-        v_r: (3,) m/s, the air's velocity less the body's, in any frame; the
-            force is in the same one.
+        v_r: (3,) m/s, velocity of the air relative to the body, in any frame; the
+            force is in the same frame.
     """
     return (quadratic * length(v_r) + linear) * v_r
 
 
 @compiled
 def drag_on_base(quadratic: float, linear: float, air: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """(3,) N in the world.
+    """Returns the drag force on the base, (3,) N in the world.
 
     Args:
-        quadratic, linear: N s^2/m^2 and N s/m, as for `drag`.
-        air: (3,) m/s, its velocity in the world.
-        x: (13 + 2 n,) the vehicle's state, as `VehicleState` has it.
+        quadratic, linear: N s^2/m^2 and N s/m, coefficients of `drag`.
+        air: (3,) m/s, velocity of the air in the world.
+        x: (13 + 2 n,) state of the vehicle.
     """
-    _, _, _, _, v_B, _ = split_state(x)
-    return drag(quadratic, linear, air - v_B)
+    return drag(quadratic, linear, air - split_state(x).v_B)

@@ -27,7 +27,7 @@ def formulation(vehicle, **changes) -> MpcFormulation:
 
 def make_tick(vehicle, model, pointing: bool, seed: int = 0) -> MpcInputs:
     rng = np.random.default_rng(seed)
-    kinematics = Kinematics(vehicle.robot)
+    kinematics = Kinematics(vehicle.plant)
     x = vehicle.trim_state + 0.1 * rng.normal(size=len(vehicle.trim_state))
     state = split_state(x)
     axis = kinematics.tool_axis(state)

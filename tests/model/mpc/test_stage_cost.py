@@ -22,7 +22,7 @@ YAW_RATE, XI_U_RATES = 0.03, np.array([0.04, -0.02])
 
 @pytest.fixture(scope="module")
 def kinematics(vehicle) -> Kinematics:
-    return Kinematics(vehicle.robot)
+    return Kinematics(vehicle.plant)
 
 
 @pytest.fixture(scope="module")

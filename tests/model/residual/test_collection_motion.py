@@ -36,7 +36,7 @@ def test_velocity_is_the_derivative_of_the_turned_position(vehicle):
 def test_the_tool_follows_its_path_within_the_learning_space(scenario, vehicle):
     times, path = eight(vehicle, lap_s=5.0)
     motion = joint_motion(path, vehicle, PERIOD)
-    kinematics = Kinematics(vehicle.robot)
+    kinematics = Kinematics(vehicle.plant)
     tool = np.array([kinematics.arm(q)[0] for q in motion.vector_values(times - times[0]).T])
     assert np.abs(tool - path[0]).max() < 2e-3
     half = np.array(scenario.allocation.learning_space_m) / 2

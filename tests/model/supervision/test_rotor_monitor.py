@@ -15,8 +15,9 @@ from aerodrake.model.supervision.rotor_monitor import (
     residual_wrench,
     update_monitor,
 )
+from aerodrake.model.vehicle.robot import add_robot
 from aerodrake.model.vehicle.rotation import rotation_matrix, turned
-from aerodrake.model.vehicle.vehicle import GRAVITY, add_robot
+from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.model.vehicle.whole_body import WholeBody
 from aerodrake.scenario import Rotor
 
@@ -238,14 +239,14 @@ def test_delayed_samples_are_compared_with_delayed_thrusts(vehicle, trim, steps)
 def test_momentum_agrees_with_the_mass_matrix(vehicle):
     """The first six rows of M v are the momentum about the base's origin."""
     plant = MultibodyPlant(0.0)
-    add_robot(plant, vehicle.robot)
+    add_robot(plant, vehicle.description)
     plant.Finalize()
     context = plant.CreateDefaultContext()
     rng = np.random.default_rng(6)
     x = vehicle.trim_state + np.concatenate([np.zeros(4), rng.uniform(-0.5, 0.5, 21)])
     plant.SetPositionsAndVelocities(context, x)
     about_base = (plant.CalcMassMatrix(context) @ plant.GetVelocities(context))[:6]
-    momentum, r_BC = WholeBody(vehicle.robot).momentum(x)
+    momentum, r_BC = WholeBody(vehicle.plant).momentum(x)
     np.testing.assert_allclose(momentum[3:], about_base[3:], atol=1e-12)
     np.testing.assert_allclose(
         momentum[:3] + np.cross(r_BC, momentum[3:]), about_base[:3], atol=1e-12

@@ -7,21 +7,21 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from scipy.spatial.transform import Rotation
 
 from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.model.vehicle.robot import TOOL_FRAME, RobotDescription, add_robot
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.model.vehicle.vehicle import TOOL_FRAME, add_robot
 
 SEEDS = range(10)
 
 
 @pytest.fixture(scope="module")
-def kinematics(scenario) -> Kinematics:
-    return Kinematics(scenario.vehicle.robot)
+def kinematics(vehicle) -> Kinematics:
+    return Kinematics(vehicle.plant)
 
 
 @pytest.fixture(scope="module")
 def floating(scenario) -> MultibodyPlant:
     plant = MultibodyPlant(0.0)
-    add_robot(plant, scenario.vehicle.robot)
+    add_robot(plant, RobotDescription.read(scenario.vehicle.robot))
     plant.Finalize()
     return plant
 

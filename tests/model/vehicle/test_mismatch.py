@@ -1,6 +1,6 @@
 """A plant off its model: the masses and inertias of its links, and nothing else."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +9,14 @@ from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
-from aerodrake.model.vehicle.mismatch import mismatched_urdf
-from aerodrake.model.vehicle.vehicle import VehicleModel, add_robot
+from aerodrake.model.vehicle.mismatch import scaled_urdf
+from aerodrake.model.vehicle.robot import RobotDescription, add_robot
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mismatch
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import locate
+from aerodrake.support.urdf import read_urdf
+from tests.trim import assert_same_vehicle
 
 MASS, INERTIA = 1.3, 0.8
 OFF = Mismatch(mass_scale=MASS, inertia_scale=INERTIA)
@@ -27,7 +30,7 @@ def scene_graph():
 def make_plant(robot: str, scene_graph: SceneGraph, mismatch: Mismatch) -> MultibodyPlant:
     plant = MultibodyPlant(0.001)
     plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, robot, mismatch)
+    add_robot(plant, RobotDescription.read(robot), mismatch)
     plant.Finalize()
     return plant
 
@@ -171,7 +174,8 @@ def test_a_prefix_that_is_not_declared_is_kept(vehicle, tmp_path):
     """As Drake reads it."""
     text = locate(vehicle.robot).read_text().replace(' xmlns:drake="https://drake.mit.edu"', "")
     (tmp_path / "own.urdf").write_text(text)
-    scaled = mismatched_urdf(tmp_path / "own.urdf", OFF)
+    robot = RobotDescription.read(str(tmp_path / "own.urdf"))
+    scaled = scaled_urdf(robot.robot, robot.document, OFF)
     assert "xmlns" not in scaled
     assert scaled.count("drake:acceleration") == text.count("drake:acceleration") > 0
 
@@ -181,11 +185,16 @@ def test_numbers_that_are_none_cannot_be_scaled(tmp_path, mass):
     path = Path(tmp_path / "robot.urdf")
     path.write_text(f'<robot><inertial><mass value="{mass}"/></inertial></robot>')
     with pytest.raises(BadInput, match="robot.urdf: mismatch of links: could not convert"):
-        mismatched_urdf(path, OFF)
+        scaled_urdf(str(path), read_urdf(path), OFF)
 
 
-def test_no_controller_knows_of_it(scenario, vehicle):
-    told = VehicleModel.load(replace(scenario, mismatch=OFF))
-    for field in fields(VehicleModel):
-        if field.name != "rotors":
-            np.testing.assert_array_equal(getattr(told, field.name), getattr(vehicle, field.name))
+def test_scaling_leaves_the_description_unchanged(vehicle):
+    robot = vehicle.description
+    before = robot.document.toxml()
+    assert scaled_urdf(robot.robot, robot.document, OFF) != before
+    assert scaled_urdf(robot.robot, robot.document, Mismatch()) == before
+
+
+def test_the_vehicle_model_has_no_mismatch(scenario, vehicle):
+    loaded = VehicleModel.load(replace(scenario, mismatch=OFF))
+    assert_same_vehicle(loaded, vehicle)

@@ -5,8 +5,8 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 from scipy.spatial.transform import Rotation
 
+from aerodrake.model.vehicle.robot import BASE_FRAME, RobotDescription, add_robot
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, add_robot
 
 
 def random_state(seed: int, joints: int = 6) -> VehicleState:
@@ -27,7 +27,7 @@ def test_vector_round_trip(joints):
 
 def test_parts_are_those_of_the_plants_state(scenario):
     plant = MultibodyPlant(0.0)
-    add_robot(plant, scenario.vehicle.robot)
+    add_robot(plant, RobotDescription.read(scenario.vehicle.robot))
     plant.Finalize()
     context = plant.CreateDefaultContext()
     base = plant.GetBodyByName(BASE_FRAME)

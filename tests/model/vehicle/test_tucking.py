@@ -14,8 +14,9 @@ from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.bench.arms import with_joints
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation
+from aerodrake.model.vehicle.robot import BASE_FRAME, RobotDescription, add_ground, add_robot
 from aerodrake.model.vehicle.tucking import CLEARANCE_M, TOLERANCE_M, GroundGeometry, tuck
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, VehicleModel, add_ground, add_robot
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.files import locate
 
@@ -23,7 +24,7 @@ from aerodrake.support.files import locate
 def geometry_of(robot: str) -> GroundGeometry:
     plant, scene_graph = MultibodyPlant(0.0), SceneGraph()
     plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, robot)
+    add_robot(plant, RobotDescription.read(robot))
     plant.Finalize()
     return GroundGeometry(plant, scene_graph, BASE_FRAME)
 
@@ -51,7 +52,7 @@ def test_heights_are_no_higher_than_what_collides(geometry, vehicle):
     """Drake's own distance of the arm from a ground on which the feet stand."""
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
-    add_robot(plant, vehicle.robot)
+    add_robot(plant, vehicle.description)
     add_ground(plant)
     plant.Finalize()
     diagram = builder.Build()

@@ -12,7 +12,8 @@ from pydrake.multibody.tree import RevoluteJoint
 
 import aerodrake.model.vehicle.vehicle as module
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, TOOL_FRAME, VehicleModel, add_robot
+from aerodrake.model.vehicle.robot import BASE_FRAME, TOOL_FRAME, RobotDescription, add_robot
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Rotor, Scenario
 from aerodrake.support.errors import BadInput
 
@@ -22,7 +23,7 @@ ACCELERATION = "{https://drake.mit.edu}acceleration"
 
 def floating_plant(robot: str, time_step: float = 0.0, gravity: bool = True) -> MultibodyPlant:
     plant = MultibodyPlant(time_step)
-    add_robot(plant, robot)
+    add_robot(plant, RobotDescription.read(robot))
     if not gravity:
         plant.mutable_gravity_field().set_gravity_vector(np.zeros(3))
     plant.Finalize()

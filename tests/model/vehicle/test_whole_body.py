@@ -10,8 +10,8 @@ from pydrake.multibody.plant import (
 )
 from scipy.spatial.transform import Rotation
 
+from aerodrake.model.vehicle.robot import BASE_FRAME, add_robot
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.model.vehicle.vehicle import BASE_FRAME, add_robot
 from aerodrake.model.vehicle.whole_body import WholeBody, commanded_motion, rigid_body_effort
 
 G = 9.81
@@ -19,13 +19,13 @@ G = 9.81
 
 @pytest.fixture(scope="module")
 def whole_body(vehicle) -> WholeBody:
-    return WholeBody(vehicle.robot)
+    return WholeBody(vehicle.plant)
 
 
 @pytest.fixture(scope="module")
 def plant(vehicle) -> MultibodyPlant:
     plant = MultibodyPlant(0.0)
-    add_robot(plant, vehicle.robot)
+    add_robot(plant, vehicle.description)
     plant.Finalize()
     return plant
 
