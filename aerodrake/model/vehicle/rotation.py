@@ -101,7 +101,7 @@ def turned(quaternion: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 @compiled
 def rotation_vector(quaternion: np.ndarray) -> np.ndarray:
-    """Returns the rotation vector (3,) rad, at most pi long, of a quaternion of length > 0."""
+    """Returns the rotation vector (3,) rad, at most pi long, of a quaternion (4,) not 0."""
     sign = 1.0 if quaternion[0] >= 0 else -1.0
     v = sign * quaternion[1:]
     sine = length(v)
@@ -128,7 +128,7 @@ def turn(R: np.ndarray) -> np.ndarray:
 
 @compiled
 def apply(R: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Returns R v (3,), faster than R @ v at this size."""
+    """Returns R v (3,) of R (3, 3) and v (3,); at this size R @ v is slower."""
     return np.array(
         [
             R[0, 0] * v[0] + R[0, 1] * v[1] + R[0, 2] * v[2],
@@ -149,7 +149,7 @@ def length(v: np.ndarray) -> float:
 
 @compiled
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Returns a x b (3,)."""
+    """Returns a x b (3,) of a (3,) and b (3,)."""
     return np.array(
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     )

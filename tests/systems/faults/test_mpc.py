@@ -41,7 +41,7 @@ def formulation(vehicle) -> MpcFormulation:
 def inputs(vehicle, formulation) -> MpcInputs:
     """Inputs of a tick at rest in trim, 5 m from the target: constraints are active."""
     state, n = vehicle.trim_state, vehicle.joints
-    end_effector = Kinematics(vehicle.robot).end_effector(split_state(state))
+    end_effector = Kinematics(vehicle.plant).end_effector(split_state(state))
     base = np.concatenate([vehicle.p_B, np.zeros(6)])
     arm = np.concatenate([vehicle.working, np.zeros(2 * n)])
     target = np.concatenate([end_effector.p_E + [5.0, 0.0, 0.0], np.zeros(3)])
