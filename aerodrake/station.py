@@ -141,14 +141,7 @@ def make_station(
     builder.AddNamedSystem("flight_controller", flight_controller)
     builder.AddSystem(
         make_sensors(
-            scenario.sensors,
-            scenario.filter,
-            rates,
-            vehicle.trim_state,
-            flight_controller.trim_acceleration,
-            scenario.faults,
-            scenario.settle_s,
-            replacements.part(),
+            scenario, vehicle.trim_state, flight_controller.trim_acceleration, replacements.part()
         )
     )
     pid = JointPid.make(scenario.arm, vehicle, rates.arm_period_s)

@@ -1,13 +1,14 @@
-"""States, and what the state filter makes of a sample of one."""
+"""Estimates and their corrections, for tests of the state filter."""
 
 import numpy as np
 
-from aerodrake.model.sensing.state_filter import (
-    StateFilter,
+from aerodrake.model.sensing.estimate import (
+    Estimate,
+    correct_attitude,
     correct_joints,
-    correct_motion,
-    correct_rotation,
+    correct_position,
 )
+from aerodrake.model.sensing.state_filter import StateFilter
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Filter
 
@@ -21,27 +22,29 @@ CONFIG = Filter(
     disturbance_m_s3=40.0,
     disturbance_rad_s3=7.0,
 )
-"""Of noise and disturbances that make a fast filter, so that few samples tell much."""
+"""Noise and disturbances of a fast filter, which converges within few samples."""
 
 
 def rest(**parts: np.ndarray) -> VehicleState:
-    """At the origin and upright, but for `parts`."""
+    """Returns the state at rest, upright at the origin, but for `parts`."""
     zero = split_state(np.zeros(VehicleState.size(JOINTS)))
     return zero._replace(**{"quaternion": np.array([1.0, 0, 0, 0]), **parts})
 
 
-def estimate(d=(0, 0, 0), delta=(0, 0, 0), **parts: np.ndarray) -> np.ndarray:
-    """(19 + 2 n,)"""
-    return np.concatenate([d, delta, rest(**parts).to_vector()])
+def estimate(d=(0, 0, 0), delta=(0, 0, 0), **parts: np.ndarray) -> Estimate:
+    """Returns the estimate with disturbances d and delta, otherwise as `rest`."""
+    return Estimate(np.array(d, float), np.array(delta, float), rest(**parts).to_vector())
 
 
-def correct(gains: StateFilter, predicted: np.ndarray, sample: np.ndarray) -> np.ndarray:
-    """(19 + 2 n,) the estimate at a sample's own time, with all groups taken in."""
-    found = predicted.copy()
-    for group in (correct_motion, correct_rotation, correct_joints):
-        group(gains, found, sample)
-    return found
+def correct(gains: StateFilter, predicted: Estimate, sample: np.ndarray) -> Estimate:
+    """Returns the estimate at a sample's own time, corrected by all its groups."""
+    corrected = Estimate(*(field.copy() for field in predicted))
+    correct_position(corrected, sample, gains.translation)
+    correct_attitude(corrected, sample, gains.rotation)
+    correct_joints(corrected, sample, gains.joint, gains.dt)
+    return corrected
 
 
-def state_of(estimate: np.ndarray) -> VehicleState:
-    return split_state(estimate[6:])
+def state_of(estimate: Estimate) -> VehicleState:
+    """Returns the parts of an estimate's state."""
+    return split_state(estimate.state)

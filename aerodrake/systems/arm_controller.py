@@ -1,22 +1,38 @@
-"""The arm's low-level controller."""
+"""Arm controller: the joints' low-level controller."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.low_level.joint_pid import JointPid, control
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.systems.named_state import NamedState
+
+
+class ArmState(NamedTuple):
+    """State of the arm controller.
+
+    Attributes:
+        integral: (n,) N m.
+        joint_torque: (n,) N m.
+    """
+
+    integral: np.ndarray
+    joint_torque: np.ndarray
 
 
 class ArmController(LeafSystem):
-    """Discrete PID of the joints.
+    """Discrete PID controller of the joints.
 
     Ports:
         in `state` (13 + 2 n): measured state.
-        in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2; a PID
-            has no use for q_d''.
-        out `joint_torque` (n): N m, held between ticks.
+        in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2; q_d'' is
+            ignored.
+        out `joint_torque` (n): N m, constant between ticks.
     State:
         `integral` (n) N m, `joint_torque` (n) N m.
     Rate:
@@ -35,9 +51,8 @@ class ArmController(LeafSystem):
         n = vehicle.joints
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
         self._setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * n)
-        self._x_integral = self.DeclareDiscreteState(vehicle.trim_torque)
-        self._x_torque = self.DeclareDiscreteState(vehicle.trim_torque)
-        self.DeclareStateOutputPort("joint_torque", self._x_torque)
+        self._last = NamedState(self, ArmState(vehicle.trim_torque, vehicle.trim_torque))
+        self.DeclareStateOutputPort("joint_torque", self._last.groups["joint_torque"])
         self.DeclarePeriodicDiscreteUpdateEvent(pid.dt, offset, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
@@ -45,7 +60,6 @@ class ArmController(LeafSystem):
             self._pid,
             self._state.Eval(context),
             self._setpoint.Eval(context),
-            discrete.value(self._x_integral),  # As in the context: an update begins with it.
+            self._last.read(context).integral,
         )
-        discrete.set_value(self._x_torque, torque)
-        discrete.set_value(self._x_integral, integral)
+        self._last.write(discrete, ArmState(integral, torque))

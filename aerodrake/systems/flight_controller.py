@@ -1,11 +1,11 @@
-"""The base's low-level controller."""
+"""Flight controller: the base's low-level controller."""
 
 from __future__ import annotations
 
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.low_level.flight_memory import initial_memory
+from aerodrake.model.low_level.flight_state import FlightOutputs, FlightState
 from aerodrake.model.low_level.inner_loop import InnerLoop, inner_loop
 from aerodrake.model.low_level.outer_loop import OuterLoop, outer_loop
 from aerodrake.model.low_level.thrust_allocation import allocate
@@ -13,9 +13,16 @@ from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.model.vehicle.whole_body import WholeBody, commanded_motion, rigid_body_effort
 from aerodrake.scenario import Flight, Rotor
+from aerodrake.systems.named_state import NamedState
 
-MEMORY, ACCELERATION = 0, 2
-"""Groups of the state, which are in the order of what `inner_loop` returns."""
+OUTPUTS = (
+    "thrust_command",
+    "acceleration",
+    "reaction",
+    "specific_thrust",
+    "disturbance",
+    "saturated",
+)
 
 
 class FlightController(LeafSystem):
@@ -23,48 +30,47 @@ class FlightController(LeafSystem):
 
     Ports:
         in `state` (13 + 2 n): measured state.
-        in `base_setpoint` (9): p_d, v_d, a_d in m, m/s, m/s^2. With the
-            `position` interface p_d alone is heeded.
-        in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2. Without
-            the feedforward it is not heeded.
+        in `base_setpoint` (9): p_d, v_d, a_d in m, m/s, m/s^2. The `position` interface
+            uses p_d alone.
+        in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2. Used by the
+            feedforward alone.
         out `thrust_command` (k): N, per rotor.
-        out `acceleration` (6): what the base is believed to have from this command
-            until the next, without disturbances: of its origin, m/s^2 in the
-            world, and angular, rad/s^2 in the base frame.
-        out `specific_thrust` (1): m/s^2, collective thrust over mass that the
-            rotors are believed to give at the next sample.
-        out `reaction` (3): m/s^2, what moving the arm takes off the base's acceleration.
-        out `disturbance` (6): what acts beside thrust and gravity, m/s^2 in the
-            world: h of the position ESO, less what moving the arm takes. And h of
-            the attitude ESO, rad/s^2 in the base frame.
-        out `saturated` (1): 1 if `thrust_command` is less than the laws ask for,
+        out `acceleration` (6): modelled acceleration of the base from this command until
+            the next, without disturbances: of its origin, m/s^2 in the world, and
+            angular, rad/s^2 in the base frame.
+        out `specific_thrust` (1): m/s^2, modelled collective thrust over mass at the next
+            sample.
+        out `reaction` (3): m/s^2, by which the arm's motion reduces the base's acceleration.
+        out `disturbance` (6): estimated acceleration by other forces than thrust and gravity,
+            m/s^2 in the world: h of the position ESO, less `reaction`. And h of the
+            attitude ESO, rad/s^2 in the base frame.
+        out `saturated` (1): 1 if `thrust_command` is less than the control laws demand,
             by the limit of tilt or those of the rotors (thrust, or torque about
             any axis), else 0.
 
-        Whoever reads these at the instant of a sample reads what was computed at
-        the sample before, since the one for this sample follows after `offset`.
+        At the instant of a sample, these outputs are still those of the previous sample,
+        since the update for this sample follows after `offset`.
     State:
-        what the loops remember (30 + k), as `initial_memory` has it: observers,
-        integral of the position error, last desired attitude and its rate, and
-        the thrust that the rotors are believed to give at the next sample. And
-        each output.
+        a group for each field of `FlightState`: position observer (9), attitude
+        observer (6), integral of the position error (3), desired attitude (9), its
+        filtered rate (3), modelled rotor thrust (k) and acceleration (6). And a group
+        for each other output.
     Rate:
         `period`, after `offset`, so that it sees what the MPC commanded at
         the same sample.
 
-    The observers see saturated thrust, which keeps them from winding up. The
-    attitude observer sees what lagging rotors really give. The slower one of
-    position sees the command: rotors that rise faster than they fall give more
-    than that on average, and this is a disturbance to reject.
+    The observers receive the saturated thrust, which prevents windup. The attitude
+    observer receives the thrust of lagging rotors. The slower position observer receives
+    the command: rotors that rise faster than they fall give more than that on average,
+    and this is a disturbance to reject.
 
-    With `feedforward` whole_body, the inverse dynamics of base and arm say what
-    force and torque the commanded motion of the arm takes. Without it the
-    controller knows a rigid body with its mass at the origin, and the observers
-    find out the rest.
+    With `feedforward` whole_body, the inverse dynamics of base and arm give the force and
+    torque of the arm's commanded motion. Without it the controller's model is a rigid body
+    with its mass at the origin, and the observers estimate the rest.
 
     Attributes:
-        trim_acceleration: (6,) `acceleration` in trim. Without feedforward it is
-            not zero: the observer knows why.
+        trim_acceleration: (6,) `acceleration` in trim. Without feedforward it is not
+            zero: the attitude observer's h cancels it.
 
     Args:
         config: Gains and interface.
@@ -85,44 +91,44 @@ class FlightController(LeafSystem):
         super().__init__()
         self._outer = OuterLoop.make(config, rotor, vehicle, period)
         self._inner = InnerLoop.make(config, rotor, vehicle, period)
-        is_fed = config.feedforward == "whole_body"
-        self._whole_body = WholeBody(vehicle.plant) if is_fed else None
+        has_feedforward = config.feedforward == "whole_body"
+        self._whole_body = WholeBody(vehicle.plant) if has_feedforward else None
 
         trim = allocate(self._inner.rotors, vehicle.trim_wrench)
-        known = vehicle.trim_wrench[1:] * is_fed
-        trim_h = self._inner.inverse_inertia @ (known - vehicle.trim_wrench[1:])
-        still = np.zeros(3)
-        self.trim_acceleration = np.concatenate([still, -trim_h])
+        modelled = vehicle.trim_wrench[1:] * has_feedforward
+        trim_h = self._inner.inverse_inertia @ (modelled - vehicle.trim_wrench[1:])
+        at_rest = FlightState.at_rest(vehicle.p_B, trim_h, trim)
+        self.trim_acceleration = at_rest.acceleration
 
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(vehicle.joints))
         self._setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * vehicle.joints)
-        self.DeclareDiscreteState(initial_memory(vehicle.p_B, trim_h, trim))
-        for name, x_0 in (
-            ("thrust_command", trim),
-            ("acceleration", self.trim_acceleration),
-            ("reaction", still),
-            ("specific_thrust", [trim.sum() / vehicle.mass]),
-            ("disturbance", np.concatenate([still, trim_h])),
-            ("saturated", [0.0]),
-        ):
-            self.DeclareStateOutputPort(name, self.DeclareDiscreteState(x_0))
+        self._loops = NamedState(self, at_rest)
+        self._outputs = NamedState(
+            self,
+            FlightOutputs(
+                thrust_command=trim,
+                reaction=np.zeros(3),
+                specific_thrust=trim.sum() / vehicle.mass,
+                disturbance=np.concatenate([np.zeros(3), trim_h]),
+                saturated=False,
+            ),
+        )
+        groups = self._loops.groups | self._outputs.groups
+        for name in OUTPUTS:
+            self.DeclareStateOutputPort(name, groups[name])
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        last = context.get_discrete_state()
-        x, believed = last.value(MEMORY), last.value(ACCELERATION)
-        state = self._state.Eval(context)
-        position, u_v, a_B = outer_loop(
-            self._outer, x, believed, state, self._setpoint.Eval(context)
-        )
-        effort = self._effort(context, state, a_B)
-        found = inner_loop(self._inner, x, believed, state, position, u_v, a_B, effort)
-        for group, value in enumerate(found):
-            discrete.set_value(group, value)
+        last, state = self._loops.read(context), self._state.Eval(context)
+        position = outer_loop(self._outer, last, state, self._setpoint.Eval(context))
+        effort = self._effort(context, state, position.a_B)
+        loops, outputs = inner_loop(self._inner, last, state, position, effort)
+        self._loops.write(discrete, loops)
+        self._outputs.write(discrete, outputs)
 
     def _effort(self, context: Context, state: np.ndarray, a_B: np.ndarray) -> np.ndarray:
-        """(6,) or more: what it takes to give the base a_B and no angular acceleration."""
+        """Returns the effort (6,) or more that gives the base a_B and no angular acceleration."""
         if self._whole_body is None:
             return rigid_body_effort(self._inner.mass, self._inner.inertia, state, a_B)
         return self._whole_body.effort(

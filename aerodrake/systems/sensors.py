@@ -1,4 +1,4 @@
-"""Samples of the vehicle's state, shared by everything that looks at it."""
+"""Sensors that sample the vehicle's state for all its consumers."""
 
 from __future__ import annotations
 
@@ -7,30 +7,28 @@ import dataclasses
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.sensing.sample import Deviations, disturbed, noise_size, sampled
+from aerodrake.model.sensing.sample import Deviations, Sample, noise_size, noisy, sampled
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import Sensors
-
-SAMPLE, STAMPS = 0, 1
-"""Groups of the state."""
+from aerodrake.systems.named_state import NamedState
 
 
 def is_exact(config: Sensors) -> bool:
-    """Whether samples have no noise, late or not."""
+    """Returns True if samples have no noise; they may be delayed."""
     return dataclasses.replace(config, base_delay_s=0.0) == Sensors()
 
 
 class SensorSystem(LeafSystem):
-    """Samples the state and holds it: exact by default, noisy if the scenario says so.
+    """Samples and holds the state, with the scenario's measurement noise.
 
     Ports:
         in `true_state` (13 + 2 n): the plant's state, of which the arm's is sampled.
-        in `late_state` (13 + 2 n): the same or an earlier one, of which the base's is.
+        in `late_state` (13 + 2 n): the same, possibly delayed, of which the base's is sampled.
         in `noise` (12 + n): standard normal draws, new at each sample.
         out `state` (13 + 2 n): the last sample.
         out `stamps` (3): s, when its groups were taken: position, attitude, joints.
     State:
-        the last sample, and when it was taken.
+        `state` (13 + 2 n) and `stamps` (3) of the last sample.
     Rate:
         `period`, after `offset`, by a discrete update.
 
@@ -38,9 +36,9 @@ class SensorSystem(LeafSystem):
         config: Standard deviations of the noise.
         joints: n.
         period: s.
-        offset: s, when the first sample is taken. With a little less than the
-            period a sample is there when all else happens that is due at its
-            multiples; what was `initial` is the sample at time 0.
+        offset: s, time of the first sample. If slightly less than the period, each sample
+            precedes all other events at a multiple of the period, and `initial` is the
+            sample at time 0.
         initial: (13 + 2 n,) the sample before the first.
     """
 
@@ -54,14 +52,13 @@ class SensorSystem(LeafSystem):
         self._true_state = self.DeclareVectorInputPort("true_state", size)
         self._late_state = self.DeclareVectorInputPort("late_state", size)
         self._noise = self.DeclareVectorInputPort("noise", noise_size(joints))
-        self.DeclareStateOutputPort("state", self.DeclareDiscreteState(initial))
-        stamps = self.DeclareDiscreteState(np.full(3, offset - period))
-        self.DeclareStateOutputPort("stamps", stamps)
+        self._last = NamedState(self, Sample(initial, np.full(3, offset - period)))
+        for name, group in self._last.groups.items():
+            self.DeclareStateOutputPort(name, group)
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._sample)
 
     def _sample(self, context: Context, discrete: DiscreteValues) -> None:
         x = sampled(self._true_state.Eval(context), self._late_state.Eval(context))
         if not self._is_exact:
-            x = disturbed(self._deviations, x, self._noise.Eval(context))
-        discrete.set_value(SAMPLE, x)
-        discrete.set_value(STAMPS, np.full(3, context.get_time()))
+            x = noisy(self._deviations, x, self._noise.Eval(context))
+        self._last.write(discrete, Sample(x, np.full(3, context.get_time())))

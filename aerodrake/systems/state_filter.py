@@ -1,47 +1,64 @@
-"""The state filter as a system."""
+"""State filter as a system."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.systems.framework import Context, LeafSystem, State
 
+from aerodrake.model.sensing.sample import Sample
 from aerodrake.model.sensing.sample_check import SampleCheck
-from aerodrake.model.sensing.state_filter import StateFilter, initial_memory, passed, update
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.sensing.state_filter import (
+    FilterState,
+    StateFilter,
+    replace_rejected,
+    update,
+)
+from aerodrake.model.vehicle.state import split_state
+from aerodrake.systems.named_state import NamedState
+
+
+class FilterOutputs(NamedTuple):
+    """Outputs of the state filter, as in its ports."""
+
+    state: np.ndarray
+    external_acceleration: np.ndarray
+    sample_health: np.ndarray
 
 
 class StateFilterSystem(LeafSystem):
-    """What everybody takes for the vehicle's state: samples, filtered and brought up to date.
+    """Estimates the vehicle's present state, for all its consumers, from samples.
 
-    Groups of a sample that are not believed, as `check` has it, are predicted.
+    Groups of a sample that `check` rejects are predicted.
 
     Ports:
-        in `sample` (13 + 2 n): the last sample; its base is `filter.steps` late.
+        in `sample` (13 + 2 n): the last sample; its base is delayed by `filter.steps` samples.
         in `stamps` (3): s, when its groups were taken: position, attitude, joints.
-        in `acceleration` (6): of the flight controller, what the base is believed
-            to have had since the last sample.
+        in `acceleration` (6): of the flight controller, the base's modelled acceleration
+            since the last sample.
         in `reaction` (3): of the flight controller, m/s^2, part of `acceleration`.
         in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
-        out `state` (13 + 2 n): the state now. If samples are exact, the last one.
-        out `external_acceleration` (3): m/s^2 in the world, what accelerates the base
-            beside thrust and gravity, the arm's reaction included.
-        out `sample_health` (6): of each group, s from the last sample that was believed,
-            0 if it is this one; and its `Verdict`.
+        out `state` (13 + 2 n): the estimated present state. With exact samples, the last one.
+        out `external_acceleration` (3): m/s^2 in the world, acceleration of the base by
+            other forces than thrust and gravity, the arm's reaction included.
+        out `sample_health` (6): by group, s since the last accepted sample (0 if this one is
+            accepted), and the `Verdict`.
     State:
-        what the filter remembers, as its `initial_memory` has it; and what the
-        outputs show.
+        a group for each field of `FilterState`: the sample check's previous sample,
+        time stamps, accepted values, ages and travel; the estimate's disturbance, angular
+        disturbance and state; the accelerations since the base's last sample. And the outputs.
     Rate:
         `period`, by an *unrestricted* update: these run before the discrete
         updates of the same instant, so that a controller that ticks together
-        with the sensors sees the new state and not one that is a period old.
+        with the sensors sees the new state, not the previous one.
 
     Args:
-        state_filter: The equations.
-        sample_check: What is believed.
-        passes: Whether `state` is the sample as it is, where that is believed.
-        joints: n.
+        state_filter: The filter's equations.
+        sample_check: Bounds for accepting a sample.
+        passes: True if `state` is the sample itself, where that is accepted.
         initial: (13 + 2 n,) the state before the first sample, at rest.
-        trim_acceleration: (6,) as modelled then; what it says is not there.
+        trim_acceleration: (6,) modelled at rest; the initial disturbances cancel it.
     """
 
     def __init__(
@@ -49,7 +66,6 @@ class StateFilterSystem(LeafSystem):
         state_filter: StateFilter,
         sample_check: SampleCheck,
         passes: bool,
-        joints: int,
         initial: np.ndarray,
         trim_acceleration: np.ndarray,
     ):
@@ -57,36 +73,34 @@ class StateFilterSystem(LeafSystem):
         self._filter = state_filter
         self._check = sample_check
         self._passes = passes
-        self._sample = self.DeclareVectorInputPort("sample", VehicleState.size(joints))
+        self._sample = self.DeclareVectorInputPort("sample", len(initial))
         self._stamps = self.DeclareVectorInputPort("stamps", 3)
         self._acceleration = self.DeclareVectorInputPort("acceleration", 6)
         self._reaction = self.DeclareVectorInputPort("reaction", 3)
+        joints = len(split_state(initial).q)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * joints)
-        self._x_memory = self.DeclareDiscreteState(
-            initial_memory(state_filter, initial, trim_acceleration)
+        self._state = NamedState(
+            self, FilterState.at_rest(state_filter, initial, trim_acceleration)
         )
-        self._x_state = self.DeclareDiscreteState(initial)
-        self.DeclareStateOutputPort("state", self._x_state)
-        self._x_external = self.DeclareDiscreteState(np.zeros(3))
-        self.DeclareStateOutputPort("external_acceleration", self._x_external)
-        self._x_health = self.DeclareDiscreteState(np.zeros(6))
-        self.DeclareStateOutputPort("sample_health", self._x_health)
+        self._outputs = NamedState(self, FilterOutputs(initial, np.zeros(3), np.zeros(6)))
+        for name, group in self._outputs.groups.items():
+            self.DeclareStateOutputPort(name, group)
         self.DeclarePeriodicUnrestrictedUpdateEvent(state_filter.dt, 0.0, self._update)
 
     def _update(self, context: Context, state: State) -> None:
         discrete = state.get_mutable_discrete_state()
-        sample = self._sample.Eval(context)
-        memory, now, health = update(
+        sample = Sample(self._sample.Eval(context), self._stamps.Eval(context))
+        now, estimate, health = update(
             self._filter,
             self._check,
-            discrete.value(self._x_memory),
-            self._acceleration.Eval(context),
+            self._state.read(context),
             sample,
-            self._stamps.Eval(context),
+            self._acceleration.Eval(context),
             self._joint_setpoint.Eval(context),
         )
-        shown = passed(sample, now[6:], health) if self._passes else now[6:]
-        discrete.set_value(self._x_memory, memory)
-        discrete.set_value(self._x_health, health)
-        discrete.set_value(self._x_state, shown)
-        discrete.set_value(self._x_external, now[:3] - self._reaction.Eval(context))
+        output = estimate.state
+        if self._passes:
+            output = replace_rejected(sample.state, estimate.state, health)
+        external = estimate.disturbance - self._reaction.Eval(context)
+        self._state.write(discrete, now)
+        self._outputs.write(discrete, FilterOutputs(output, external, health.to_vector()))

@@ -13,7 +13,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
 from aerodrake.coordinator import make_coordinator
-from aerodrake.model.sensing.sample_check import ABSURD, UNIT_LENGTH
+from aerodrake.model.sensing.sample_check import MAX_MAGNITUDE, UNIT_LENGTH
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
@@ -163,11 +163,11 @@ class Companion:
     def _is_believed(self, message: Message) -> bool:
         """Whether a sample is new, and of a vehicle: what no filter passes, Drake dies of."""
         length = np.linalg.norm(message.parts["state"][:4])
-        is_sane = all((np.abs(numbers) < ABSURD).all() for numbers in message.parts.values())
+        is_sane = all((np.abs(numbers) < MAX_MAGNITUDE).all() for numbers in message.parts.values())
         # Nobody is silent for so long and comes back.
         latest = self._time + self.scenario.supervisor.plan_lost_s
         is_next = self.link.phase is Phase.WAITING or message.time < latest
-        is_new = is_next and max(self._time, BEFORE) < message.time < ABSURD
+        is_new = is_next and max(self._time, BEFORE) < message.time < MAX_MAGNITUDE
         return is_sane and abs(length - 1) < UNIT_LENGTH and is_new
 
     def _take_in(self, message: Message) -> None:

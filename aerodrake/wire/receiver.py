@@ -9,7 +9,7 @@ from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.reference.envelope import ReferenceVerdict
 from aerodrake.model.residual.gate import GateCause
-from aerodrake.model.sensing.sample_check import ABSURD
+from aerodrake.model.sensing.sample_check import MAX_MAGNITUDE
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Message, Phase
 
@@ -102,7 +102,7 @@ class WireReceiver(LeafSystem):
         return (
             message.phase is Phase.FLYING
             and abs(message.time - tick) < self._period / 2
-            and all((np.abs(numbers) < ABSURD).all() for numbers in asked)
+            and all((np.abs(numbers) < MAX_MAGNITUDE).all() for numbers in asked)
             and all(
                 message.parts[name][place] in NUMBERED[name, place]
                 for name, place in NUMBERED

@@ -1,4 +1,4 @@
-"""Sensors: when they sample what, exact by default, and noise of the asked size by the seed."""
+"""Sensors: instants of sampling, exact samples by default, and size and seed of the noise."""
 
 from dataclasses import replace
 
@@ -42,18 +42,18 @@ EACH = {
     "rate_noise_rad_s": "omega_W",
     "joint_noise_rad": "q",
 }
-"""Which part of the state each standard deviation is about."""
+"""The part of the state that each standard deviation applies to."""
 
 
 def truth() -> np.ndarray:
-    """A state of which no two numbers are alike."""
+    """Returns a state whose numbers all differ."""
     x = 0.3 + 0.1 * np.arange(SIZE)
     x[:4] = RollPitchYaw(0.3, -0.2, 0.5).ToQuaternion().wxyz()
     return x
 
 
 def make_noisy(config: Sensors) -> tuple[Diagram, VectorLogSink]:
-    """Sensors that look at a vehicle at rest, and a log of what they say."""
+    """Returns sensors that sample a constant state, and a log of their samples."""
     builder = DiagramBuilder()
     sensors = builder.AddSystem(SensorSystem(config, JOINTS, PERIOD, OFFSET, np.zeros(SIZE)))
     source = builder.AddSystem(ConstantVectorSource(truth()))
@@ -68,21 +68,21 @@ def make_noisy(config: Sensors) -> tuple[Diagram, VectorLogSink]:
 
 
 def measure(config: Sensors, samples: int, seed: int = 0) -> np.ndarray:
-    """(samples, 13 + 2 n)"""
+    """Returns the samples (samples, 13 + 2 n)."""
     diagram, log = make_noisy(config)
     context = make_context(diagram, seed)
     Simulator(diagram, context).AdvanceTo(samples * PERIOD)
-    return log.FindLog(context).data().T[1:]  # At time 0 there was none yet.
+    return log.FindLog(context).data().T[1:]  # The first row, at time 0, is the initial value.
 
 
 def turns(states: np.ndarray) -> np.ndarray:
-    """(samples, 3) rad, rotation vectors from the true to the measured attitude."""
+    """Returns rotation vectors (samples, 3) rad from the true to the measured attitude."""
     R = RotationMatrix(Quaternion(truth()[:4]))
     measured = (R.inverse().multiply(RotationMatrix(Quaternion(x[:4]))) for x in states)
     return np.array([a.angle() * a.axis() for a in (m.ToAngleAxis() for m in measured)])
 
 
-def test_exact_by_default_without_a_look_at_the_noise():
+def test_samples_are_exact_by_default_without_evaluating_the_noise():
     sensors = SensorSystem(Sensors(base_delay_s=0.1), JOINTS, PERIOD, OFFSET, np.zeros(SIZE))
     simulator = Simulator(sensors)
     context = simulator.get_mutable_context()
@@ -95,8 +95,8 @@ def test_exact_by_default_without_a_look_at_the_noise():
     np.testing.assert_array_equal(sensors.GetOutputPort("state").Eval(context), x)
 
 
-def test_stamps_tell_when_a_sample_was_taken():
-    """That of time 0 as if there had been one a period before."""
+def test_stamps_are_the_times_of_the_samples():
+    """The initial stamp is one period before the first sample's."""
     sensors = SensorSystem(Sensors(), JOINTS, PERIOD, OFFSET, np.zeros(SIZE))
     simulator = Simulator(sensors)
     context = simulator.get_mutable_context()
@@ -121,7 +121,7 @@ def test_the_arm_is_sampled_from_the_true_state_and_the_base_from_the_late_one()
 
 
 def test_a_consumer_of_the_same_instant_sees_the_new_sample():
-    """Drake's own sample-and-hold after the sensors adds little, after itself a period."""
+    """Drake's sample-and-hold adds no delay after the sensors, and a period after another."""
     builder = DiagramBuilder()
     ramp = PiecewisePolynomial.FirstOrderHold([0, 10], np.outer(np.ones(SIZE), [0, 10]))
     source = builder.AddSystem(TrajectorySource(ramp))
@@ -135,11 +135,11 @@ def test_a_consumer_of_the_same_instant_sees_the_new_sample():
     diagram = builder.Build()
     simulator = Simulator(diagram)
     context = simulator.get_context()
-    for time, sampled in ((0.0950, 0.089), (0.0989, 0.089), (0.1001, 0.099), (0.1089, 0.099)):
+    for time, instant in ((0.0950, 0.089), (0.0989, 0.089), (0.1001, 0.099), (0.1089, 0.099)):
         simulator.AdvanceTo(time)
-        for system, expected in ((sensors, sampled), (first, sampled), (second, sampled - PERIOD)):
-            seen = system.get_output_port(0).Eval(system.GetMyContextFromRoot(context))
-            np.testing.assert_allclose(seen, expected, atol=1e-12, err_msg=f"{system} {time}")
+        for system, expected in ((sensors, instant), (first, instant), (second, instant - PERIOD)):
+            state = system.get_output_port(0).Eval(system.GetMyContextFromRoot(context))
+            np.testing.assert_allclose(state, expected, atol=1e-12, err_msg=f"{system} {time}")
 
 
 def test_no_feedthrough():
@@ -147,7 +147,7 @@ def test_no_feedthrough():
     assert not sensors.HasAnyDirectFeedthrough()
 
 
-def test_noise_is_white_and_of_the_asked_size_on_every_axis():
+def test_noise_is_white_and_of_the_configured_size_on_every_axis():
     samples = 5000
     states = measure(NOISY, samples)
     n = JOINTS
@@ -160,14 +160,14 @@ def test_noise_is_white_and_of_the_asked_size_on_every_axis():
     drawn = errors[:, noisy] / deviations[noisy]
     np.testing.assert_allclose(drawn.std(axis=0), 1, atol=0.05)
     np.testing.assert_allclose(drawn.mean(axis=0), 0, atol=0.06)
-    # No axis shares its draws with another one, or with the sample before.
+    # No axis shares its draws with another one, or with the previous sample.
     both = np.hstack([drawn[1:], drawn[:-1]])
     np.testing.assert_allclose(np.corrcoef(both.T), np.eye(both.shape[1]), atol=0.075)
     np.testing.assert_allclose(np.linalg.norm(states[:, :4], axis=1), 1, atol=1e-12)
 
 
 @pytest.mark.parametrize("key", EACH)
-def test_each_deviation_is_about_one_part_alone(key):
+def test_each_deviation_applies_to_one_part_alone(key):
     states = measure(Sensors(**{key: 0.01}), 20)
     for part in ("quaternion", "p_B", "q", "omega_W", "v_B", "qdot"):
         error = [
@@ -185,7 +185,7 @@ def test_noise_depends_on_the_seed_alone():
 
 def test_the_seed_reaches_the_noise_of_a_station(scenario, vehicle):
     station = make_station(replace(scenario, sensors=NOISY))
-    seen = []
+    states = []
     for seed in (0, 0, 1):
         context = make_context(station, seed)
         hover = np.concatenate([vehicle.p_B, np.zeros(6)])
@@ -196,6 +196,6 @@ def test_the_seed_reaches_the_noise_of_a_station(scenario, vehicle):
             station.GetOutputPort("state").Eval(context), vehicle.trim_state
         )
         Simulator(station, context).AdvanceTo(0.025)
-        seen.append(station.GetOutputPort("state").Eval(context))
-    np.testing.assert_array_equal(seen[0], seen[1])
-    assert np.all(seen[0][4:7] != seen[2][4:7])
+        states.append(station.GetOutputPort("state").Eval(context))
+    np.testing.assert_array_equal(states[0], states[1])
+    assert np.all(states[0][4:7] != states[2][4:7])

@@ -1,4 +1,4 @@
-"""The state filter among the sensors: what passes, what is late, and what it tells in flight."""
+"""State filter system: exact, delayed and missing samples, and estimates in flight."""
 
 from dataclasses import replace
 
@@ -19,11 +19,11 @@ from aerodrake.flight.log import FlightLog
 from aerodrake.flight.open_loop import make_open_loop
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.sensing.sample import GROUPS, group_columns
-from aerodrake.model.sensing.sample_check import SampleCheck, Verdict
+from aerodrake.model.sensing.sample_check import SampleCheck, Verdict, split_health
 from aerodrake.model.sensing.state_filter import StateFilter
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Filter, Rates, Rotor, SampleNan, Sensors, Wind
+from aerodrake.scenario import Filter, Rotor, SampleNan, Scenario, Sensors, Wind
 from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_context
 from aerodrake.systems.flight_controller import FlightController
@@ -38,14 +38,14 @@ TRIM = np.concatenate([[1, 0, 0, 0, 0.3, -0.2, 1.5], np.linspace(-1, 1, JOINTS),
 
 
 def make_filter(config: Filter, trim_acceleration: np.ndarray) -> StateFilterSystem:
-    """One that filters."""
+    """Returns a state filter that never passes samples."""
     equations = StateFilter.make(config, PERIOD)
     bounds = SampleCheck.make(config, Sensors(), PERIOD)
-    return StateFilterSystem(equations, bounds, False, JOINTS, TRIM, trim_acceleration)
+    return StateFilterSystem(equations, bounds, False, TRIM, trim_acceleration)
 
 
-def held(vehicle: VehicleModel, duration: float) -> tuple[Trajectory, Trajectory]:
-    """Motions of base and joints that stay in trim."""
+def resting(vehicle: VehicleModel, duration: float) -> tuple[Trajectory, Trajectory]:
+    """Returns motions of base and joints that stay in trim."""
     return tuple(
         PiecewisePolynomial.ZeroOrderHold([0, duration], np.column_stack([x, x]))
         for x in (vehicle.p_B, vehicle.working)
@@ -65,36 +65,37 @@ def held(vehicle: VehicleModel, duration: float) -> tuple[Trajectory, Trajectory
         (Sensors(base_delay_s=0.01), Filter(delay_s=0.01), False),
     ],
 )
-def test_what_needs_no_filter_passes_bit_for_bit(sensors, config, passes, steps):
-    diagram = make_sensors(sensors, config, Rates(), TRIM, np.zeros(6))
+def test_samples_that_need_no_filter_pass_bit_for_bit(sensors, config, passes, steps):
+    scenario = Scenario(sensors=sensors, filter=config)
+    diagram = make_sensors(scenario, TRIM, np.zeros(6))
     context = make_context(diagram, 0)
     diagram.GetInputPort("acceleration").FixValue(context, np.full(6, 1e-3))
     diagram.GetInputPort("reaction").FixValue(context, np.ones(3))
     diagram.GetInputPort("joint_setpoint").FixValue(context, np.ones(3 * JOINTS))
     simulator = Simulator(diagram, context)
-    seen = []
+    outputs = []
     for k, x in enumerate(TRIM + np.cumsum(steps, axis=0)):
         diagram.GetInputPort("true_state").FixValue(context, x)
         simulator.AdvanceTo((k + 1.5) * PERIOD)
-        seen.append([diagram.GetOutputPort(p).Eval(context).copy() for p in ("state", "sample")])
-    state, sample = np.swapaxes(seen, 0, 1)
+        outputs.append([diagram.GetOutputPort(p).Eval(context).copy() for p in ("state", "sample")])
+    state, sample = np.swapaxes(outputs, 0, 1)
     assert not np.array_equal(sample[0], TRIM)
     assert np.array_equal(state, sample) == passes
 
 
 @pytest.mark.parametrize("steps", [0, 1, 3])
-def test_known_motion_is_told_as_of_now_however_late_its_samples(steps):
-    """Speeding up as modelled, but for a constant disturbance that the filter starts with."""
+def test_known_motion_is_estimated_in_the_present_at_any_delay(steps):
+    """Accelerations are as modelled, but for a constant disturbance that the filter starts with."""
     rows = 20
     trim_acceleration = np.array([0.3, -0.2, 0.1, 0, 0, 0.7])
     e, a = np.array([0.0, 0, 1]), np.random.default_rng(0).normal(scale=5, size=(rows, 4))
-    # Until time 0 all is at rest; a[k] is held from then on until the next.
+    # At rest until time 0; a[k] is constant from sample k to the next.
     times = PERIOD * np.arange(rows + 1)
     speed = PPoly(a[None], times).antiderivative()
-    way = speed.antiderivative()
+    distance = speed.antiderivative()
 
     def truth(k: int) -> np.ndarray:
-        v, p = (speed(times[k]), way(times[k])) if k > 0 else np.zeros((2, 4))
+        v, p = (speed(times[k]), distance(times[k])) if k > 0 else np.zeros((2, 4))
         state = split_state(TRIM)
         return state._replace(
             quaternion=Rotation.from_rotvec(p[3] * e).as_quat(scalar_first=True),
@@ -121,7 +122,7 @@ def test_known_motion_is_told_as_of_now_however_late_its_samples(steps):
 
 
 def test_a_consumer_of_the_same_instant_sees_the_new_state():
-    """Drake's own sample-and-hold after the filter adds nothing, after itself a period."""
+    """Drake's sample-and-hold adds no delay after the filter, and a period after another."""
     builder = DiagramBuilder()
     ramp = PiecewisePolynomial.FirstOrderHold([0, 1], np.column_stack([TRIM, TRIM + 0.1]))
     sample = builder.AddSystem(TrajectorySource(ramp))
@@ -147,17 +148,18 @@ def test_a_consumer_of_the_same_instant_sees_the_new_state():
             [s.get_output_port(0).Eval(s.GetMyContextFromRoot(context)) for s in (system, first)]
             + [second.get_output_port().Eval(second.GetMyContextFromRoot(context))]
         )
-    states, seen, seen_after = np.swapaxes(rows, 0, 1)
+    states, held, held_again = np.swapaxes(rows, 0, 1)
     assert len(np.unique(states, axis=0)) == len(states)
-    np.testing.assert_array_equal(seen, states)
-    np.testing.assert_array_equal(seen_after[1:], states[:-1])
+    np.testing.assert_array_equal(held, states)
+    np.testing.assert_array_equal(held_again[1:], states[:-1])
 
 
 @pytest.mark.parametrize("config", [Filter(), Filter(kind="none"), Filter(delay_s=0.01)])
 @pytest.mark.parametrize("group", GROUPS)
-def test_health_tells_how_long_which_group_has_been_missing(config, group):
+def test_health_has_the_age_and_verdict_of_a_missing_group(config, group):
     fault = SampleNan(group=group, start_s=0.05, duration_s=0.1)
-    diagram = make_sensors(NOISY, config, Rates(), TRIM, np.zeros(6), [fault])
+    scenario = Scenario(sensors=NOISY, filter=config, faults=(fault,), settle_s=0.0)
+    diagram = make_sensors(scenario, TRIM, np.zeros(6))
     context = make_context(diagram, 0)
     for port, size in (("acceleration", 6), ("reaction", 3)):
         diagram.GetInputPort(port).FixValue(context, np.zeros(size))
@@ -165,7 +167,7 @@ def test_health_tells_how_long_which_group_has_been_missing(config, group):
     diagram.GetInputPort("joint_setpoint").FixValue(context, setpoint)
     diagram.GetInputPort("true_state").FixValue(context, TRIM)
     simulator = Simulator(diagram, context)
-    struck = np.array([g == group for g in GROUPS])
+    is_faulty = np.array([g == group for g in GROUPS])
     broken = np.isin(np.arange(SIZE), group_columns(group, JOINTS))
     for k in range(25):
         simulator.AdvanceTo((k + 0.5) * PERIOD)
@@ -174,13 +176,14 @@ def test_health_tells_how_long_which_group_has_been_missing(config, group):
             for port in ("sample_health", "state", "sample")
         )
         missing = max(0, k - 4) * (k < 15)
-        np.testing.assert_allclose(health[:3], missing * PERIOD * struck, atol=1e-12)
-        np.testing.assert_array_equal(health[3:], Verdict.NOT_FINITE * struck * (missing > 0))
+        ages, verdicts = split_health(health)
+        np.testing.assert_allclose(ages, missing * PERIOD * is_faulty, atol=1e-12)
+        np.testing.assert_array_equal(verdicts, Verdict.NOT_FINITE * is_faulty * (missing > 0))
         assert np.isfinite(state).all()
         np.testing.assert_array_equal(np.isnan(sample), broken & (missing > 0))
         if config.kind == "none":
-            believed = ~np.isnan(sample)
-            np.testing.assert_array_equal(state[believed], sample[believed])
+            accepted = ~np.isnan(sample)
+            np.testing.assert_array_equal(state[accepted], sample[accepted])
 
 
 def test_no_feedthrough():
@@ -189,22 +192,22 @@ def test_no_feedthrough():
 
 @pytest.mark.parametrize("feedforward", ["whole_body", "none"])
 def test_trim_is_an_equilibrium_from_the_first_sample_on(scenario, vehicle, feedforward):
-    late = replace(
+    delayed = replace(
         scenario,
         sensors=Sensors(base_delay_s=0.02),
         filter=Filter(delay_s=0.02),
         flight=replace(scenario.flight, feedforward=feedforward),
     )
-    flown = excite(late, *held(vehicle, 0.3))
+    flown = excite(delayed, *resting(vehicle, 0.3))
     np.testing.assert_allclose(flown.state - vehicle.trim_state, 0, atol=1e-11)
     np.testing.assert_allclose(flown.external_acceleration, 0, atol=1e-11)
 
 
-def test_a_clone_goes_on_as_the_original(scenario, vehicle):
+def test_a_clone_continues_as_the_original(scenario, vehicle):
     noisy = replace(
         scenario, sensors=replace(NOISY, base_delay_s=0.02), filter=Filter(delay_s=0.02)
     )
-    diagram = make_open_loop(noisy, *held(vehicle, 1.0))
+    diagram = make_open_loop(noisy, *resting(vehicle, 1.0))
     simulator = Simulator(diagram, make_context(diagram, 0))
     simulator.AdvanceTo(0.1034)
     clone = simulator.get_context().Clone()
@@ -222,11 +225,11 @@ def test_a_clone_goes_on_as_the_original(scenario, vehicle):
 
 @pytest.mark.parametrize("feedforward", ["whole_body", "none"])
 @pytest.mark.parametrize("sensors", [Sensors(), NOISY])
-def test_steady_wind_is_found(scenario, vehicle, feedforward, sensors):
-    """Its force over the mass, averaged over a second, when the base stands still again.
+def test_steady_wind_is_estimated(scenario, vehicle, feedforward, sensors):
+    """Its force over the mass, averaged over a second, when the base is at rest again.
 
-    The rotors lag alike both ways: those that rise faster than they fall give more thrust than
-    noisy commands ask for, and this too is found.
+    The rotors lag equally up and down: rotors that rise faster than they fall give more thrust
+    than noisy commands ask for, which would be estimated as well.
     """
     wind = Wind(velocity_m_s=(4.0, -2.0, 1.0))
     windy = replace(
@@ -236,16 +239,16 @@ def test_steady_wind_is_found(scenario, vehicle, feedforward, sensors):
         vehicle=replace(scenario.vehicle, rotor=Rotor(lag_up_s=0.02, lag_down_s=0.02)),
         flight=replace(scenario.flight, feedforward=feedforward),
     )
-    flown = excite(windy, *held(vehicle, 4.5))
+    flown = excite(windy, *resting(vehicle, 4.5))
     v = np.array(wind.velocity_m_s)
     drag = wind.quadratic_drag_n_s2_m2 * np.linalg.norm(v) + wind.linear_drag_n_s_m
     expected = drag * v / vehicle.mass
-    found = flown.external_acceleration[flown.time_s > 3.5].mean(axis=0)
-    assert np.linalg.norm(found - expected) < 0.02 * np.linalg.norm(expected)
+    estimated = flown.external_acceleration[flown.time_s > 3.5].mean(axis=0)
+    assert np.linalg.norm(estimated - expected) < 0.02 * np.linalg.norm(expected)
 
 
-def test_what_moving_the_arm_takes_is_told_with_the_command(scenario, vehicle):
-    """Thrust makes up for the vertical part at once; of the rest the base has the opposite."""
+def test_the_reaction_of_the_arm_is_modelled_with_the_command(scenario, vehicle):
+    """Thrust compensates the vertical part at once; the base accelerates against the rest."""
     flight = replace(scenario.flight, feedforward="whole_body")
     controller = FlightController(flight, Rotor(), vehicle, PERIOD, 0.0)
     context = controller.CreateDefaultContext()
@@ -255,21 +258,21 @@ def test_what_moving_the_arm_takes_is_told_with_the_command(scenario, vehicle):
     controller.GetInputPort("joint_setpoint").FixValue(context, arm)
     Simulator(controller, context).AdvanceTo(PERIOD / 2)
     reaction = controller.GetOutputPort("reaction").Eval(context)
-    told = controller.GetOutputPort("acceleration").Eval(context)[:3]
+    acceleration = controller.GetOutputPort("acceleration").Eval(context)[:3]
     assert np.all(np.abs(reaction) > 1e-3)
-    np.testing.assert_allclose(told, -reaction * [1, 1, 0], atol=1e-9)
+    np.testing.assert_allclose(acceleration, -reaction * [1, 1, 0], atol=1e-9)
 
 
 @pytest.fixture(scope="module")
 def realistic() -> FlightLog:
-    """4 s of noise, lateness, gusts and a plant that is off its model."""
+    """4 s of noise, delay, gusts and model mismatch."""
     return FlightSimulation(
         replace(load_scenario("clover_realistic"), settle_s=0.0, duration=4.0)
     ).fly()
 
 
 @pytest.mark.parametrize(
-    ("key", "share"),
+    ("key", "ratio"),
     [
         ("p_B_m", 0.4),  # 0.28 when measured.
         ("v_B_m_s", 0.65),  # 0.49
@@ -278,17 +281,17 @@ def realistic() -> FlightLog:
         ("q_rad", 0.4),  # 0.26
     ],
 )
-def test_an_estimate_is_nearer_to_the_truth_than_its_sample(realistic, key, share):
-    """In root mean square. A row tells the estimate before its instant's update."""
+def test_an_estimate_is_closer_to_the_truth_than_its_sample(realistic, key, ratio):
+    """In root mean square. A row logs the estimate before the update of its instant."""
     true = realistic[key]
-    sampled = off(key, true[:-1], realistic[f"measured_{key}"][:-1])
-    estimated = off(key, true[:-1], realistic[f"estimated_{key}"][1:])
+    sampled = error(key, true[:-1], realistic[f"measured_{key}"][:-1])
+    estimated = error(key, true[:-1], realistic[f"estimated_{key}"][1:])
     later = slice(50, None)
-    assert np.mean(estimated[later] ** 2) < share**2 * np.mean(sampled[later] ** 2)
+    assert np.mean(estimated[later] ** 2) < ratio**2 * np.mean(sampled[later] ** 2)
 
 
-def off(key: str, true: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """(T,) distances, or angles between quaternions."""
+def error(key: str, true: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Returns the distances (T,), or the angles between quaternions."""
     if key != "quaternion":
         return np.linalg.norm(other - true, axis=1)
     R, other_R = (Rotation.from_quat(q, scalar_first=True) for q in (true, other))

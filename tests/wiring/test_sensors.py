@@ -1,4 +1,4 @@
-"""The sensors' diagram: which instant of the true state a sample is about, late or not."""
+"""Diagram of the sensors: the instant of each sample, with and without delay."""
 
 from dataclasses import replace
 
@@ -11,16 +11,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, DiscreteTimeIntegrator, RandomSource
 
 from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.scenario import (
-    Filter,
-    Payload,
-    Push,
-    Rates,
-    SampleJump,
-    SampleNan,
-    Scenario,
-    Sensors,
-)
+from aerodrake.scenario import Payload, Push, Rates, SampleJump, SampleNan, Scenario, Sensors
 from aerodrake.station import make_context
 from aerodrake.wiring.sensors import make_sensors
 
@@ -31,11 +22,13 @@ BASE = np.repeat([True, False, True, False], [7, JOINTS, 6, JOINTS])
 
 
 def make_moving(config: Sensors, trim: np.ndarray, rates: Rates) -> Diagram:
-    """Sensors that look at what starts in trim and changes by SLOPE in each step of the plant."""
+    """Returns sensors of a state that starts in trim and changes by SLOPE in each plant step."""
     builder = DiagramBuilder()
     slope = builder.AddSystem(ConstantVectorSource(SLOPE / rates.plant_step_s))
     mover = builder.AddNamedSystem("mover", DiscreteTimeIntegrator(len(SLOPE), rates.plant_step_s))
-    sensors = builder.AddSystem(make_sensors(config, Filter(), rates, trim, np.zeros(6)))
+    sensors = builder.AddSystem(
+        make_sensors(Scenario(sensors=config, rates=rates), trim, np.zeros(6))
+    )
     builder.Connect(slope.get_output_port(), mover.get_input_port())
     builder.Connect(mover.get_output_port(), sensors.GetInputPort("true_state"))
     for port, size in (("acceleration", 6), ("reaction", 3), ("joint_setpoint", 3 * JOINTS)):
@@ -46,7 +39,7 @@ def make_moving(config: Sensors, trim: np.ndarray, rates: Rates) -> Diagram:
 
 
 def sampled(config: Sensors, trim: np.ndarray, rates: Rates, instants: int) -> np.ndarray:
-    """(instants, 13 + 2 n) the samples at the multiples of the period, from 0 on.
+    """Returns the samples (instants, 13 + 2 n) at the multiples of the period, from 0 on.
 
     `mover` starts at `trim` too.
     """
@@ -68,8 +61,10 @@ def sampled(config: Sensors, trim: np.ndarray, rates: Rates, instants: int) -> n
     ticks=st.integers(1, 12),
     step=st.sampled_from([0.0005, 0.001, 0.002]),
 )
-def test_a_sample_is_the_base_a_delay_ago_and_the_arm_of_its_instant(vehicle, delay, ticks, step):
-    """For whole steps of any plant. Before time 0 all was in trim."""
+def test_a_sample_has_the_base_of_a_delay_ago_and_the_arm_of_its_instant(
+    vehicle, delay, ticks, step
+):
+    """For delays of whole plant steps. Before time 0 the state is that of trim."""
     rates = Rates(plant_step_s=step, sensor_period_s=ticks * step)
     trim = vehicle.trim_state
     states = sampled(Sensors(base_delay_s=delay * step), trim, rates, 12)
@@ -78,7 +73,7 @@ def test_a_sample_is_the_base_a_delay_ago_and_the_arm_of_its_instant(vehicle, de
     np.testing.assert_allclose(states, expected, rtol=1e-12, atol=1e-12)
 
 
-def test_trim_comes_out_of_a_delay_to_the_last_bit(vehicle):
+def test_a_delay_outputs_trim_bit_for_bit(vehicle):
     rates = Rates()
     diagram = make_moving(Sensors(base_delay_s=0.2), vehicle.trim_state, rates)
     context = diagram.CreateDefaultContext()
@@ -89,8 +84,8 @@ def test_trim_comes_out_of_a_delay_to_the_last_bit(vehicle):
         np.testing.assert_array_equal(state[BASE], vehicle.trim_state[BASE])
 
 
-def test_without_delay_there_is_nothing_to_delay(vehicle):
-    sensors = make_sensors(Sensors(), Filter(), Rates(), vehicle.trim_state, np.zeros(6))
+def test_without_a_delay_the_diagram_has_no_delay_line(vehicle):
+    sensors = make_sensors(Scenario(), vehicle.trim_state, np.zeros(6))
     assert {s.get_name() for s in sensors.GetSystems()} == {
         "sensor_noise",
         "sampler",
@@ -99,11 +94,9 @@ def test_without_delay_there_is_nothing_to_delay(vehicle):
     assert not sensors.HasAnyDirectFeedthrough()
 
 
-def test_faults_of_samples_strike_in_their_order_and_others_not_at_all(vehicle):
-    faults = [SampleNan(group="joints"), Push(), SampleJump(group="position")]
-    sensors = make_sensors(
-        Sensors(), Filter(), Rates(), vehicle.trim_state, np.zeros(6), faults, 3.0
-    )
+def test_faults_of_samples_are_systems_in_their_order_and_others_are_not(vehicle):
+    faults = (SampleNan(group="joints"), Push(), SampleJump(group="position"))
+    sensors = make_sensors(Scenario(faults=faults), vehicle.trim_state, np.zeros(6))
     assert [s.get_name() for s in sensors.GetSystems() if "fault" in type(s).__name__.lower()] == [
         "sample_nan_0",
         "sample_jump_2",
@@ -113,9 +106,8 @@ def test_faults_of_samples_strike_in_their_order_and_others_not_at_all(vehicle):
 def test_noise_is_the_same_at_any_delay(vehicle):
     draws = []
     for delay in (0.0, 0.01):
-        sensors = make_sensors(
-            Sensors(base_delay_s=delay), Filter(), Rates(), vehicle.trim_state, np.zeros(6)
-        )
+        scenario = Scenario(sensors=Sensors(base_delay_s=delay))
+        sensors = make_sensors(scenario, vehicle.trim_state, np.zeros(6))
         noise = sensors.GetSubsystemByName("sensor_noise")
         assert isinstance(noise, RandomSource)
         context = noise.GetMyContextFromRoot(make_context(sensors, 3))
@@ -125,13 +117,13 @@ def test_noise_is_the_same_at_any_delay(vehicle):
 
 @pytest.fixture(scope="module")
 def dropped():
-    """A load from the first moment on, which base and arm give way to, measured 20 ms late."""
+    """A flight with a load from the start, which moves base and arm, and a delay of 20 ms."""
     scenario = Scenario(duration=0.5, settle_s=0.0, payload=Payload(mass_kg=0.5))
     return FlightSimulation(replace(scenario, sensors=Sensors(base_delay_s=0.02))).fly()
 
 
 @pytest.mark.parametrize(
-    ("key", "late"),
+    ("key", "delay"),
     [
         ("quaternion", 2),
         ("p_B_m", 2),
@@ -141,9 +133,9 @@ def dropped():
         ("qdot_rad_s", 0),
     ],
 )
-def test_a_station_measures_its_base_late(dropped, key, late):
-    """Logged every 10 ms."""
+def test_a_station_measures_its_base_with_a_delay(dropped, key, delay):
+    """In rows of the log, every 10 ms."""
     true, measured = dropped[key], dropped[f"measured_{key}"]
     assert len(np.unique(true, axis=0)) == len(true)
-    np.testing.assert_array_equal(measured[: late + 1], true[[0] * (late + 1)])
-    np.testing.assert_allclose(measured[late:], true[: len(true) - late], rtol=0, atol=1e-15)
+    np.testing.assert_array_equal(measured[: delay + 1], true[[0] * (delay + 1)])
+    np.testing.assert_allclose(measured[delay:], true[: len(true) - delay], rtol=0, atol=1e-15)

@@ -1,1 +1,1 @@
-"""ESO flight controller and joint PID."""
+"""Flight controller with extended state observers (ESO), and joint PID controller."""

@@ -1,4 +1,4 @@
-"""Extended state observer of an integrator chain with an unknown constant input."""
+"""Extended state observer (ESO) of an integrator chain with an unknown constant input."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from aerodrake.support.compiled import compiled
 class ExtendedStateObserver(NamedTuple):
     """Estimates the states of y^(m) = u + h, per axis, and the disturbance h.
 
-    Cao et al. 2023 have it in continuous time with all poles at -w; this is
-    its exact discretisation, with all poles at exp(-w dt), so that it stays
-    well damped at any rate.
+    Cao et al. 2023 give the observer in continuous time, with all poles at -w. This is
+    its exact discretisation, with all poles at exp(-w dt), which is well damped at any
+    rate.
 
     Attributes:
-        A: (m + 1, m + 1), over a period.
-        B: (m + 1, 1), likewise.
-        L: (m + 1, 1), of the innovation.
+        A: (m + 1, m + 1), state transition over a period.
+        B: (m + 1, 1), effect of the input u over a period.
+        L: (m + 1, 1), gain of the innovation.
     """
 
     A: np.ndarray
@@ -29,7 +29,7 @@ class ExtendedStateObserver(NamedTuple):
 
     @classmethod
     def make(cls, order: int, bandwidth: float, dt: float) -> ExtendedStateObserver:
-        """For m = `order`, 1 for a velocity that is measured, 2 for a position.
+        """Returns the observer for a measured velocity (order 1) or position (order 2).
 
         Args:
             order: m.
@@ -60,13 +60,13 @@ class ExtendedStateObserver(NamedTuple):
 
 @compiled
 def observe(eso: ExtendedStateObserver, x: np.ndarray, u: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """(m + 1, axes), the estimate at the present sample: A x + B u + L (y - its first row).
+    """Returns the new estimate (m + 1, axes): x+ = A x + B u, plus L (y - first row of x+).
 
     Args:
         eso: The observer.
-        x: (m + 1, axes), the estimate at the sample before: [y, ..., h].
-        u: (axes,), the known input since then.
-        y: (axes,), what is measured now.
+        x: (m + 1, axes), estimate at the previous sample: [y, ..., h].
+        u: (axes,), known input since then.
+        y: (axes,), measured now.
     """
     predicted = eso.A @ x + eso.B * u
     return predicted + eso.L * (y - predicted[0])

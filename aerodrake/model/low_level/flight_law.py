@@ -18,7 +18,7 @@ from aerodrake.support.compiled import compiled
 
 
 class PositionGains(NamedTuple):
-    """Per axis of the world.
+    """Gains of the position law, per axis of the world.
 
     Attributes:
         position: (3,) 1/s^2, k_p.
@@ -32,13 +32,13 @@ class PositionGains(NamedTuple):
 
     @classmethod
     def make(cls, config: Flight) -> PositionGains:
-        """Those of the scenario."""
+        """Returns the gains of a scenario."""
         gains = config.position_gain, config.velocity_gain, config.integral_gain
         return cls(*(np.array(gain, dtype=float) for gain in gains))
 
 
 class AttitudeGains(NamedTuple):
-    """Per axis of the base.
+    """Gains of the attitude law, per axis of the base.
 
     Attributes:
         attitude: (3,) 1/s^2, k_R.
@@ -50,7 +50,7 @@ class AttitudeGains(NamedTuple):
 
     @classmethod
     def make(cls, config: Flight) -> AttitudeGains:
-        """Those of the scenario."""
+        """Returns the gains of a scenario."""
         gains = config.attitude_gain, config.rate_gain
         return cls(*(np.array(gain, dtype=float) for gain in gains))
 
@@ -72,8 +72,8 @@ def position_law(
         velocity_error: (3,) m/s, v - v_d.
         feedforward: (3,) m/s^2, a_d.
         disturbance: (3,) m/s^2, h of the position ESO.
-        integral: (3,) m s, of the position error; off by default, since h
-            already rejects constants and an integral spoils the first-order
+        integral: (3,) m s, of the position error. k_i is 0 by default: h already
+            rejects constant disturbances, and an integral spoils the first-order
             response that K_B models.
     """
     return (
@@ -87,20 +87,20 @@ def position_law(
 
 @compiled
 def desired_thrust(u_v: np.ndarray, max_tilt: float) -> np.ndarray:
-    """(3,) m/s^2, the specific thrust u_v (3,) + g, tilted by at most `max_tilt` rad.
+    """Returns the specific thrust u_v + g (3,) m/s^2, tilted by at most `max_tilt` rad.
 
-    Height goes before horizontal acceleration, and thrust never points down.
+    Vertical acceleration has priority over horizontal. Thrust never points down.
     """
     up = max(u_v[2] + GRAVITY, 0.2 * GRAVITY)
     horizontal = np.hypot(u_v[0], u_v[1])
-    most = up * np.tan(max_tilt)
-    share = most / horizontal if horizontal > most else 1.0
-    return np.array([share * u_v[0], share * u_v[1], up])
+    limit = up * np.tan(max_tilt)
+    scale = limit / horizontal if horizontal > limit else 1.0
+    return np.array([scale * u_v[0], scale * u_v[1], up])
 
 
 @compiled
 def desired_attitude(thrust: np.ndarray, yaw: float = 0.0) -> np.ndarray:
-    """(3, 3), the attitude with its z axis along `thrust` (3,) and a yaw angle of `yaw` rad."""
+    """Returns the attitude (3, 3) with its z axis along `thrust` (3,) and yaw angle `yaw` rad."""
     z = thrust / np.sqrt(np.sum(thrust * thrust))
     left = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
     x = cross(left, z)
@@ -110,7 +110,7 @@ def desired_attitude(thrust: np.ndarray, yaw: float = 0.0) -> np.ndarray:
 
 @compiled
 def attitude_error(R: np.ndarray, R_d: np.ndarray) -> np.ndarray:
-    """(3,) e_R = vee(R_d' R - R' R_d) / 2 in the base frame (Lee et al. 2010); R, R_d: (3, 3)."""
+    """Returns e_R = vee(R_d' R - R' R_d) / 2 (3,) in the base frame, Lee et al.; R, R_d (3, 3)."""
     return vee(R_d.T @ R)
 
 

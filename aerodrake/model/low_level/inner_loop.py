@@ -1,4 +1,4 @@
-"""The inner loop of the flight controller: from the acceleration wanted to rotor thrusts."""
+"""Inner loop of the flight controller: from a desired acceleration to rotor thrusts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from aerodrake.model.low_level.flight_law import (
     desired_attitude,
     desired_thrust,
 )
-from aerodrake.model.low_level.flight_memory import memory_parts
+from aerodrake.model.low_level.flight_state import FlightOutputs, FlightState
+from aerodrake.model.low_level.outer_loop import PositionCommand
 from aerodrake.model.low_level.rotor_lag import RotorLag, advance
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.vehicle.rotation import UP, cross, rotation_matrix, turn
@@ -23,23 +24,23 @@ from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
 from aerodrake.scenario import Flight, Rotor
 from aerodrake.support.compiled import compiled
 
-UNSATURATED = 1e-6
-"""m/s^2, N or N m: what a command may miss by rounding."""
+SATURATION_TOLERANCE = 1e-6
+"""m/s^2, N or N m: shortfall of a command that is attributed to rounding."""
 
 
 class InnerLoop(NamedTuple):
-    """Its constants.
+    """Constants of the inner loop.
 
     Attributes:
         gains: Of the attitude law.
-        eso: The attitude observer.
-        rotors: How a wrench is shared among them.
-        lag: Of their thrust.
+        eso: Attitude observer.
+        rotors: Allocation of a wrench to the rotors.
+        lag: Of the rotors' thrust.
         mass: kg, base and arm.
-        inertia: (3, 3) kg m^2, of both.
+        inertia: (3, 3) kg m^2, base and arm.
         inverse_inertia: (3, 3).
         max_tilt: rad.
-        smoothing: How much of omega_d is new at each sample.
+        smoothing: Weight of the new value in the filter of omega_d.
     """
 
     gains: AttitudeGains
@@ -54,10 +55,10 @@ class InnerLoop(NamedTuple):
 
     @classmethod
     def make(cls, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: float) -> InnerLoop:
-        """Of the scenario's gains and this vehicle; `period` in s.
+        """Returns the loop for a scenario's gains and a vehicle; `period` in s.
 
         Raises:
-            BadInput: if its rotors cannot lift it without tilting it.
+            BadInput: if the rotors cannot lift the vehicle without tilting it.
         """
         return cls(
             gains=AttitudeGains.make(config),
@@ -75,40 +76,33 @@ class InnerLoop(NamedTuple):
 @compiled
 def inner_loop(
     loop: InnerLoop,
-    x: np.ndarray,
-    believed: np.ndarray,
+    last: FlightState,
     state: np.ndarray,
-    position: np.ndarray,
-    u_v: np.ndarray,
-    a_B: np.ndarray,
+    position: PositionCommand,
     effort: np.ndarray,
-) -> tuple[np.ndarray, ...]:
-    """Attitude observer, attitude law, allocation, and what the base is believed to have of it.
+) -> tuple[FlightState, FlightOutputs]:
+    """Attitude observer, attitude law, allocation, and the acceleration modelled from them.
 
     Args:
-        loop: Its constants.
-        x, believed, state: (30 + k,), (6,) and (13 + 2 n,), as `outer_loop` has them.
-        position, u_v, a_B: (12,), (3,) m/s^2 and (3,) m/s^2, from it.
-        effort: (6,) or more, N m about the base's origin and N, in the world, that it
-            takes to give it a_B and no angular acceleration.
-
-    Returns:
-        The flight controller's state: memory (30 + k,), thrust command (k,) N,
-        acceleration (6,), reaction (3,) m/s^2 of the arm, specific thrust (1,) m/s^2,
-        disturbance (6,), saturated (1,).
+        loop: Constants.
+        last: State of the flight controller.
+        state: (13 + 2 n,) measured.
+        position: Result of `outer_loop`.
+        effort: (6,) or more, N m about the base's origin and N, in the world, that give the
+            base `position.a_B` and no angular acceleration.
     """
-    _, observer, integral, R_d_last, omega_d, thrust = memory_parts(x)
+    u_v, torque, force = position.u_v, effort[:3], effort[3:6]
     quaternion, _, _, omega_W, _, _ = split_state(state)
     R = rotation_matrix(quaternion)
     omega = R.T @ omega_W
-    observer = observe(loop.eso, observer, believed[3:], omega)
+    observer = observe(loop.eso, last.attitude_observer, last.acceleration[3:], omega)
 
-    reaction = effort[3:6] / loop.mass - a_B - GRAVITY * UP
-    torque = R.T @ effort[:3]
+    reaction = force / loop.mass - position.a_B - GRAVITY * UP
+    torque = R.T @ torque
     f = desired_thrust(u_v + reaction, loop.max_tilt)
     R_d = desired_attitude(f)
-    rate = turn(R_d_last.T @ R_d) / loop.lag.dt
-    omega_d = omega_d + loop.smoothing * (rate - omega_d)
+    rate = turn(last.R_d.T @ R_d) / loop.lag.dt
+    omega_d = last.omega_d + loop.smoothing * (rate - last.omega_d)
     rate_error = omega - R.T @ (R_d @ omega_d)
     u_omega = attitude_law(loop.gains, attitude_error(R, R_d), rate_error, observer[-1])
 
@@ -116,22 +110,23 @@ def inner_loop(
     lift = np.array([loop.mass * np.sum(f * z_B)])
     wrench = np.concatenate((lift, loop.inertia @ u_omega + torque))
     command = allocate(loop.rotors, wrench)
-    given = loop.rotors.mixer @ command
-    missing = np.concatenate((u_v + reaction + GRAVITY * UP - f, wrench - given))
-    saturated = not np.abs(missing).max() <= UNSATURATED
-    thrust, mean = advance(loop.lag, thrust, command)
-    turning = loop.rotors.mixer @ mean
+    allocated = loop.rotors.mixer @ command
+    missing = np.concatenate((u_v + reaction + GRAVITY * UP - f, wrench - allocated))
+    saturated = not np.abs(missing).max() <= SATURATION_TOLERANCE
+    thrust, mean = advance(loop.lag, last.rotor_thrust, command)
+    mean_wrench = loop.rotors.mixer @ mean
 
     halfway = z_B + cross(omega_W, z_B) * (loop.lag.dt / 2)
-    linear = halfway * (given[0] / loop.mass) - GRAVITY * UP - reaction
-    angular = loop.inverse_inertia @ (turning[1:] - torque)
-    integral = integral if saturated else position[9:]
-    return (
-        np.concatenate((position[:9], observer.ravel(), integral, R_d.ravel(), omega_d, thrust)),
-        command,
+    linear = halfway * (allocated[0] / loop.mass) - GRAVITY * UP - reaction
+    angular = loop.inverse_inertia @ (mean_wrench[1:] - torque)
+    now = FlightState(
+        position.observer,
+        observer,
+        last.position_integral if saturated else position.integral,
+        R_d,
+        omega_d,
+        thrust,
         np.concatenate((linear, angular)),
-        reaction,
-        np.array([thrust.sum() / loop.mass]),
-        np.concatenate((position[6:9] - reaction, observer[-1])),
-        np.array([1.0 if saturated else 0.0]),
     )
+    disturbance = np.concatenate((position.observer[-1] - reaction, observer[-1]))
+    return now, FlightOutputs(command, reaction, thrust.sum() / loop.mass, disturbance, saturated)

@@ -1,4 +1,4 @@
-"""Discrete PID of the arm's joints."""
+"""Discrete PID controller of the arm's joints."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from aerodrake.support.compiled import compiled
 
 
 class JointPid(NamedTuple):
-    """torque = k_p e + k_d e' + integral, within limits, without windup.
+    """Gains and limits of torque = k_p e + k_d e' + integral, without windup.
 
-    That is k_d times what the joint's rate is short of the rate q_d' + e k_p / k_d. As in a
-    cascade, that rate is kept within the joint's velocity limit, and within k_p / k_d
-    times the way that is left to its stop, so that no error, however it came, sends a joint
-    faster than it may move or into a stop.
+    The first two terms are k_d times the error between the joint's rate and the desired rate
+    q_d' + e k_p / k_d. As in a cascade, the desired rate is limited: by the joint's velocity
+    limit, and by k_p / k_d times the distance to its stop. No position error drives a joint
+    faster than its limit, or into a stop.
 
     Attributes:
         k_p: (n,) N m/rad.
@@ -41,7 +41,7 @@ class JointPid(NamedTuple):
 
     @classmethod
     def make(cls, arm: Arm, vehicle: VehicleModel, dt: float) -> JointPid:
-        """Gains that give each joint's inertia the bandwidth and damping of `arm`; dt in s."""
+        """Returns gains that give each joint the bandwidth and damping of `arm`; dt in s."""
         k_p = vehicle.joint_inertia * arm.bandwidth_rad_s**2
         k_d = vehicle.joint_inertia * 2 * arm.damping * arm.bandwidth_rad_s
         k_i = k_p * arm.integral_rad_s
@@ -53,16 +53,16 @@ class JointPid(NamedTuple):
 def control(
     pid: JointPid, state: np.ndarray, setpoint: np.ndarray, integral: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Torques, and the integral one period later.
+    """Returns the torques, and the integral one period later.
 
-    The integral is that of the error; of what the rate is short of its limit, over
-    k_p / k_d, where it is limited. It holds still where the torque is at its limit and would
-    be driven further out, and never exceeds the limit by itself.
+    The integral is that of the position error or, while the desired rate is limited, of the
+    error of the rate over k_p / k_d. It is constant while the torque is at its limit and the
+    error would drive it further. By itself it never exceeds the torque limit.
 
     Args:
         pid: Gains and limits.
         state: (13 + 2 n,) measured, as `VehicleState` has it.
-        setpoint: (3 n,) q_d, q_d', q_d''; a PID has no use for q_d''.
+        setpoint: (3 n,) q_d, q_d', q_d''; q_d'' is ignored.
         integral: (n,) N m.
 
     Returns:
@@ -70,21 +70,21 @@ def control(
     """
     _, _, q, _, _, qdot = split_state(state)
     n = len(q)
-    torque, moved = np.empty(n), np.empty(n)
+    torque, new_integral = np.empty(n), np.empty(n)
     for i in range(n):
         error, rate_error = setpoint[i] - q[i], setpoint[n + i] - qdot[i]
         stiffness = pid.k_p[i] / pid.k_d[i]
         rate = setpoint[n + i] + stiffness * error
-        most = min(pid.velocity[i], stiffness * (pid.upper[i] - q[i]))
-        least = max(-pid.velocity[i], stiffness * (pid.lower[i] - q[i]))
-        excess = rate - min(max(rate, least), most)
-        wanted = pid.k_p[i] * error + pid.k_d[i] * (rate_error - excess) + integral[i]
-        torque[i] = _clipped(wanted, pid.effort[i])
+        highest = min(pid.velocity[i], stiffness * (pid.upper[i] - q[i]))
+        lowest = max(-pid.velocity[i], stiffness * (pid.lower[i] - q[i]))
+        excess = rate - min(max(rate, lowest), highest)
+        desired = pid.k_p[i] * error + pid.k_d[i] * (rate_error - excess) + integral[i]
+        torque[i] = _clipped(desired, pid.effort[i])
         drive = error if excess == 0 else error + (rate_error - excess) / stiffness
-        winding = abs(wanted) > pid.effort[i] and wanted * drive > 0
-        step = 0.0 if winding else pid.k_i[i] * drive * pid.dt
-        moved[i] = _clipped(integral[i] + step, pid.effort[i])
-    return torque, moved
+        is_winding = abs(desired) > pid.effort[i] and desired * drive > 0
+        step = 0.0 if is_winding else pid.k_i[i] * drive * pid.dt
+        new_integral[i] = _clipped(integral[i] + step, pid.effort[i])
+    return torque, new_integral
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""First-order lag of rotor thrust, rising and falling at different speeds."""
+"""First-order lag of rotor thrust, with different time constants for rising and falling."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from aerodrake.support.compiled import compiled
 
 
 class RotorLag(NamedTuple):
-    """f' = (command - f) / tau, over a period in which the command is held.
+    """Time constants of f' = (command - f) / tau, and a period of constant command.
 
     Attributes:
-        up: s, tau where thrust rises.
-        down: s, tau where it falls.
+        up: s, tau of rising thrust.
+        down: s, tau of falling thrust.
         dt: s, period.
     """
 
@@ -27,12 +27,12 @@ class RotorLag(NamedTuple):
 def advance(
     lag: RotorLag, thrust: np.ndarray, command: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(thrust at the end, mean thrust) of a period, each (k,) N.
+    """Returns the thrust at the end of a period, and its mean over it, (k,) N each.
 
     Args:
         lag: Of the rotors.
         thrust: (k,) N, at the start.
-        command: (k,) N, held.
+        command: (k,) N, constant over the period.
     """
     end, mean = np.empty_like(thrust), np.empty_like(thrust)
     for i in range(len(thrust)):

@@ -1,1 +1,1 @@
-"""Samples: their noise, their checks, and the Kalman filters that use them."""
+"""Samples of the state: noise, faults, checks, and the Kalman filter."""

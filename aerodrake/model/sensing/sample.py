@@ -1,4 +1,4 @@
-"""Samples of the vehicle's state, and the noise on them."""
+"""Samples of the vehicle's state, their groups, and the noise on them."""
 
 from __future__ import annotations
 
@@ -12,10 +12,22 @@ from aerodrake.scenario import Sensors
 from aerodrake.support.compiled import compiled
 
 GROUPS = ("position", "attitude", "joints")
-"""Of a sample, since three sensors make it: p_B and v_B, quaternion and omega_W, q and q'."""
+"""Parts of a sample by sensor: p_B and v_B; quaternion and omega_W; q and q'."""
 
 POSITION, ATTITUDE, JOINTS = range(3)
-"""Where each is among them."""
+"""Indices of the groups."""
+
+
+class Sample(NamedTuple):
+    """One sample of the vehicle's state.
+
+    Attributes:
+        state: (13 + 2 n,) as measured.
+        stamps: (3,) s, the time at which each group was measured.
+    """
+
+    state: np.ndarray
+    stamps: np.ndarray
 
 
 class Deviations(NamedTuple):
@@ -37,7 +49,7 @@ class Deviations(NamedTuple):
 
     @classmethod
     def make(cls, config: Sensors) -> Deviations:
-        """Of the scenario."""
+        """Returns the deviations that a scenario's sensors have."""
         return cls(
             config.position_noise_m,
             config.velocity_noise_m_s,
@@ -48,10 +60,10 @@ class Deviations(NamedTuple):
 
 
 def group_columns(group: str, joints: int) -> np.ndarray:
-    """Where the numbers of a group of samples, or those of `all`, are in a sample (13 + 2 n,).
+    """Returns the indices of a group's entries in a sample (13 + 2 n,).
 
     Args:
-        group: As a `SampleFault` names it.
+        group: One of `GROUPS`, or `all`.
         joints: n.
     """
     at = split_state(np.arange(float(VehicleState.size(joints))))
@@ -65,22 +77,22 @@ def group_columns(group: str, joints: int) -> np.ndarray:
 
 
 def noise_size(joints: int) -> int:
-    """How many independent draws one sample takes: base 12, and one per joint."""
+    """Returns the number of independent draws of one sample: 12 of the base, one per joint."""
     return 12 + joints
 
 
 @compiled
 def sampled(arm: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """(13 + 2 n,) the arm of the state `arm` and the base of the state `base`, (13 + 2 n,) each."""
-    found = base.copy()
-    _, _, q, _, _, qdot = split_state(found)
+    """Returns the state (13 + 2 n,) with the arm of `arm` and the base of `base`."""
+    state = base.copy()
+    _, _, q, _, _, qdot = split_state(state)
     _, _, q[:], _, _, qdot[:] = split_state(arm)
-    return found
+    return state
 
 
 @compiled
-def disturbed(sigma: Deviations, x: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """The state vector x with measurement noise on it.
+def noisy(sigma: Deviations, x: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Returns the state vector x with measurement noise.
 
     Args:
         sigma: Standard deviations.
@@ -91,20 +103,20 @@ def disturbed(sigma: Deviations, x: np.ndarray, noise: np.ndarray) -> np.ndarray
     Returns:
         (13 + 2 n,), the quaternion's w at least 0.
     """
-    found = x.copy()
-    quaternion, p_B, q, omega_W, v_B, _ = split_state(found)
+    measured = x.copy()
+    quaternion, p_B, q, omega_W, v_B, _ = split_state(measured)
     p_B += sigma.position * noise[:3]
     v_B += sigma.velocity * noise[3:6]
     omega_W += sigma.rate * noise[9:12]
     q += sigma.joint * noise[12:]
     turned = product(quaternion, quaternion_of(sigma.attitude * noise[6:9]))
     quaternion[:] = turned / np.copysign(length(turned), turned[0])
-    return found
+    return measured
 
 
 @compiled
 def group_of(g: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and velocities of a group, by its number, of a sample x (13 + 2 n,); views."""
+    """Returns views of the values and velocities of group `g` of a state x (13 + 2 n,)."""
     quaternion, p_B, q, omega_W, v_B, qdot = split_state(x)
     if g == POSITION:
         return p_B, v_B

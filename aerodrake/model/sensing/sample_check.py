@@ -1,7 +1,7 @@
-"""Which parts of a sample are believed: finite, new, and where the vehicle can have gone.
+"""Check that accepts or rejects each group of a sample: finite, new, and plausible.
 
-A sample has three groups, since three sensors make it: position (p_B and v_B), attitude
-(quaternion and omega_W), joints (q and q'). Each has its verdict.
+The groups are position (p_B and v_B), attitude (quaternion and omega_W), and joints (q and q').
+Each comes from a sensor of its own and has a verdict of its own.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from aerodrake.model.sensing.sample import ATTITUDE, group_of
+from aerodrake.model.sensing.estimate import Estimate
+from aerodrake.model.sensing.sample import ATTITUDE, POSITION, Sample, group_of
 from aerodrake.model.vehicle.rotation import (
     conjugate,
     length,
@@ -23,64 +24,65 @@ from aerodrake.support.compiled import compiled
 
 
 class Verdict(IntEnum):
-    """Of one group of a sample; where several are true, STALE comes first, then in this order."""
+    """Verdict on one group of a sample; if several apply, STALE precedes, then in this order."""
 
+    # Accepted.
     OK = 0
-    # Not a number, a quaternion that is not of unit length, or beyond `ABSURD`.
+    # NaN or infinite, a quaternion that is not of unit length, or beyond `MAX_MAGNITUDE`.
     NOT_FINITE = 1
-    # Its time has not advanced.
+    # Its time stamp has not advanced.
     STALE = 2
-    # It repeats itself to the last bit although it is to have moved by `RESOLUTION`.
+    # Bitwise equal to the previous one although it should have moved by `RESOLUTION`.
     FROZEN = 3
-    # It neither follows from the last one nor is where the prediction may be.
+    # Consistent neither with the last accepted one nor with the prediction.
     JUMP = 4
 
 
-ABSURD = 1e4
-"""m, rad, m/s or rad/s: no vehicle is there, and none is so fast."""
+MAX_MAGNITUDE = 1e4
+"""m, rad, m/s or rad/s: larger positions, angles and velocities are not plausible."""
 
 UNIT_LENGTH = 0.1
-"""How far the length of a quaternion may be off 1; that of the plant drifts a little."""
+"""Tolerated deviation of a quaternion's length from 1; the plant's drifts slightly."""
 
 RESOLUTION = np.array([3e-4, 3e-4, 1e-3])
-"""m, rad, rad: what moves by as much cannot give the same numbers again."""
+"""m, rad, rad: motion after which the same values cannot be measured again."""
 
-DEVIATIONS = 8.0
-"""Of the noise, as its standard deviations add up, that are believed."""
+NOISE_DEVIATIONS = 8.0
+"""Bound of the noise in standard deviations."""
 
-FOLLOWS = 3
-"""Samples: one that comes no later than so many after the last is to follow from it."""
+OUTAGE_SAMPLES = 3
+"""Samples after the last accepted one that are still compared with it, not with the prediction."""
 
 ACCELERATION = np.array([60.0, 300.0, 600.0])
-"""m/s^2, rad/s^2, rad/s^2: what the vehicle can do at the most, from one sample to the next."""
+"""m/s^2, rad/s^2, rad/s^2: largest plausible acceleration from one sample to the next."""
 
 SLACK = np.array([0.05, 0.02, 0.05])
-"""m, rad, rad: how far a prediction may be off from the first."""
+"""m, rad, rad: tolerated error of a prediction from the start."""
 
 RATE_SLACK = np.array([1.0, 1.0, 3.0])
-"""m/s, rad/s, rad/s: likewise of velocities."""
+"""m/s, rad/s, rad/s: tolerated error of a predicted velocity from the start."""
 
 DRIFT = np.array([0.4, 1.5, 8.0])
-"""m/s^2, rad/s^2, rad/s^2: how far off modelled accelerations may be, at first. Each second
-of an outage adds as much again, so that no drift stays ahead of its bound."""
+"""m/s^2, rad/s^2, rad/s^2: tolerated error of modelled accelerations at first. Each second of an
+outage adds as much again, so that every drift is eventually within the bound."""
 
-DRIFT_SHARE = 0.25
-"""Of the disturbance that was known, by which it may change: what is strong also varies."""
+DRIFT_RATIO = 0.25
+"""Tolerated relative change of the estimated disturbance: strong disturbances vary more."""
 
 
 class SampleCheck(NamedTuple):
-    """What bounds the steps and innovations of samples, by group.
+    """Bounds on the steps and innovations of samples, by group.
 
-    A sample is believed if it *follows* from the last one that was, by the mean of both
-    velocities and what an acceleration can add: this holds however wrong a model is. After
-    a few that did not, one is believed that is where the *prediction* may be, by a
-    bound that grows with the time of the outage. So no step is believed at once, and
-    a lasting one when the prediction can be as wrong: 0.5 m after 1.3 s, 0.5 rad after
-    0.7 s, in still air.
+    A sample is accepted if it *follows* from the last accepted one: if both differ by no more
+    than the mean of their velocities and a plausible acceleration allow. This does not depend on
+    any model. After an outage of a few samples, one is accepted if it is near the *prediction*,
+    within a bound that grows with the time of the outage. No step is thus accepted at once, and
+    a lasting one when the prediction can be as wrong: 0.5 m after 1.3 s, 0.5 rad after 0.7 s,
+    in still air.
 
     Attributes:
-        noise: (3,) m, rad, rad: what noise may do to a value.
-        rate_noise: (3,) m/s, rad/s, rad/s: likewise of its velocity.
+        noise: (3,) m, rad, rad: bound of the noise on a value.
+        rate_noise: (3,) m/s, rad/s, rad/s: bound of the noise on its velocity.
         dt: s, between samples.
     """
 
@@ -90,7 +92,13 @@ class SampleCheck(NamedTuple):
 
     @classmethod
     def make(cls, config: Filter, sensors: Sensors, dt: float) -> SampleCheck:
-        """For the noise that the filter expects, or that of the sensors if it is more; dt in s."""
+        """Returns the bounds for the noise that the filter assumes, or the sensors' if larger.
+
+        Args:
+            config: Assumed noise.
+            sensors: Actual noise.
+            dt: s.
+        """
         noise = np.maximum(
             [config.position_noise_m, config.attitude_noise_rad, config.joint_noise_rad],
             [sensors.position_noise_m, sensors.attitude_noise_rad, sensors.joint_noise_rad],
@@ -99,139 +107,192 @@ class SampleCheck(NamedTuple):
             [config.velocity_noise_m_s, config.rate_noise_rad_s, 0.0],
             [sensors.velocity_noise_m_s, sensors.rate_noise_rad_s, 0.0],
         )
-        return cls(DEVIATIONS * noise, DEVIATIONS * rate_noise, dt)
+        return cls(NOISE_DEVIATIONS * noise, NOISE_DEVIATIONS * rate_noise, dt)
 
 
-def initial_memory(sample: np.ndarray, stamp: float) -> np.ndarray:
-    """(2 m + 6,) of a sample (m,): all is well with it, of the time `stamp` s.
+class CheckState(NamedTuple):
+    """State of the sample check.
 
-    [the sample that came last, of each group the one that was believed last, the
-    groups' times (3), how far each should have gone since its numbers changed (3)].
+    Attributes:
+        sample: (13 + 2 n,) the previous sample, accepted or not.
+        stamps: (3,) s, the last finite time stamp of each group.
+        accepted: (13 + 2 n,) the last accepted values of each group.
+        ages: (3,) s, from the last accepted sample of each group to the previous sample.
+        travel: (3,) m, rad, rad: expected motion of each group since its values last changed.
     """
-    return np.concatenate([sample, sample, np.full(3, stamp), np.zeros(3)])
+
+    sample: np.ndarray
+    stamps: np.ndarray
+    accepted: np.ndarray
+    ages: np.ndarray
+    travel: np.ndarray
+
+    @classmethod
+    def accepting(cls, sample: np.ndarray, stamp: float) -> CheckState:
+        """Returns the state after a sample (13 + 2 n,) of the time `stamp` s was accepted."""
+        return cls(sample, np.full(3, stamp), sample, np.zeros(3), np.zeros(3))
+
+
+class SampleHealth(NamedTuple):
+    """Health of a sample, by group: the port `sample_health` (6).
+
+    Attributes:
+        ages: (3,) s since the last accepted sample, 0 if this one is accepted.
+        verdicts: (3,) each a `Verdict`.
+    """
+
+    ages: np.ndarray
+    verdicts: np.ndarray
+
+    def to_vector(self) -> np.ndarray:
+        """Returns the port's value (6,), the inverse of `split_health`."""
+        return np.concatenate([self.ages, self.verdicts])
+
+
+def split_health(vector: np.ndarray) -> SampleHealth:
+    """Returns the parts of the port `sample_health` (6,) as views."""
+    return SampleHealth(*np.split(vector, 2))
 
 
 @compiled
 def check(
-    bounds: SampleCheck,
-    memory: np.ndarray,
-    ages: np.ndarray,
-    predicted: np.ndarray,
-    sample: np.ndarray,
-    stamps: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Judges a sample.
+    bounds: SampleCheck, last: CheckState, predicted: Estimate, sample: Sample
+) -> tuple[SampleHealth, CheckState]:
+    """Accepts or rejects each group of a sample.
 
     Args:
-        bounds: Of what is believed.
-        memory: (2 m + 6,) as `initial_memory` has it.
-        ages: (3,) s, of the groups: from the last believed sample to the one before this.
-        predicted: (6 + m,) the estimate, as `StateFilter` has it, of what it should be.
-        sample: (m,) as it came.
-        stamps: (3,) s, when each group of it was taken.
+        bounds: Of steps and innovations.
+        last: State of the check.
+        predicted: Estimate of what the sample should be.
+        sample: As it arrived.
 
     Returns:
-        (6,) ages now, 0 of what is believed, and the verdicts; the memory now.
+        The sample's health; the new state of the check.
     """
-    m = len(sample)
-    last, last_stamps = memory[:m], memory[2 * m : 2 * m + 3]
-    now, health = memory.copy(), np.empty(6)
-    believed, travel = now[m : 2 * m], now[2 * m + 3 :]
-    disturbances = np.concatenate((predicted[:6], np.zeros(3)))  # None is known of joints.
+    ages, verdicts, stamps = np.empty(3), np.empty(3), last.stamps.copy()
+    accepted, travel = last.accepted.copy(), last.travel.copy()
     for g in range(3):
-        since = ages[g] + bounds.dt
-        x, rate = group_of(g, sample)
-        x_last, rate_last = group_of(g, last)
-        x_believed, rate_believed = group_of(g, believed)
-        x_predicted, rate_predicted = group_of(g, predicted[6:])
+        x, rate = group_of(g, sample.state)
+        x_last, rate_last = group_of(g, last.sample)
         if np.all(x == x_last) and np.all(rate == rate_last):
+            _, rate_predicted = group_of(g, predicted.state)
             travel[g] += bounds.dt * max(length(rate), length(rate_predicted))
         else:
             travel[g] = 0.0
 
-        if not last_stamps[g] < stamps[g] < np.inf:
+        ages[g] = last.ages[g] + bounds.dt
+        if not last.stamps[g] < sample.stamps[g] < np.inf:
             verdict = Verdict.STALE
-        elif not _is_sound(g, x, rate):
+        elif not _is_finite(g, x, rate):
             verdict = Verdict.NOT_FINITE
         elif travel[g] > RESOLUTION[g]:
             verdict = Verdict.FROZEN
+        elif not _is_plausible(bounds, g, last, predicted, sample.state):
+            verdict = Verdict.JUMP
         else:
-            if not is_outage(bounds, ages[g]):
-                step = _difference(g, x_believed, x) - since / 2 * (rate_believed + rate)
-                is_ok = _follows(bounds, g, since, length(step), length(rate - rate_believed))
-            else:
-                known = length(disturbances[3 * g : 3 * g + 3])
-                off = length(_difference(g, x_predicted, x))
-                is_ok = _is_near(bounds, g, since, known, off, length(rate - rate_predicted))
-            verdict = Verdict.OK if is_ok else Verdict.JUMP
-        if verdict == Verdict.OK:
-            since = 0.0
-            x_believed[:] = x
-            rate_believed[:] = rate
-        health[g], health[3 + g] = since, verdict.value
-    now[:m] = sample
-    for g in range(3):
-        # A time that is no number is not remembered: none would come after it.
-        if np.isfinite(stamps[g]):
-            now[2 * m + g] = stamps[g]
-    return health, now
+            verdict = Verdict.OK
+            ages[g] = 0.0
+            x_accepted, rate_accepted = group_of(g, accepted)
+            x_accepted[:] = x
+            rate_accepted[:] = rate
+        verdicts[g] = verdict.value
+        # No later stamp would be larger than an infinite one, or than NaN.
+        if np.isfinite(sample.stamps[g]):
+            stamps[g] = sample.stamps[g]
+    now = CheckState(sample.state.copy(), stamps, accepted, ages, travel)
+    return SampleHealth(ages, verdicts), now
 
 
 @compiled
 def is_outage(bounds: SampleCheck, age: float) -> bool:
-    """Whether a group has been missing for so long that none can follow from its last.
+    """Returns True if too many samples of a group were rejected to compare with the last accepted.
 
     Args:
-        bounds: Of which dt.
-        age: s, from the last that was believed to the sample before this one.
+        bounds: For its dt.
+        age: s, from the last accepted sample to the previous one.
     """
-    return age > (FOLLOWS - 0.5) * bounds.dt
+    return age > (OUTAGE_SAMPLES - 0.5) * bounds.dt
 
 
 @compiled
-def _follows(bounds: SampleCheck, g: int, since: float, step: float, speeding: float) -> bool:
-    """Whether a sample can come after the last that was believed.
+def _is_plausible(
+    bounds: SampleCheck, g: int, last: CheckState, predicted: Estimate, state: np.ndarray
+) -> bool:
+    """Returns True if a group follows from the last accepted one, or in an outage is as predicted.
 
     Args:
-        bounds: Of noise.
+        bounds: Of steps and innovations.
         g: Group.
-        since: s, from that one.
-        step: Between them, beyond what the mean of both velocities makes.
-        speeding: Between their velocities.
+        last: State of the check.
+        predicted: Estimate of what the state should be.
+        state: (13 + 2 n,) as measured.
+    """
+    since = last.ages[g] + bounds.dt
+    x, rate = group_of(g, state)
+    if is_outage(bounds, last.ages[g]):
+        x_predicted, rate_predicted = group_of(g, predicted.state)
+        error = length(_difference(g, x_predicted, x))
+        rate_error = length(rate - rate_predicted)
+        return _is_near(bounds, g, since, _disturbance(g, predicted), error, rate_error)
+    x_accepted, rate_accepted = group_of(g, last.accepted)
+    step = _difference(g, x_accepted, x) - since / 2 * (rate_accepted + rate)
+    return _follows(bounds, g, since, length(step), length(rate - rate_accepted))
+
+
+@compiled
+def _follows(bounds: SampleCheck, g: int, since: float, step: float, rate_step: float) -> bool:
+    """Returns True if a sample can follow the last accepted one.
+
+    Args:
+        bounds: Of the noise.
+        g: Group.
+        since: s, between both.
+        step: Difference of both, less the motion at their mean velocity.
+        rate_step: Difference of their velocities.
     """
     noise, rate_noise, a = bounds.noise[g], bounds.rate_noise[g], ACCELERATION[g]
-    is_there = step <= 2 * noise + since * rate_noise + a * since**2 / 4
-    return is_there and speeding <= 2 * rate_noise + a * since
+    is_within = step <= 2 * noise + since * rate_noise + a * since**2 / 4
+    return is_within and rate_step <= 2 * rate_noise + a * since
 
 
 @compiled
 def _is_near(
-    bounds: SampleCheck, g: int, since: float, known: float, off: float, rate_off: float
+    bounds: SampleCheck, g: int, since: float, disturbance: float, error: float, rate_error: float
 ) -> bool:
-    """Whether a sample is so far off its prediction, in value and velocity, as this may be.
+    """Returns True if the errors of a prediction, in value and velocity, are within its bounds.
 
     Args:
-        bounds: Of noise.
+        bounds: Of the noise.
         g: Group.
-        since: s, how long it has been predicted.
-        known: m/s^2 or rad/s^2, the disturbance that the prediction goes on with.
-        off, rate_off: The distances.
+        since: s, predicted.
+        disturbance: m/s^2 or rad/s^2, magnitude of the one that the prediction assumes.
+        error, rate_error: Distances of the sample from it.
     """
-    a = DRIFT[g] + DRIFT_SHARE * known
+    a = DRIFT[g] + DRIFT_RATIO * disturbance
     drift, rate_drift = a * since**2 / 2 + a * since**3 / 6, a * since + a * since**2 / 2
-    is_there = off <= SLACK[g] + bounds.noise[g] + drift
-    return is_there and rate_off <= RATE_SLACK[g] + bounds.rate_noise[g] + rate_drift
+    is_within = error <= SLACK[g] + bounds.noise[g] + drift
+    return is_within and rate_error <= RATE_SLACK[g] + bounds.rate_noise[g] + rate_drift
 
 
 @compiled
-def _is_sound(g: int, x: np.ndarray, rate: np.ndarray) -> bool:
+def _disturbance(g: int, estimate: Estimate) -> float:
+    """Returns the magnitude of a group's estimated disturbance; joints have none."""
+    if g == POSITION:
+        return length(estimate.disturbance)
+    if g == ATTITUDE:
+        return length(estimate.angular_disturbance)
+    return 0.0
+
+
+@compiled
+def _is_finite(g: int, x: np.ndarray, rate: np.ndarray) -> bool:
+    """Returns True if a group is finite and of plausible magnitude, a quaternion of unit length."""
     size = length(x)
-    return (size < ABSURD if g != ATTITUDE else abs(size - 1) < UNIT_LENGTH) and length(
-        rate
-    ) < ABSURD
+    is_sound = abs(size - 1) < UNIT_LENGTH if g == ATTITUDE else size < MAX_MAGNITUDE
+    return is_sound and length(rate) < MAX_MAGNITUDE
 
 
 @compiled
 def _difference(g: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """How a becomes b; of quaternions, as a rotation vector in the world."""
+    """Returns b - a; of quaternions, the rotation vector in the world from a to b."""
     return rotation_vector(product(b, conjugate(a))) if g == ATTITUDE else b - a

@@ -1,61 +1,53 @@
-"""What a fault makes of samples."""
+"""Effect of a fault on samples."""
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from aerodrake.model.sensing.sample import GROUPS, group_columns
+from aerodrake.model.sensing.sample import GROUPS, Sample, group_columns
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import SampleFault, SampleFrozen, SampleJump, SampleNan, SampleStale
 
 DIAGONAL = np.ones(3) / np.sqrt(3)
-"""(3,), of length 1: the direction in which positions and attitudes are off."""
+"""Unit vector (3,) along which positions and attitudes jump."""
 
 
-def faulty(
-    fault: SampleFault,
-    sample: np.ndarray,
-    stamps: np.ndarray,
-    held: np.ndarray,
-    held_stamps: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """A sample and its times as they arrive while a fault is there.
+def faulty(fault: SampleFault, sample: Sample, last: Sample) -> Sample:
+    """Returns a sample as it arrives during a fault.
 
-    Steps of position go along the diagonal (1, 1, 1) of the world, those of attitude
-    turn about the base's; each joint is off by the whole angle.
+    Positions jump along the diagonal (1, 1, 1) of the world, attitudes turn about that of the
+    base; each joint jumps by the whole angle.
 
     Args:
-        fault: Of a group, or of all.
-        sample: (13 + 2 n,) without it.
-        stamps: (3,) s, when its groups were taken.
-        held: (13 + 2 n,) the last sample before the fault.
-        held_stamps: (3,) s, of that one.
+        fault: Of one group, or of all.
+        sample: As measured.
+        last: The last sample before the fault.
     """
-    found, times = sample.copy(), stamps.copy()
-    n = (len(sample) - VehicleState.size(0)) // 2
+    state, stamps = sample.state.copy(), sample.stamps.copy()
+    n = (len(state) - VehicleState.size(0)) // 2
     columns = group_columns(fault.group, n)
     match fault:
         case SampleNan():
-            found[columns] = np.nan
+            state[columns] = np.nan
         case SampleStale():
-            found[columns] = held[columns]
-            struck = [fault.group in ("all", group) for group in GROUPS]
-            times[struck] = held_stamps[struck]
+            state[columns] = last.state[columns]
+            is_stale = [fault.group in ("all", group) for group in GROUPS]
+            stamps[is_stale] = last.stamps[is_stale]
         case SampleFrozen():
-            found[columns] = held[columns]
+            state[columns] = last.state[columns]
         case SampleJump():
-            found[columns] = _stepped(fault, sample)[columns]
-    return found, times
+            state[columns] = _jumped(fault, sample.state)[columns]
+    return Sample(state, stamps)
 
 
-def _stepped(fault: SampleJump, sample: np.ndarray) -> np.ndarray:
-    """(13 + 2 n,) a sample with each group off by its step."""
-    found = sample.copy()
-    state = split_state(found)
-    state.p_B[:] += fault.position_m * DIAGONAL
-    state.q[:] += fault.angle_rad
+def _jumped(fault: SampleJump, state: np.ndarray) -> np.ndarray:
+    """Returns a state (13 + 2 n,) with a step of each group."""
+    jumped = state.copy()
+    parts = split_state(jumped)
+    parts.p_B[:] += fault.position_m * DIAGONAL
+    parts.q[:] += fault.angle_rad
     turn = Rotation.from_rotvec(fault.angle_rad * DIAGONAL)
-    attitude = Rotation.from_quat(state.quaternion, scalar_first=True)
-    state.quaternion[:] = (attitude * turn).as_quat(scalar_first=True)
-    return found
+    attitude = Rotation.from_quat(parts.quaternion, scalar_first=True)
+    parts.quaternion[:] = (attitude * turn).as_quat(scalar_first=True)
+    return jumped

@@ -1,213 +1,127 @@
-"""The state filter's observer: gains, errors as predicted, rotations, disturbances."""
+"""State filter: delayed, wrong and missing samples, and joints."""
 
-from functools import cache
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from scipy.interpolate import PPoly
-from scipy.linalg import expm
-from scipy.spatial.transform import Rotation
 
+from aerodrake.model.sensing.estimate import ARM_DECAY_S, predict_arm, predict_base
+from aerodrake.model.sensing.sample import GROUPS, Sample, group_columns
+from aerodrake.model.sensing.sample_check import SampleCheck, Verdict
 from aerodrake.model.sensing.state_filter import (
+    JOINT_WALK_RAD,
+    FilterState,
     StateFilter,
-    follow,
+    replace_rejected,
+    update,
 )
-from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.scenario import Filter
-from tests.estimates import CONFIG, DT, correct, estimate, rest, state_of
-
-small = arrays(float, 3, elements=st.floats(-1, 1))
-vector = arrays(float, 3, elements=st.floats(-10, 10))
-rotation = arrays(float, 4, elements=st.floats(-1, 1)).filter(lambda q: np.linalg.norm(q) > 0.1)
+from aerodrake.scenario import Filter, Sensors
+from tests.estimates import CONFIG, DT, JOINTS, correct, estimate, rest, state_of
 
 
-def quaternion(turn: Rotation) -> np.ndarray:
-    """(4,) w first."""
-    return turn.as_quat(scalar_first=True)
+@pytest.mark.parametrize(("delay_s", "steps"), [(0.0, 0), (0.01, 1), (0.03, 3), (0.07, 7)])
+def test_the_assumed_delay_is_counted_in_samples(delay_s, steps):
+    assert StateFilter.make(Filter(delay_s=delay_s), DT).steps == steps
 
 
-def turn_of(state: VehicleState) -> Rotation:
-    return Rotation.from_quat(state.quaternion, scalar_first=True)
-
-
-@cache
-def riccati(value: float, rate: float, walk: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Gain, and covariance after a sample, of the chain x''' = white noise held over a sample.
-
-    By the recursion itself, from no knowledge to where it stays. Also G, what a
-    standard normal draw does to the chain.
-    """
-    held = expm(DT * np.eye(4, k=1))  # x, x', d and its held rate.
-    F, G = held[:3, :3], held[:3, 3:] * walk / np.sqrt(DT)
-    H, R = np.eye(2, 3), np.diag([value**2, rate**2])
-    P, L = 1e3 * np.eye(3), np.zeros((3, 2))
-    for _ in range(2000):
-        P = F @ P @ F.T + G @ G.T
-        last, L = L, P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
-        P = (np.eye(3) - L @ H) @ P @ (np.eye(3) - L @ H).T + L @ R @ L.T
-    np.testing.assert_allclose(L, last, rtol=1e-12)
-    return L, P, G[:, 0]
-
-
-@pytest.mark.parametrize("config", [Filter(), CONFIG])
-@pytest.mark.parametrize("axis", range(3))
-def test_gains_are_where_the_riccati_recursion_ends(config, axis):
-    """By what the filter makes of a unit error, of value or rate, on one axis."""
-    e = np.eye(3)[axis]
-    gains = StateFilter.make(config, DT)
-    predicted = estimate()
-    L, _, _ = riccati(config.position_noise_m, config.velocity_noise_m_s, config.disturbance_m_s3)
-    for k, sample in enumerate([rest(p_B=e), rest(v_B=e)]):
-        found = correct(gains, predicted, sample.to_vector())
-        expected = np.outer(L[:, k], e)
-        np.testing.assert_allclose(
-            [state_of(found).p_B, state_of(found).v_B, found[:3]], expected, rtol=1e-6
-        )
-        np.testing.assert_array_equal(found[3:6], 0)
-
-    M, _, _ = riccati(config.attitude_noise_rad, config.rate_noise_rad_s, config.disturbance_rad_s3)
-    turned = quaternion(Rotation.from_rotvec(e))
-    for k, sample in enumerate([rest(quaternion=turned), rest(omega_W=e)]):
-        found = correct(gains, predicted, sample.to_vector())
-        theta = turn_of(state_of(found)).as_rotvec()
-        expected = np.outer(M[:, k], e)
-        np.testing.assert_allclose(
-            [theta, state_of(found).omega_W, found[3:6]], expected, rtol=1e-6, atol=1e-15
-        )
-        np.testing.assert_array_equal(found[:3], 0)
-
-
-def test_errors_have_the_covariance_that_the_recursion_predicts():
-    """A chain on each axis, driven by known accelerations and noise of the sizes believed."""
-    samples = 4000
-    noise = [CONFIG.position_noise_m, CONFIG.velocity_noise_m_s]
-    _, P, G = riccati(*noise, CONFIG.disturbance_m_s3)
-    F = expm(DT * np.eye(3, k=1))
-    random = np.random.default_rng(0)
-    gains = StateFilter.make(CONFIG, DT)
-    x, now = np.zeros((3, 3)), estimate()  # Rows p, v, d.
-    errors = []
-    for k in range(samples):
-        known = np.array([3 * np.sin(0.02 * k), 1.0, -2.0])
-        x = F @ x + np.outer([DT**2 / 2, DT, 0], known) + np.outer(G, random.normal(size=3))
-        z = x[:2] + np.array(noise)[:, None] * random.normal(size=(2, 3))
-        predicted = follow(gains, now, np.append(known, np.zeros(3)))
-        now = correct(gains, predicted, rest(p_B=z[0], v_B=z[1]).to_vector())
-        errors.append(x - [state_of(now).p_B, state_of(now).v_B, now[:3]])
-    white = np.linalg.solve(np.linalg.cholesky(P), np.hstack(errors[100:]))
-    # Some 10 samples hang together: four standard errors of 1100 or so that do not.
-    np.testing.assert_allclose(white @ white.T / white.shape[1], np.eye(3), atol=0.17)
-    np.testing.assert_allclose(white.mean(axis=1), 0, atol=0.12)
-
-
-@given(
-    start=arrays(float, (2, 3), elements=st.floats(-5, 5)),
-    d=vector,
-    held=arrays(float, (7, 3), elements=st.floats(-10, 10)),
-)
-def test_known_accelerations_make_up_for_lateness_exactly(start, d, held):
-    """Against integrals of accelerations that are held."""
-    now = estimate(d=d, p_B=start[0], v_B=start[1])
-    gains = StateFilter.make(Filter(), DT)
-    for a in held:
-        now = follow(gains, now, np.append(a, np.zeros(3)))
-    times = DT * np.arange(len(held) + 1)
-    v = PPoly((held + d)[None], times).antiderivative()
-    np.testing.assert_allclose(state_of(now).v_B, start[1] + v(times[-1]), atol=1e-12)
-    p = start[0] + start[1] * times[-1] + v.antiderivative()(times[-1])
-    np.testing.assert_allclose(state_of(now).p_B, p, atol=1e-12)
-    np.testing.assert_array_equal(now[:3], d)
-
-
-@given(attitude=rotation, axis=rotation, motion=arrays(float, 3, elements=st.floats(-30, 30)))
-def test_rotation_about_an_axis_that_stays_is_composed_exactly(attitude, axis, motion):
-    """Of any attitude, unit quaternion or not, through any angle, speeding up as is known."""
-    size = np.linalg.norm(axis[1:])
-    e = axis[1:] / size if size > 1e-9 else np.array([0.0, 0, 1])
-    rate, alpha, delta = motion
-    R = Rotation.from_quat(attitude, scalar_first=True)
-    now = estimate(delta=delta * e, quaternion=attitude, omega_W=R.apply(rate * e))
-    gains = StateFilter.make(Filter(), DT)
-    for _ in range(30):
-        now = follow(gains, now, np.append(np.zeros(3), alpha * e))
-    t = 30 * DT
-    angle = rate * t + (alpha + delta) * t**2 / 2
-    expected = R * Rotation.from_rotvec(angle * e)
-    np.testing.assert_allclose(turn_of(state_of(now)).as_matrix(), expected.as_matrix(), atol=1e-12)
-    omega = expected.apply((rate + (alpha + delta) * t) * e)
-    np.testing.assert_allclose(state_of(now).omega_W, omega, atol=1e-11)
-    np.testing.assert_allclose(np.linalg.norm(state_of(now).quaternion), 1, atol=1e-12)
-    np.testing.assert_allclose(now[3:6], delta * e)
-
-
-@given(attitude=rotation, omega=vector, alpha=vector)
-def test_rotation_whose_axis_changes_is_followed_to_third_order(attitude, omega, alpha):
-    """Rates exactly; attitude up to dt^3 / 12 omega x alpha, against a hundred smaller turns."""
-    R = Rotation.from_quat(attitude, scalar_first=True)
-    now = estimate(quaternion=attitude, omega_W=R.apply(omega))
-    found = state_of(follow(StateFilter.make(Filter(), DT), now, np.append(np.zeros(3), alpha)))
-    np.testing.assert_allclose(found.R_B.T @ found.omega_W, omega + DT * alpha, atol=1e-12)
-    turned, steps = R, 100
-    for k in range(steps):
-        mean = omega + (k + 0.5) * DT / steps * alpha
-        turned = turned * Rotation.from_rotvec(DT / steps * mean)
-    missed = (turned.inv() * turn_of(found)).magnitude()
-    assert missed <= 1.1 * DT**3 / 12 * np.linalg.norm(np.cross(omega, alpha)) + 1e-12
-
-
-@given(
-    attitude=rotation,
-    turn=small,
-    omega=vector,
-    rate_error=small,
-    signs=st.tuples(*[st.sampled_from([-1.0, 1.0])] * 2),
-)
-def test_attitude_errors_are_rotations_in_the_base_frame(attitude, turn, omega, rate_error, signs):
-    """The gain is on the rotation vector between the two, whichever sign quaternions have."""
-    R = Rotation.from_quat(attitude, scalar_first=True)
-    M = riccati(CONFIG.attitude_noise_rad, CONFIG.rate_noise_rad_s, CONFIG.disturbance_rad_s3)[0]
-    predicted = estimate(quaternion=signs[0] * quaternion(R), omega_W=omega)
-    sample = rest(
-        quaternion=signs[1] * quaternion(R * Rotation.from_rotvec(turn)),
-        omega_W=omega + R.apply(rate_error),
-    )
-    found = correct(StateFilter.make(CONFIG, DT), predicted, sample.to_vector())
-    theta, rate, delta = M @ np.stack([turn, rate_error])
-    expected = R * Rotation.from_rotvec(theta)
+def test_joints_follow_their_scalar_kalman_filter():
+    """Of q' = mean of the measured rates + noise: the limit of its recursion."""
+    config = Filter(joint_noise_rad=0.003)
+    P = 1.0
+    for _ in range(1000):
+        P += JOINT_WALK_RAD**2
+        K = P / (P + config.joint_noise_rad**2)
+        P *= 1 - K
+    q, rate, new_rate, measured = np.random.default_rng(1).normal(size=(4, JOINTS))
+    sample = rest(q=measured, qdot=new_rate).to_vector()
+    corrected = correct(StateFilter.make(config, DT), estimate(q=q, qdot=rate), sample)
+    predicted = q + DT * (rate + new_rate) / 2
     np.testing.assert_allclose(
-        turn_of(state_of(found)).as_matrix(), expected.as_matrix(), atol=1e-7
+        state_of(corrected).q, (1 - K) * predicted + K * measured, rtol=1e-10
     )
-    np.testing.assert_allclose(state_of(found).omega_W, omega + R.apply(rate), atol=1e-6)
-    np.testing.assert_allclose(found[3:6], delta, rtol=1e-6, atol=1e-6)
+    np.testing.assert_array_equal(state_of(corrected).qdot, new_rate)
 
 
-@given(attitude=rotation, omega=vector, p=vector, v=vector, d=vector, delta=vector)
-def test_a_sample_that_is_as_predicted_changes_nothing(attitude, omega, p, v, d, delta):
-    R = Rotation.from_quat(attitude, scalar_first=True)
-    predicted = estimate(d, delta, quaternion=quaternion(R), omega_W=omega, p_B=p, v_B=v)
-    found = correct(StateFilter.make(CONFIG, DT), predicted, predicted[6:])
-    np.testing.assert_allclose(found, predicted, atol=1e-12)
-
-
-@pytest.mark.parametrize("config", [Filter(), CONFIG])
-def test_a_step_of_the_disturbances_is_followed_without_bias(config):
-    d, delta = np.array([1.0, -2.0, 0.5]), np.array([0.0, 0.0, 4.0])
-    gains = StateFilter.make(config, DT)
-    now = estimate()
-    for k in range(1, 401):
+def test_constant_joint_accelerations_are_estimated_exactly():
+    gains = StateFilter.make(Filter(), DT)
+    start, qddot = np.linspace(-1, 1, JOINTS), np.linspace(5, -3, JOINTS)
+    now = estimate(q=start)
+    for k in range(1, 51):
         t = k * DT
-        sample = rest(
-            p_B=d * t**2 / 2,
-            v_B=d * t,
-            quaternion=quaternion(Rotation.from_rotvec(delta * t**2 / 2)),
-            omega_W=delta * t,
+        sample = rest(q=start + qddot * t**2 / 2, qdot=qddot * t)
+        now = correct(gains, predict_base(now, np.zeros(6), DT), sample.to_vector())
+    np.testing.assert_allclose(state_of(now).q, sample.q, atol=1e-12)
+
+
+@pytest.mark.parametrize("steps", [0, 1, 3])
+def test_a_delayed_sample_corrects_the_estimate_of_its_own_time(steps):
+    """Against a filter that is run from the start each time."""
+    random = np.random.default_rng(2)
+    gains = StateFilter.make(replace(CONFIG, delay_s=steps * DT), DT)
+    bounds = SampleCheck.make(CONFIG, Sensors(), DT)
+    rows = 12
+    accelerations = random.normal(size=(rows + steps, 6))
+    accelerations[:steps] = accelerations[0]
+    start = rest(q=np.ones(JOINTS)).to_vector()
+    samples = start + 0.003 * random.normal(size=(rows, len(start)))
+    state = FilterState.at_rest(gains, start, accelerations[0])
+    first = state.estimate
+    for k in range(rows):
+        state, now, health = update(
+            gains,
+            bounds,
+            state,
+            Sample(samples[k], np.full(3, k * DT)),
+            accelerations[steps + k],
+            np.zeros(3 * JOINTS),
         )
-        now = correct(gains, follow(gains, now, np.zeros(6)), sample.to_vector())
-    np.testing.assert_allclose(now[:3], d, rtol=1e-6)
-    np.testing.assert_allclose(now[3:6], delta, rtol=1e-6, atol=1e-9)
-    np.testing.assert_allclose(state_of(now).p_B, sample.p_B, rtol=1e-8)
-    np.testing.assert_allclose(state_of(now).v_B, sample.v_B, rtol=1e-7)
-    np.testing.assert_allclose(turn_of(state_of(now)).as_matrix(), sample.R_B, atol=1e-8)
+        np.testing.assert_array_equal(health.to_vector(), 0)
+        expected = first
+        for a, sample in zip(accelerations[: k + 1], samples[: k + 1], strict=False):
+            expected = correct(gains, predict_base(expected, a, DT), sample)
+        for a in accelerations[k + 1 : k + 1 + steps]:
+            expected = predict_base(expected, a, DT)
+        for field, value in zip(now, expected, strict=True):
+            np.testing.assert_array_equal(field, value)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+@pytest.mark.parametrize("group", GROUPS)
+def test_a_rejected_group_is_predicted_and_the_others_corrected(group, wrong):
+    gains = StateFilter.make(CONFIG, DT)
+    bounds = SampleCheck.make(CONFIG, Sensors(), DT)
+    a, start = np.arange(6.0), rest(q=np.ones(JOINTS)).to_vector()
+    last = FilterState.at_rest(gains, start, np.zeros(6))
+    setpoint = np.linspace(0.9, 1.1, 3 * JOINTS)
+    sample = Sample(start + 1e-3, np.zeros(3))
+    _, corrected, health = update(gains, bounds, last, sample, a, setpoint)
+    np.testing.assert_array_equal(health.to_vector(), 0)
+    columns = group_columns(group, JOINTS)
+    broken = sample.state.copy()
+    broken[columns[-1]] = wrong
+    _, now, health = update(gains, bounds, last, sample._replace(state=broken), a, setpoint)
+    expected = predict_arm(predict_base(last.estimate, a, DT), setpoint, DT).state
+    rejected = np.isin(np.arange(len(start)), columns)
+    np.testing.assert_array_equal(now.state[rejected], expected[rejected])
+    np.testing.assert_array_equal(now.state[~rejected], corrected.state[~rejected])
+    assert list(health.ages) == [DT * (g == group) for g in GROUPS]
+    assert list(health.verdicts) == [Verdict.NOT_FINITE * (g == group) for g in GROUPS]
+    output = replace_rejected(broken, now.state, health)
+    np.testing.assert_array_equal(output[rejected], expected[rejected])
+    np.testing.assert_array_equal(output[~rejected], broken[~rejected])
+
+
+@given(q=arrays(float, JOINTS, elements=st.floats(-3, 3)), times=st.integers(1, 100))
+def test_an_arm_without_samples_approaches_its_setpoints(q, times):
+    """Deviations from setpoints of constant acceleration decay as exp(-t / ARM_DECAY_S)."""
+    a = np.linspace(-2, 2, JOINTS)
+    now = estimate(q=q, qdot=np.ones(JOINTS))
+    for k in range(1, times + 1):
+        t = k * DT
+        now = predict_arm(now, np.concatenate([a * t**2 / 2, a * t, a]), DT)
+    left = np.exp(-t / ARM_DECAY_S)
+    np.testing.assert_allclose(state_of(now).q, a * t**2 / 2 + left * q, atol=1e-12)
+    np.testing.assert_allclose(state_of(now).qdot, a * t + left, atol=1e-12)

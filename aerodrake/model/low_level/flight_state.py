@@ -1,0 +1,68 @@
+"""State and outputs of the flight controller."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class FlightState(NamedTuple):
+    """State of the flight controller's loops at a sample.
+
+    Attributes:
+        position_observer: (3, 3) rows p_hat (m), v_hat (m/s), h (m/s^2).
+        attitude_observer: (2, 3) rows omega_hat (rad/s), h_omega (rad/s^2).
+        position_integral: (3,) m s, of the position error.
+        R_d: (3, 3) desired attitude.
+        omega_d: (3,) rad/s, filtered rate of R_d in its own frame.
+        rotor_thrust: (k,) N, modelled at the next sample.
+        acceleration: (6,) of the base until the next sample, modelled without disturbances:
+            m/s^2 in the world and rad/s^2 in the base frame.
+    """
+
+    position_observer: np.ndarray
+    attitude_observer: np.ndarray
+    position_integral: np.ndarray
+    R_d: np.ndarray
+    omega_d: np.ndarray
+    rotor_thrust: np.ndarray
+    acceleration: np.ndarray
+
+    @classmethod
+    def at_rest(cls, p_B: np.ndarray, h_omega: np.ndarray, thrust: np.ndarray) -> FlightState:
+        """Returns the state in which the base is at rest, and level, at p_B.
+
+        Args:
+            p_B: (3,) m.
+            h_omega: (3,) rad/s^2, disturbance that the modelled acceleration compensates.
+            thrust: (k,) N, of the rotors.
+        """
+        zero = np.zeros(3)
+        return cls(
+            position_observer=np.stack([p_B, zero, zero]),
+            attitude_observer=np.stack([zero, h_omega]),
+            position_integral=zero,
+            R_d=np.eye(3),
+            omega_d=zero,
+            rotor_thrust=thrust,
+            acceleration=np.concatenate([zero, -h_omega]),
+        )
+
+
+class FlightOutputs(NamedTuple):
+    """Outputs of the flight controller beside `FlightState.acceleration`.
+
+    Attributes:
+        thrust_command: (k,) N.
+        reaction: (3,) m/s^2, effect of the arm's commanded motion on the base's acceleration.
+        specific_thrust: m/s^2, modelled collective thrust over mass at the next sample.
+        disturbance: (6,) m/s^2 in the world and rad/s^2 in the base frame, estimated.
+        saturated: True if the command is less than the control laws demand.
+    """
+
+    thrust_command: np.ndarray
+    reaction: np.ndarray
+    specific_thrust: float
+    disturbance: np.ndarray
+    saturated: bool
