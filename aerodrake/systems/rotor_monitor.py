@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from aerodrake.model.sensing.sample_check import split_health
 from aerodrake.model.supervision.rotor_monitor import (
     NO_SAMPLE,
     MomentumSample,
@@ -16,9 +17,6 @@ from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.model.vehicle.whole_body import WholeBody
 from aerodrake.systems.named_state import NamedState
-
-GROUPS = 3
-"""Groups of a sample: position, attitude and joints."""
 
 
 class RotorMonitorSystem(LeafSystem):
@@ -48,7 +46,7 @@ class RotorMonitorSystem(LeafSystem):
         self._whole_body = WholeBody(vehicle.plant)
         rotors = len(monitor.trim)
         self._sample = self.DeclareVectorInputPort("sample", VehicleState.size(vehicle.joints))
-        self._health = self.DeclareVectorInputPort("sample_health", 2 * GROUPS)
+        self._health = self.DeclareVectorInputPort("sample_health", 6)
         self._command = self.DeclareVectorInputPort("thrust_command", rotors)
         self._state = NamedState(self, RotorMonitorState.initial(monitor))
         self._loss = self._state.groups["loss"]
@@ -67,7 +65,7 @@ class RotorMonitorSystem(LeafSystem):
         x, momentum = self._sample.Eval(context), NO_SAMPLE
         is_valid = bool(np.all(np.isfinite(x)))
         if self._health.HasValue(context):
-            is_valid &= not self._health.Eval(context)[:GROUPS].any()
+            is_valid &= not split_health(self._health.Eval(context)).ages.any()
         if is_valid:
             momentum = MomentumSample(*self._whole_body.momentum(x), split_state(x).quaternion)
         command = self._command.Eval(context)

@@ -11,6 +11,7 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
+from aerodrake.model.sensing.sample_check import split_health
 from aerodrake.model.supervision.conditions import (
     Condition,
     ConditionTable,
@@ -94,7 +95,7 @@ class SupervisorSystem(LeafSystem):
             mode=last.mode,
             specific_thrust=self._thrust.Eval(context)[0],
             plan_age=self._status.Eval(context)[2],
-            outage_s=self._value(context, self._sample_health, HEALTHY)[:3],
+            outage_s=split_health(self._value(context, self._sample_health, HEALTHY)).ages,
             rotor_effectiveness=self._value(context, self._effectiveness, EFFECTIVE),
             saturated=self._saturated.Eval(context)[0],
             reference_verdict=self._verdict.Eval(context)[0],

@@ -151,7 +151,7 @@ class SampleHealth(NamedTuple):
 
 def split_health(vector: np.ndarray) -> SampleHealth:
     """Returns the parts of the port `sample_health` (6,) as views."""
-    return SampleHealth(*np.split(vector, 2))
+    return SampleHealth(vector[:3], vector[3:])
 
 
 @compiled
