@@ -1,1 +1,1 @@
-"""Setpoints from u by double integration."""
+"""Double integration of u to setpoints."""
