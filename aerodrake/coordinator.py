@@ -80,6 +80,7 @@ WIRING = Wiring(
         ("setpoint_integrator", "joint_setpoint", "joint_setpoint"),
         ("setpoint_integrator", "segment", "segment"),
         ("guidance", "reference", "reference"),
+        ("guidance", "horizon", "horizon"),
         ("guidance", "reference_verdict", "reference_verdict"),
         ("supervisor", "mode", "mode"),
         ("supervisor", "cause", "cause"),
@@ -101,7 +102,10 @@ OPTIONAL_WIRING = {
     "pointing": Wiring(
         connections=(("pointing", "pointing", "controller", "pointing"),),
         inputs=(("state", "pointing", "state"),),
-        outputs=(("pointing", "tool_axis_d", "tool_axis_d"),),
+        outputs=(
+            ("pointing", "tool_axis_d", "tool_axis_d"),
+            ("pointing", "tool_axis_horizon", "tool_axis_horizon"),
+        ),
     ),
 }
 """Connections of the systems that only some scenarios have, by their names."""
@@ -117,12 +121,12 @@ def make_coordinator(
     Inputs: those of `STATION_INTERFACE`; `followed` (3 (3 + n) + 1), the segment of the setpoint
     integrator that has the last word, where that is the station's; unconnected otherwise.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment` (3 (3 + n) + 1), the
-    polynomials of both until the next tick; `reference` (6), as it is followed, and
-    `reference_verdict` (1); `weights` (5), `u` (3 + n) and `plan` (P (3 + n)), the inputs from the
-    last tick on; `prediction` (3 (N + 1)), `status` (3), `delta` (3), `prediction_error` (3),
-    `nominal_prediction_error` (3), `learner_health` (2); `mode` (1), `cause` (1) and
-    `conditions` (K), of the supervisor; with an orientation task `tool_axis_d` (3), the desired
-    direction of the tool's axis.
+    polynomials of both until the next tick; `reference` (6) and `horizon` (6 (N + 1)), as they are
+    followed, and `reference_verdict` (1); `weights` (5), `u` (3 + n) and `plan` (P (3 + n)), the
+    inputs from the last tick on; `prediction` (3 (N + 1)), `status` (3), `delta` (3),
+    `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2); `mode` (1),
+    `cause` (1) and `conditions` (K), of the supervisor; with an orientation task `tool_axis_d` (3)
+    and `tool_axis_horizon` (6 (N + 1)), the desired direction of the tool's axis.
 
     Args:
         scenario: The scenario to fly.

@@ -1,1 +1,1 @@
-"""Benchmarks of the MPC tick, the closed loop, scaling, memory and start-up."""
+"""Benchmarks: MPC tick, closed loop, scaling."""

@@ -1,9 +1,10 @@
-"""Solvers from PyPI for comparison with the MPC's solver.
+"""Solvers from PyPI that the MPC's is measured against, each as it is fastest.
 
-All get the same programs in the same scaling: |z| <= 1, the rows of A of unit norm. Their
-times include removing redundant constraints, scaling the cost, updating and solving. The
-settings are the fastest of those tried that bring u_0 to within 1e-3 m/s^2 and rad/s^2 of
-the optimum on recorded ticks.
+Every one gets the same program in the same scaling: |z| <= 1, the rows of A of unit norm.
+What it does with it counts as its time: screening out the rows that no z in the box can
+violate, scaling the cost, updating and solving. The settings are the fastest
+of those tried that bring u_0 to within 1e-3 m/s^2 and rad/s^2 of the optimum on recorded
+ticks.
 """
 
 from __future__ import annotations
@@ -17,11 +18,11 @@ from scipy import sparse
 
 
 class Peer(ABC):
-    """A solver of programs with a common A (rows, nz).
+    """A solver of the programs that share A (rows, nz).
 
     Attributes:
-        package: Name at PyPI.
-        settings: Description of all settings that are not defaults.
+        package: What it is called at PyPI.
+        settings: All that is not its default, in words.
     """
 
     package: ClassVar[str]
@@ -36,13 +37,13 @@ class Peer(ABC):
 
     @abstractmethod
     def _set_up(self) -> None:
-        """Sets up the solver before the first program."""
+        """Does what can be done before the first program."""
 
     @abstractmethod
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        """Returns the minimiser (nz,), or the last iterate.
+        """(nz,), the minimiser, or its best guess.
 
         Args:
             H: (nz, nz), symmetric and positive definite.
@@ -50,19 +51,19 @@ class Peer(ABC):
             lower, upper: (rows,), infinite where there is no bound.
         """
 
-    def _without_redundant(
+    def _screened(
         self, lower: np.ndarray, upper: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Returns the bounds, infinite for redundant constraints, and which rows remain (rows,)."""
+        """The bounds, infinite where out of reach, and (rows,) which rows have one that is not."""
         above, below = upper < self._reach, lower > -self._reach
         return np.where(below, lower, -np.inf), np.where(above, upper, np.inf), above | below
 
 
 class Daqp(Peer):
-    """Dual active-set method; it returns the unconstrained minimiser at once if feasible."""
+    """Dual active set; its own shortcut tells the unconstrained minimiser."""
 
     package = "daqp"
-    settings = "daqp.solve without redundant rows, dual_start with the last multipliers if any"
+    settings = "daqp.solve of the live rows, dual_start with the last multipliers if any"
 
     def _set_up(self) -> None:
         self._dual = np.zeros(sum(self.A.shape))
@@ -70,21 +71,21 @@ class Daqp(Peer):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        # The bounds stay finite: dual_start with an infinite one gives NaN.
-        _, _, needed = self._without_redundant(lower, upper)
-        remaining = np.concatenate([np.ones(len(g), dtype=bool), needed])
-        # dual_start without active constraints only costs time.
-        start = self._dual[remaining] if self._dual.any() else None
+        # With finite bounds: a start at an infinite one gives nan.
+        _, _, live = self._screened(lower, upper)
+        kept = np.concatenate([np.ones(len(g), dtype=bool), live])
+        # A start without active bounds is no start, and costs time.
+        start = self._dual[kept] if self._dual.any() else None
         z, _, _, info = self._library.solve(
             H,
             g,
-            self.A[needed],
-            np.concatenate([self._one, upper[needed]]),
-            np.concatenate([-self._one, lower[needed]]),
+            self.A[live],
+            np.concatenate([self._one, upper[live]]),
+            np.concatenate([-self._one, lower[live]]),
             dual_start=start,
         )
         self._dual[:] = 0
-        self._dual[remaining] = info["lam"]
+        self._dual[kept] = info["lam"]
         return z
 
 
@@ -93,7 +94,7 @@ class Piqp(Peer):
 
     package = "piqp"
     settings = (
-        "DenseSolver, without redundant rows, update while these are the same, cost by its mean "
+        "DenseSolver, the live rows, update while they are the same ones, cost by its mean "
         "diagonal, preconditioner_iter 0, all eps 1e-9"
     )
 
@@ -108,12 +109,12 @@ class Piqp(Peer):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        lower, upper, needed = self._without_redundant(lower, upper)
-        scale, low, high = 1 / np.diag(H).mean(), lower[needed], upper[needed]
-        if np.array_equal(needed, self._rows):
+        lower, upper, live = self._screened(lower, upper)
+        scale, low, high = 1 / np.diag(H).mean(), lower[live], upper[live]
+        if np.array_equal(live, self._rows):
             self._solver.update(P=H * scale, c=g * scale, h_l=low, h_u=high)
         else:
-            self._rows, A = needed, self.A[needed]
+            self._rows, A = live, self.A[live]
             one = self._one
             self._solver.setup(H * scale, g * scale, None, None, A, low, high, -one, one)
         self._solver.solve()
@@ -140,7 +141,7 @@ class ProxQp(Peer):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        lower, upper, _ = self._without_redundant(lower, upper)
+        lower, upper, _ = self._screened(lower, upper)
         scale = 1 / np.diag(H).mean()
         program: dict[str, Any] = {
             "H": H * scale,
@@ -162,7 +163,7 @@ class ProxQp(Peer):
 
 
 class Sparse(Peer):
-    """Base class of the two sparse solvers."""
+    """What the two sparse solvers have in common."""
 
     def _set_up(self) -> None:
         nz = self.A.shape[1]
@@ -172,7 +173,7 @@ class Sparse(Peer):
         self._solver: Any = None
 
     def _cost(self, H: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the upper triangle of H by columns, and g, both over the mean diagonal of H."""
+        """The upper triangle of H by columns, and g, both by H's mean diagonal."""
         scale = 1 / np.diag(H).mean()
         return scale * H.ravel()[self._entries], scale * g
 
@@ -183,7 +184,7 @@ class Sparse(Peer):
 
 
 class Osqp(Sparse):
-    """Operator splitting: the MPC's fallback solver, called without Drake."""
+    """Operator splitting: the library that the MPC falls back on, without Drake around it."""
 
     package = "osqp"
     settings = (
@@ -195,7 +196,7 @@ class Osqp(Sparse):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        lower, upper, _ = self._without_redundant(lower, upper)
+        lower, upper, _ = self._screened(lower, upper)
         entries, g = self._cost(H, g)
         low, high = np.concatenate([-self._one, lower]), np.concatenate([self._one, upper])
         if self._solver is None:
@@ -222,11 +223,11 @@ class Osqp(Sparse):
 
 
 class Clarabel(Sparse):
-    """Interior point, without warm start; its workspace is reused."""
+    """Interior point; it has no warm start, only its workspace stays."""
 
     package = "clarabel"
     settings = (
-        "without redundant rows, update while these are the same, cost by its mean diagonal, "
+        "the live rows, update while they are the same ones, cost by its mean diagonal, "
         "no equilibration, no iterative refinement, no presolve, tol_gap 1e-9"
     )
 
@@ -237,7 +238,7 @@ class Clarabel(Sparse):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        lower, upper, _ = self._without_redundant(lower, upper)
+        lower, upper, _ = self._screened(lower, upper)
         entries, g = self._cost(H, g)
         bounds = np.concatenate([upper, -lower])
         finite = np.isfinite(bounds)

@@ -1,4 +1,4 @@
-"""Comparison of the MPC's solver with others on the same recorded ticks."""
+"""The MPC's tick beside its peers: the same recorded ticks through every solver."""
 
 from __future__ import annotations
 
@@ -21,51 +21,52 @@ from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.scenario.load import load_scenario
 
 SCENARIOS = ("clover", "clover_realistic", "moving_target")
-"""Scenarios whose ticks are compared."""
+"""Whose ticks count."""
 
-CONSTRAINED = "moving_target_paper"
-"""Scenario with many ticks with active constraints, only for the times of such ticks."""
+BOUNDED = "moving_target_paper"
+"""Whose ticks tell what active bounds cost, for those that count meet few. It stands apart."""
 
 
 @dataclass(frozen=True)
-class Evaluation:
-    """A replay of K ticks, compared with the exact minimisers.
+class Judged:
+    """A replay of K ticks, judged.
 
     Attributes:
-        replay: The replay, with its times.
+        replay: The clock's part.
         u0_error: By solver, (K,), largest |u_0 - u_0*| of all inputs, m/s^2 or rad/s^2.
-        is_constrained: (K,), True if a constraint is active at the optimum.
-        residual: Largest optimality residual of the exact minimisers, as in `Optimum`.
+        is_bounded: (K,), whether a bound is active at the optimum.
+        residual: By how much the exact minimisers violate the conditions of optimality, as
+            `Optimum` has it.
     """
 
     replay: Replay
     u0_error: Mapping[str, np.ndarray]
-    is_constrained: np.ndarray
+    is_bounded: np.ndarray
     residual: float
 
 
 def installed_peers() -> tuple[str, ...]:
-    """Returns the names of the peers that can be imported."""
-    names = []
+    """The names of those that can be imported."""
+    found = []
     for name, kind in PEERS.items():
         with suppress(ImportError):
             import_module(kind.package)
-            names.append(name)
-    return tuple(names)
+            found.append(name)
+    return tuple(found)
 
 
-def evaluate(recorded: RecordedTicks, replay: Replay) -> Evaluation:
-    """Compares the solutions of a replay with the exact minimisers."""
+def judge(recorded: RecordedTicks, replay: Replay) -> Judged:
+    """Compares what the solvers said with the exact minimisers."""
     formulation = recorded.formulation
     optima = [
         exact_minimiser(*program_arrays(formulation.form(tick)), formulation.A)
         for tick in recorded.inputs
     ]
     best = np.array([formulation.inputs(optimum.z)[0] for optimum in optima])
-    return Evaluation(
+    return Judged(
         replay,
         {name: np.abs(u_0 - best).max(axis=1) for name, u_0 in replay.u_0.items()},
-        np.array([optimum.is_constrained for optimum in optima]),
+        np.array([optimum.is_bounded for optimum in optima]),
         max(optimum.residual for optimum in optima),
     )
 
@@ -73,26 +74,26 @@ def evaluate(recorded: RecordedTicks, replay: Replay) -> Evaluation:
 def solver_figures(
     duration_s: float, settle_s: float, passes: int, progress: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Records the ticks of the scenarios and solves them by all solvers.
+    """Records the scenarios' ticks, solves them by every solver, and says what came of it.
 
     Keys:
-        tick: Times in ms of forming and solving by the MPC's solver over the ticks of
-            SCENARIOS: median, p99 and worst, and the medians of both parts; `bounded` for the
-            ticks of these and of CONSTRAINED with an active constraint at the optimum;
-            the largest error of u_0 (m/s^2, rad/s^2) over all of them; fractions of the
-            statuses; and all of these by scenario.
-        peers: The same for each peer, with forming; `median_ratio` and `p99_ratio`
-            are those of the MPC over those of the peer. Null if a peer is not installed.
+        tick: ms, of forming and solving by the solver that flies, over the ticks of
+            SCENARIOS: median, p99 and worst, forming and solving apart, `bounded` for
+            the ticks of these and of BOUNDED at whose optimum a bound is active; the
+            largest error of u_0 (m/s^2, rad/s^2) over all of them; how the answers
+            came about, as shares; and all that by scenario.
+        peers: the same for each peer, with forming; `median_ratio` and `p99_ratio`
+            are the tick's by the peer's. Null where one is not installed.
 
     Args:
-        duration_s: Reference time flown of each scenario, at most its own duration.
+        duration_s: Reference time that is flown of each scenario, at most its own.
         settle_s: Hover before it.
-        passes: Number of passes through the recorded ticks.
-        progress: Called with the name of each step at its start.
+        passes: Through the recorded ticks.
+        progress: Called with each step's name as it begins.
     """
     names = installed_peers()
-    evaluations: dict[str, Evaluation] = {}
-    for name in (*SCENARIOS, CONSTRAINED):
+    judged: dict[str, Judged] = {}
+    for name in (*SCENARIOS, BOUNDED):
         scenario = load_scenario(name)
         progress(f"flight of {name}")
         recorded = record_ticks(
@@ -100,18 +101,16 @@ def solver_figures(
         )
         progress(f"solvers on {name}")
         replay = replay_ticks(recorded, {n: PEERS[n] for n in names}, passes)
-        evaluations[name] = evaluate(recorded, replay)
-    tick = _figures(evaluations, OWN)
-    statuses = {name: e.replay.statuses for name, e in evaluations.items()}
-    tick["status_shares"] = _fractions(s for name in SCENARIOS for s in statuses[name])
-    for name in evaluations:
-        tick["scenarios"][name]["status_shares"] = _fractions(statuses[name])
-    tick["exact_residual_max"] = rounded(max(e.residual for e in evaluations.values()))
+        judged[name] = judge(recorded, replay)
+    tick = _figures(judged, OWN)
+    statuses = {name: j.replay.statuses for name, j in judged.items()}
+    tick["status_shares"] = _shares(s for name in SCENARIOS for s in statuses[name])
+    for name in judged:
+        tick["scenarios"][name]["status_shares"] = _shares(statuses[name])
+    tick["exact_residual_max"] = rounded(max(j.residual for j in judged.values()))
     peers = {}
     for name, kind in PEERS.items():
-        figures = (
-            _figures(evaluations, name) if name in names else {"median_ms": None, "p99_ms": None}
-        )
+        figures = _figures(judged, name) if name in names else {"median_ms": None, "p99_ms": None}
         for key in ("median", "p99"):
             theirs = figures[f"{key}_ms"]
             figures[f"{key}_ratio"] = rounded(tick[f"{key}_ms"] / theirs) if theirs else None
@@ -123,7 +122,7 @@ def solver_figures(
 
 
 def spread(times_ms: np.ndarray) -> dict[str, Any]:
-    """Returns median and 99th percentile of times_ms (K,) ms; None without times."""
+    """Median and 99th percentile of times_ms (K,) ms; null where there is no time."""
     if not len(times_ms):
         return {"ticks": 0, "median_ms": None, "p99_ms": None}
     return {
@@ -133,31 +132,30 @@ def spread(times_ms: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _figures(evaluations: Mapping[str, Evaluation], solver: str) -> dict[str, Any]:
-    """Returns the figures of one solver over SCENARIOS, and by scenario."""
-    figures = _pooled([evaluations[name] for name in SCENARIOS], solver)
-    by_scenario = {name: _pooled([e], solver) for name, e in evaluations.items()}
-    constrained = [e.replay.tick_ms(solver)[e.is_constrained] for e in evaluations.values()]
-    figures["bounded"] = spread(np.concatenate(constrained))
-    figures["u0_error_max"] = max(own["u0_error_max"] for own in by_scenario.values())
-    figures["scenarios"] = by_scenario
+def _figures(judged: Mapping[str, Judged], solver: str) -> dict[str, Any]:
+    """Of one solver, over the scenarios that count, and by scenario."""
+    counted = [judged[name] for name in SCENARIOS]
+    figures = _of(counted, solver)
+    bounded = [j.replay.tick_ms(solver)[j.is_bounded] for j in judged.values()]
+    figures["bounded"] = spread(np.concatenate(bounded))
+    figures["u0_error_max"] = max(_of([j], solver)["u0_error_max"] for j in judged.values())
+    figures["scenarios"] = {name: _of([j], solver) for name, j in judged.items()}
     return figures
 
 
-def _pooled(evaluations: list[Evaluation], solver: str) -> dict[str, Any]:
-    """Returns the figures of one solver over all ticks of some evaluations."""
-    tick_ms = np.concatenate([e.replay.tick_ms(solver) for e in evaluations])
-    forming_ms = np.concatenate([e.replay.forming_ms[solver] for e in evaluations])
-    solving_ms = np.concatenate([e.replay.solving_ms[solver] for e in evaluations])
+def _of(judged: list[Judged], solver: str) -> dict[str, Any]:
+    def pooled(times: Callable[[Judged], np.ndarray]) -> np.ndarray:
+        return np.concatenate([times(j) for j in judged])
+
     return {
-        **spread(tick_ms),
-        "worst_ms": rounded(tick_ms.max()),
-        "forming_median_ms": rounded(np.median(forming_ms)),
-        "solving_median_ms": rounded(np.median(solving_ms)),
-        "u0_error_max": rounded(max(e.u0_error[solver].max() for e in evaluations)),
+        **spread(pooled(lambda j: j.replay.tick_ms(solver))),
+        "worst_ms": rounded(pooled(lambda j: j.replay.tick_ms(solver)).max()),
+        "forming_median_ms": rounded(np.median(pooled(lambda j: j.replay.forming_ms[solver]))),
+        "solving_median_ms": rounded(np.median(pooled(lambda j: j.replay.solving_ms[solver]))),
+        "u0_error_max": rounded(pooled(lambda j: j.u0_error[solver]).max()),
     }
 
 
-def _fractions(statuses: Iterable[QpStatus]) -> dict[str, float]:
+def _shares(statuses: Iterable[QpStatus]) -> dict[str, float]:
     counts = Counter(statuses)
     return {s.name.lower(): rounded(counts[s] / counts.total()) for s in QpStatus}

@@ -1,1 +1,1 @@
-"""Simulation, monitoring, recording and summary of one flight."""
+"""One flight: simulated, monitored, recorded and summarised."""

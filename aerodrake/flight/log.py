@@ -37,6 +37,8 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "external_acceleration": (("external_acceleration_m_s2", "3"),),
     "specific_thrust": (("specific_thrust_m_s2", "1"),),
+    "reference": (("p_Ed_m", "3"), ("v_Ed_m_s", "3")),
+    "tool_axis_d": (("tool_axis_d", "3"),),
     "segment": (
         ("p_Bd_m", "3"),
         ("q_d_rad", "n"),
@@ -67,23 +69,21 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
 }
 """Ports of the closed loop that are logged, and the keys and widths of their parts.
 
-n is the number of joints, k that of rotors, N the horizon, c the supervisor's conditions. A
-part of width 1 is logged as a plain series (T,), the others as (T, width). Each of these
-ports shows a state, or what is computed at a tick anyway: nothing is evaluated for the log.
-Of `segment` the log has the setpoints that its polynomials give at each sample.
-A row shows what was there before the updates of its instant: the sample of the
-instant itself, `measured_*`, and the state that was made of the one before,
-`estimated_*` and `external_acceleration`; of the MPC, all that is of its last tick. A number
-that is none is logged as the last one that was: what was the matter, others say.
+n is the number of joints, k that of rotors, N the horizon, c the number of the supervisor's
+conditions. A part of width 1 is logged as a plain series (T,), the others as (T, width).
+`reference` and `tool_axis_d` are evaluated at each sample; the other ports output a state or a
+value that each tick computes anyway. From `segment` the log has the setpoints at each sample.
+Only a closed loop with an orientation task has `tool_axis_d`; otherwise the log has zeros.
+
+A row has the values before the updates of its time: the sample of that time (`measured_*`), the
+estimate from the sample before (`estimated_*`, `external_acceleration`), and the results of the
+MPC's last tick. NaN and infinite values are replaced by the last finite ones.
 """
 
 DERIVED = {
     "time_s": "(T,) reference time; negative during the initial hover",
-    "p_Ed_m": "(T, 3) where the end-effector is to be",
-    "v_Ed_m_s": "(T, 3) and how fast",
     "p_E_m": "(T, 3) end-effector, from the true state",
     "tool_axis": "(T, 3) direction in the world in which the tool points, from the true state",
-    "tool_axis_d": "(T, 3) direction that it is to have; zero without an orientation task",
     "tick_ms": "(ticks,) wall time of forming and solving each program of the MPC",
 }
 """Keys that are not a port's, with their meaning."""

@@ -14,10 +14,6 @@ from pydrake.systems.primitives import LogVectorOutput, Multiplexer
 from aerodrake.flight.log import PORTS, FlightLog, key_columns, rotate
 from aerodrake.flight.monitor import MONITOR_PERIOD_S, Monitor
 from aerodrake.flight.recording import Recording
-from aerodrake.model.reference.curves import hover_then_follow, make_reference
-from aerodrake.model.reference.direction import make_direction
-from aerodrake.model.reference.envelope import Envelope, ReferenceVerdict, judged
-from aerodrake.model.reference.fault import faulty
 from aerodrake.model.setpoint.integration import integrate
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.vehicle.kinematics import Kinematics
@@ -48,7 +44,7 @@ class FlightSimulation:
         scenario: What is flown.
         closed_loop: Its diagram: station, coordinator and log; out `true_state`, and of the
             coordinator `reference`, `base_setpoint`, `mode` and `cause`.
-        curve: Its reference.
+        vehicle: The vehicle that flies.
 
     Args:
         scenario: What is flown.
@@ -65,14 +61,14 @@ class FlightSimulation:
         self.scenario = scenario
         self._link = link
         builder = DiagramBuilder()
-        self._vehicle = VehicleModel.load(scenario)
-        remote = make_remote_coordinator(scenario, self._vehicle, link) if link else None
+        self.vehicle = VehicleModel.load(scenario)
+        remote = make_remote_coordinator(scenario, self.vehicle, link) if link else None
         # Beside station and coordinator, since each diagram around them costs at every step.
-        ports = add_closed_loop(builder, scenario, replacements, remote, self._vehicle)
-        sizes = {name: ports[name].size() for name in PORTS}
+        ports = add_closed_loop(builder, scenario, replacements, remote, self.vehicle)
+        sizes = {name: ports[name].size() for name in PORTS if name in ports}
         # Side by side in one sink: each sink would be an event of its own.
         samples = builder.AddNamedSystem("samples", Multiplexer(list(sizes.values())))
-        for i, name in enumerate(PORTS):
+        for i, name in enumerate(sizes):
             builder.Connect(ports[name], samples.get_input_port(i))
         self._sink = LogVectorOutput(
             samples.get_output_port(), builder, scenario.rates.flight_period_s
@@ -86,8 +82,7 @@ class FlightSimulation:
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
         self._tick_ms = link.tick_ms if link else _tick_ms(self.closed_loop, scenario.controller)
-        self._kinematics = Kinematics(self._vehicle.plant)
-        self.curve = make_reference(scenario.reference, self._vehicle.p_E)
+        self._kinematics = Kinematics(self.vehicle.plant)
         # What is compiled is loaded now, lest the first ticks wait for it.
         with single_thread():
             context = make_context(self.closed_loop, scenario.seed)
@@ -167,18 +162,6 @@ class FlightSimulation:
         recording.add(self._derived(time_s, recording))
         return FlightLog(recording, reason, cause, wall_s)
 
-    def _followed(self, time_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """p_Ed (T, 3) m and p_Ed' (T, 3) m/s as they were followed: held where refused."""
-        start = self._vehicle.p_E
-        motion = hover_then_follow(self.curve, start, time_s)
-        rows = np.hstack(faulty(self.scenario.faults, time_s, time_s, motion))
-        envelope = Envelope.make(self.scenario.supervisor, start)
-        is_followed = [judged(envelope, row) == ReferenceVerdict.OK for row in rows]
-        last = np.maximum.accumulate(np.where(is_followed, np.arange(len(rows)), -1))
-        rows = np.vstack([rows, [*start, 0.0, 0.0, 0.0]])[last]
-        rows[~np.array(is_followed), 3:] = 0.0
-        return rows[:, :3], rows[:, 3:]
-
     def p_E(self, state: np.ndarray) -> np.ndarray:
         """(3,) m, the end-effector at a state (13 + 2 n,)."""
         quaternion, p_B, q, _, _, _ = split_state(state)
@@ -210,23 +193,18 @@ class FlightSimulation:
     def _derived(
         self, time_s: np.ndarray, signals: Mapping[str, np.ndarray]
     ) -> dict[str, np.ndarray]:
-        """The keys of `DERIVED`, of which the loop knows nothing or which it need not evaluate."""
+        """Returns the signals of `DERIVED`, and those of ports that the closed loop lacks."""
         quaternion = signals["quaternion"]
         p_EB, t_B = np.empty((2, len(time_s), 3))
         for i, q in enumerate(signals["q_rad"]):
             p_EB[i], t_B[i] = self._kinematics.tool(q)
-        p_Ed, v_Ed = self._followed(time_s)
-        direction = make_direction(self.scenario.orientation)
+        absent = {"tool_axis_d": np.zeros_like(t_B)} if "tool_axis_d" not in signals else {}
         return {
             "time_s": time_s,
-            "p_Ed_m": p_Ed,
-            "v_Ed_m_s": v_Ed,
             "p_E_m": signals["p_B_m"] + rotate(quaternion, p_EB),
             "tool_axis": rotate(quaternion, t_B),
-            "tool_axis_d": np.zeros_like(t_B)
-            if direction is None
-            else direction.evaluate(time_s)[0],
             "tick_ms": np.array(self._tick_ms),
+            **absent,
         }
 
 

@@ -1,1 +1,1 @@
-"""Equations as plain functions and classes, independent of Drake's systems framework."""
+"""Equations, without systems."""

@@ -10,6 +10,7 @@ from pydrake.systems.framework import Context, EventStatus
 
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.mpc.weight_allocation import Mode
+from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.reports.scene import Scene
@@ -97,7 +98,8 @@ class LiveView:
 
     def _draw_reference(self) -> None:
         time_s = np.arange(0.0, min(self._scenario.duration, SHOWN_S) + 1e-9, 0.02)
-        self._scene.draw_reference(self._flight.curve.evaluate(time_s)[0])
+        curve = make_reference(self._scenario.reference, self._flight.vehicle.p_E)
+        self._scene.draw_reference(curve.evaluate(time_s)[0])
 
     def _port(self, name: str) -> np.ndarray:
         """An output of the coordinator, now."""

@@ -22,7 +22,9 @@ class PointingSystem(LeafSystem):
     Ports:
         in `state` (13 + 2 n): measured state.
         out `pointing` (abstract): `Pointing`, input of the MPC.
-        out `tool_axis_d` (3): desired direction of the tool's axis, now.
+        out `tool_axis_horizon` (6 (N + 1)): desired direction d of the tool's axis and d' in 1/s,
+            now and at each stage of the horizon; row-major (N + 1, 6).
+        out `tool_axis_d` (3): d, now.
     State, rate:
         none; a function of state and time.
 
@@ -44,24 +46,26 @@ class PointingSystem(LeafSystem):
         self._kinematics, self._direction = Kinematics(vehicle.plant), direction
         self._settle_s, self._stages = settle_s, stages_s
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(vehicle.joints))
+        time = {self.time_ticket()}
+        self._horizon = self.DeclareVectorOutputPort(
+            "tool_axis_horizon", 6 * len(stages_s), self._calc_horizon, time
+        )
+        self.DeclareVectorOutputPort("tool_axis_d", 3, self._calc_tool_axis_d, time)
         self.DeclareAbstractOutputPort(
             "pointing",
             lambda: Value(object()),
             self._calc_pointing,
             {self.all_input_ports_ticket(), self.time_ticket()},
         )
-        self.DeclareVectorOutputPort("tool_axis_d", 3, self._calc_tool_axis_d, {self.time_ticket()})
 
     def _calc_pointing(self, context: Context, output: AbstractValue) -> None:
         state = split_state(self._state.Eval(context))
-        times = self._reference_time(context) + self._stages
-        output.set_value(
-            Pointing(self._kinematics.tool_axis(state), np.hstack(self._direction.evaluate(times)))
-        )
+        horizon = self._horizon.Eval(context).reshape(-1, 6)
+        output.set_value(Pointing(self._kinematics.tool_axis(state), horizon))
+
+    def _calc_horizon(self, context: Context, output: BasicVector) -> None:
+        now = round(context.get_time() - self._settle_s, 9)  # 0 is exactly 0.
+        output.SetFromVector(np.hstack(self._direction.evaluate(now + self._stages)).ravel())
 
     def _calc_tool_axis_d(self, context: Context, output: BasicVector) -> None:
-        directions, _ = self._direction.evaluate(np.array([self._reference_time(context)]))
-        output.SetFromVector(directions[0])
-
-    def _reference_time(self, context: Context) -> float:
-        return round(context.get_time() - self._settle_s, 9)  # 0 is exactly 0.
+        output.SetFromVector(self._horizon.Eval(context)[:3])

@@ -1,1 +1,1 @@
-"""The coordinator in a separate process, connected over LCM."""
+"""The coordinator in a process of its own, connected over LCM."""

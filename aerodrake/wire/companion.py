@@ -196,8 +196,9 @@ class Companion:
         parts = {
             name: self._coordinator.GetOutputPort(name).Eval(self._context)[:size]
             for name, size in told.items()
-            if name != "tick_ms"
+            if name not in ("tick_ms", "output_time_s")
         }
+        parts["output_time_s"] = np.array([self._context.get_time()])
         # A tick that is missed here, by fault, has no time either.
         parts["tick_ms"] = np.array(took_ms[self._timed :][-1:] or [np.nan])
         self._timed = len(took_ms)

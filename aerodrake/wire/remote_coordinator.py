@@ -21,17 +21,21 @@ from pydrake.lcm import DrakeLcmInterface
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from aerodrake.coordinator import make_coordinator, make_setpoint_integrator, make_supervisor
+from aerodrake.model.mpc.horizon import stage_times
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.fingerprint import coordinated
 from aerodrake.station import STATION_INTERFACE
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Layout
-from aerodrake.wire.receiver import WireReceiver
+from aerodrake.wire.receiver import HORIZONS, WireReceiver
 from aerodrake.wire.sender import WireSender
 
-OWN = ("base_setpoint", "joint_setpoint", "u", "mode", "cause", "conditions")
-"""Outputs of the coordinator that the station's end of the wire has of its own."""
+OWN = (
+    *("base_setpoint", "joint_setpoint", "u", "mode", "cause", "conditions"),
+    *(port for port, _ in HORIZONS.values()),
+)
+"""Outputs of the coordinator that the station's end of the wire computes itself."""
 
 
 def make_layouts(coordinator: Diagram, scenario: Scenario) -> tuple[Layout, Layout]:
@@ -50,9 +54,11 @@ def make_layouts(coordinator: Diagram, scenario: Scenario) -> tuple[Layout, Layo
     told = {p.get_name(): p.size() for p in outputs if p.get_name() not in OWN}
     ticks, axes = scenario.supervisor.plan_ticks + 2, told["segment"] // 3
     told["plan"] = min(told["plan"], ticks * axes)
+    for name in HORIZONS.keys() & told.keys():
+        told[name] = min(told[name], 6 * (ticks + 1))
     return (
         Layout(agreed, {port.get_name(): port.size() for port in inputs}),
-        Layout(agreed, {**told, "tick_ms": 1}),
+        Layout(agreed, {**told, "tick_ms": 1, "output_time_s": 1}),
     )
 
 
@@ -71,7 +77,7 @@ def make_remote_coordinator(scenario: Scenario, vehicle: VehicleModel, link: Lin
     they are told as `followed`.
 
     Inputs and outputs: those of `make_coordinator`, but `followed`, `segment` as the
-    station's, and `plan`.
+    station's, `plan` and the horizons.
 
     Args:
         scenario: That of the coordinator, as far as it is `fingerprint.COORDINATED`.
@@ -82,7 +88,15 @@ def make_remote_coordinator(scenario: Scenario, vehicle: VehicleModel, link: Lin
     step = rates.plant_step_s
     builder = DiagramBuilder()
     receiver = builder.AddNamedSystem(
-        "receiver", WireReceiver(link, rates.mpc_period_s, step, 3 * step / 8)
+        "receiver",
+        WireReceiver(
+            link,
+            rates.mpc_period_s,
+            stage_times(scenario.mpc, rates.mpc_period_s),
+            vehicle,
+            poll_period=step,
+            poll_offset=3 * step / 8,
+        ),
     )
     setpoint_integrator = builder.AddNamedSystem(
         "setpoint_integrator", make_setpoint_integrator(scenario, vehicle)

@@ -10,7 +10,7 @@ from pydrake.systems.analysis import Simulator
 
 from aerodrake.flight.log import DERIVED, PORTS, ROWS_A_WRITE, FlightLog, key_columns
 from aerodrake.model.supervision.conditions import conditions
-from aerodrake.scenario import Mpc, Scenario, Supervisor
+from aerodrake.scenario import FixedAxis, Mpc, Scenario, Supervisor
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.threads import single_thread
 
@@ -26,7 +26,8 @@ DIMENSIONLESS = {"estimated_quaternion",
 
 @pytest.mark.parametrize("horizon", [3, 15])
 def test_parts_cover_their_ports_exactly(vehicle, horizon):
-    closed_loop = make_closed_loop(Scenario(mpc=Mpc(horizon=horizon)))
+    scenario = Scenario(mpc=Mpc(horizon=horizon), orientation=FixedAxis())
+    closed_loop = make_closed_loop(scenario)
     beside = {"segment": 1}  # Its time, which is not logged.
     sizes = {"1": 1, "3": 3, "4": 4, "n": vehicle.joints, "k": len(vehicle.rotors.names),
              "3(N+1)": 3 * (horizon + 1), "c": len(conditions(Supervisor()))}  # fmt: skip
@@ -42,15 +43,16 @@ def test_parts_cover_their_ports_exactly(vehicle, horizon):
 
 
 def test_every_vector_of_the_closed_loop_is_logged(vehicle):
-    closed_loop = make_closed_loop(Scenario())
+    closed_loop = make_closed_loop(Scenario(orientation=FixedAxis()))
     ports = {
         port.get_name()
         for port in map(closed_loop.get_output_port, range(closed_loop.num_output_ports()))
         if port.size()
     }
-    # The setpoints, u among them, are in the segments; the reference is known after the flight;
-    # a plan is as large as all else, and its next tick's says what came of it.
-    assert ports == {*PORTS, "u", "plan", "reference", "base_setpoint", "joint_setpoint"}
+    # The segments contain the setpoints and u; plan and horizons are as large as all other signals
+    # together, and the next ticks show them.
+    not_logged = {"u", "plan", "horizon", "tool_axis_horizon", "base_setpoint", "joint_setpoint"}
+    assert ports == {*PORTS, *not_logged}
 
 
 def test_names_are_unique():

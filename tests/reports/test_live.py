@@ -82,8 +82,8 @@ def test_the_command_says_where(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--rate", "2"], "--rate: expected --live beside it"),
-        (["--live", "--rate", "2", "--lcm"], "--rate: expected none beside --lcm"),
+        (["--rate", "2"], "--rate: expected --live; other flights"),
+        (["--live", "--rate", "2", "--lcm"], "--rate: expected "),
         (["--live", "--rate", "0"], "expected a number in [0.01, 1000], got '0'"),
         (["--live", "--rate", "fast"], "expected a number in [0.01, 1000], got 'fast'"),
         (["--live", "--rate", "nan"], "expected a number in [0.01, 1000], got 'nan'"),

@@ -46,6 +46,8 @@ def test_outputs_are_of_the_current_state_and_time(system, vehicle, direction):
             np.testing.assert_allclose(pointing.axis.value, -R_WE.matrix()[:, 2], atol=1e-12)
             d, rate = direction.evaluate(round(later - SETTLE_S, 9) + STAGES_S)
             np.testing.assert_array_equal(pointing.reference, np.hstack([d, rate]))
+            horizon = system.GetOutputPort("tool_axis_horizon").Eval(context)
+            np.testing.assert_array_equal(horizon, pointing.reference.ravel())
             tool_axis_d = system.GetOutputPort("tool_axis_d").Eval(context)
             np.testing.assert_array_equal(tool_axis_d, d[0])
 
@@ -53,9 +55,9 @@ def test_outputs_are_of_the_current_state_and_time(system, vehicle, direction):
 def test_pointing_feeds_through_and_the_system_has_no_state(system):
     feedthrough = [
         system.HasDirectFeedthrough(0, system.GetOutputPort(port).get_index())
-        for port in ("pointing", "tool_axis_d")
+        for port in ("pointing", "tool_axis_horizon", "tool_axis_d")
     ]
-    assert feedthrough == [True, False]
+    assert feedthrough == [True, False, False]
     assert system.CreateDefaultContext().is_stateless()
 
 
@@ -63,6 +65,7 @@ def test_the_coordinator_has_it_only_with_an_orientation_task():
     without = make_coordinator(Scenario())
     assert not without.HasSubsystemNamed("pointing")
     assert not without.HasOutputPort("tool_axis_d")
+    assert not without.HasOutputPort("tool_axis_horizon")
     coordinator = make_coordinator(Scenario(orientation=FixedAxis()))
     assert coordinator.HasSubsystemNamed("pointing")
     assert coordinator.GetOutputPort("tool_axis_d").size() == 3

@@ -12,20 +12,30 @@ from aerodrake.wire.receiver import WireReceiver
 
 PERIOD, POLL = 0.02, 0.001
 AXES = 2
-SIZES = {"segment": 3 * AXES + 1, "plan": 3 * AXES, "status": 3, "delta": 2, "tick_ms": 1}
+STAGES_S = np.array([0.0, 0.02, 0.05, 0.1])
+SIZES = {
+    "segment": 3 * AXES + 1,
+    "plan": 3 * AXES,
+    "status": 3,
+    "delta": 2,
+    "horizon": 18,
+    "tool_axis_horizon": 18,
+    "tick_ms": 1,
+    "output_time_s": 1,
+}
 
 
 class Bench:
     """A receiver with a coordinator that is a script."""
 
-    def __init__(self):
+    def __init__(self, vehicle):
         lcm, layouts = DrakeLcm("memq://"), (Layout({}, {"state": 1}), Layout({}, SIZES))
         self.told_by = Link(lcm, *layouts, is_station=False)
         self.told_by.phase = Phase.FLYING
         link = Link(lcm, *layouts, is_station=True)
         self.told_by.station = link.station
         self.link = link
-        self.receiver = WireReceiver(link, PERIOD, POLL, 3 * POLL / 8)
+        self.receiver = WireReceiver(link, PERIOD, STAGES_S, vehicle, POLL, 3 * POLL / 8)
         self.simulator = Simulator(self.receiver)
 
     def tell(self, time, value, **others):
@@ -47,8 +57,8 @@ class Bench:
 
 
 @pytest.fixture
-def bench():
-    return Bench()
+def bench(vehicle):
+    return Bench(vehicle)
 
 
 def test_before_anything_is_told(bench):
@@ -95,13 +105,38 @@ def test_the_first_answer_counts(bench):
     assert bench.at(0.01) == [1, 1] and len(bench.link.tick_ms) == 1
 
 
-@pytest.mark.parametrize("part", ["segment", "plan"])
+@pytest.mark.parametrize("part", ["segment", "plan", "horizon"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_what_is_no_number_is_not_followed(bench, part, value):
     bench.tell(0.0, 1.0, **{part: np.full(SIZES[part], value)})
     assert bench.at(0.01) == [0, 0]
     bench.tell(0.0, 3.0)
     assert bench.at(0.012) == [3, 3]
+
+
+def test_before_the_first_message_the_reference_is_the_hover_in_trim(bench, vehicle):
+    assert bench.at(0.005, "reference") == [*vehicle.p_E, 0, 0, 0]
+    assert bench.at(0.3, "tool_axis_d") == vehicle.tool_axis.tolist()
+
+
+def motion(times):
+    """(T, 6) a cubic of time, which Hermite splines interpolate exactly, and its derivative."""
+    p = np.stack([1 + times, times**2, times - times**3], axis=1)
+    v = np.stack([np.ones_like(times), 2 * times, 1 - 3 * times**2], axis=1)
+    return np.hstack([p, v])
+
+
+def test_horizons_are_interpolated_at_the_current_time(bench):
+    """The message has three of the four stages; it was evaluated 0.2 ms after its tick."""
+    rows = motion(0.0002 + STAGES_S[:3])
+    horizons = {"horizon": rows.ravel(), "tool_axis_horizon": rows[:, [2, 0, 1, 5, 3, 4]].ravel()}
+    bench.tell(0.0, 1.0, **horizons, output_time_s=np.array([0.0002]))
+    for time in (0.0031, 0.02, 0.033, 0.05):
+        expected = motion(np.array([time]))[0]
+        assert bench.at(time, "reference") == pytest.approx(expected, abs=1e-12)
+        assert bench.at(time, "tool_axis_d") == pytest.approx(expected[[2, 0, 1]], abs=1e-12)
+    for time in (0.0503, 0.2):
+        assert bench.at(time, "reference") == [*rows[-1, :3], 0, 0, 0]
 
 
 def test_what_is_logged_may_be_none(bench):

@@ -1,1 +1,1 @@
-"""Double integration of u to setpoints."""
+"""Setpoints from u by double integration."""
