@@ -1,31 +1,30 @@
-"""The reference as a system: a function of time."""
+"""The reference as a system."""
 
 from __future__ import annotations
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from aerodrake.model.reference.curves import ReferenceCurve, hover_then_follow
+from aerodrake.model.reference.reference_curve import ReferenceCurve, hover_then_follow
 
 
 class ReferenceSystem(LeafSystem):
     """Desired motion of the end-effector, now and over the MPC's horizon.
 
-    Reference time is the context's time less `settle_s`. Before 0 the desired
-    motion is to stay at the start, without a view of what comes. Everything is
-    in the world frame.
+    Reference time is the context's time minus `settle_s`, rounded to 1 ns. Before 0 the
+    reference rests at the start, and so does its horizon. All vectors are in the world frame.
 
     Ports:
         out `reference` (6): p_E,d, p_E,d' in m and m/s, now.
-        out `horizon` (6 (N + 1)): the same now and at each stage of the horizon;
+        out `horizon` (6 (N + 1)): the same, now and at each stage of the horizon;
             row-major (N + 1, 6).
-        out `d_g` (1): m, diameter of the target trajectory; inf for a moving target.
+        out `d_g` (1): m, diameter of the target trajectory; infinite for a moving target.
     State, rate:
         none; a function of time.
 
     Args:
-        curve: The motion over reference time.
-        start: (3,) m, where the end-effector starts.
+        curve: Motion over reference time.
+        start: (3,) m, initial position of the end-effector.
         settle_s: s, hover before reference time 0.
         stages_s: (N + 1,) s, from now to each stage, 0 first.
     """
@@ -46,11 +45,11 @@ class ReferenceSystem(LeafSystem):
         self.DeclareVectorOutputPort("d_g", 1, self._calc_d_g, {self.nothing_ticket()})
 
     def _calc_reference(self, context: Context, output: BasicVector) -> None:
-        # A tick needs both, and one evaluation costs as much as the other.
+        # A tick needs both, and the horizon costs no more than this alone.
         output.SetFromVector(self._horizon.Eval(context)[:6])
 
     def _calc_horizon(self, context: Context, output: BasicVector) -> None:
-        now = round(context.get_time() - self._settle_s, 9)  # 0 is 0, whatever rounding did.
+        now = round(context.get_time() - self._settle_s, 9)  # 0 is exactly 0.
         times = np.full(len(self._stages), now) if now < 0 else now + self._stages
         motion = hover_then_follow(self._curve, self._start, times)
         output.SetFromVector(np.hstack(motion).ravel())

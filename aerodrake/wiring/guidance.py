@@ -1,4 +1,4 @@
-"""Where the end-effector is to be, as a diagram: the reference, and what of it is followed."""
+"""Wiring of guidance: the reference, its faults and its guard."""
 
 from __future__ import annotations
 
@@ -14,25 +14,42 @@ from aerodrake.systems.faults.reference import ReferenceFaultSystem
 from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.reference_guard import ReferenceGuard
 from aerodrake.wiring.replacements import Replacements
+from aerodrake.wiring.table import Wiring
+
+DIRECT = Wiring(connections=(("reference", "horizon", "reference_guard", "horizon"),))
+WITH_FAULTS = Wiring(
+    connections=(
+        ("reference", "horizon", "reference_fault", "horizon"),
+        ("reference_fault", "horizon", "reference_guard", "horizon"),
+    )
+)
+EXPORTS = Wiring(
+    outputs=(
+        ("reference", "d_g", "d_g"),
+        ("reference_guard", "reference", "reference"),
+        ("reference_guard", "horizon", "horizon"),
+        ("reference_guard", "reference_verdict", "reference_verdict"),
+    )
+)
 
 
 def make_guidance(
     scenario: Scenario, vehicle: VehicleModel, replacements: Replacements | None = None
 ) -> Diagram:
-    """The scenario's reference, with the faults that it declares, within the envelope.
+    """Returns the diagram of a scenario's reference with its faults, guarded by the envelope.
 
     Outputs: `reference` (6) and `horizon` (6 (N + 1)), p_Ed, p_Ed' in m and m/s, now and at
-    each stage, always such that they can be followed; `d_g` (1) m; `reference_verdict` (1).
+    each stage, always within the envelope; `d_g` (1) m; `reference_verdict` (1).
     """
     period = scenario.rates.mpc_period_s
     stages_s = stage_times(scenario.mpc, period)
     with file_at(scenario.source, "reference.file"):
         curve = make_reference(scenario.reference, vehicle.p_E)
     builder = (replacements or Replacements()).builder()
-    reference = builder.AddNamedSystem(
+    builder.AddNamedSystem(
         "reference", ReferenceSystem(curve, vehicle.p_E, scenario.settle_s, stages_s)
     )
-    guard = builder.AddNamedSystem(
+    builder.AddNamedSystem(
         "reference_guard",
         ReferenceGuard(
             Envelope.make(scenario.supervisor, vehicle.p_E),
@@ -41,16 +58,9 @@ def make_guidance(
             period,
         ),
     )
-    asked = reference
-    if any(isinstance(fault, REFERENCE_FAULTS) for fault in scenario.faults):
-        asked = builder.AddNamedSystem(
-            "reference_fault", ReferenceFaultSystem(scenario.faults, scenario.settle_s, stages_s)
-        )
-        builder.Connect(reference.GetOutputPort("horizon"), asked.GetInputPort("horizon"))
-    builder.Connect(asked.GetOutputPort("horizon"), guard.GetInputPort("horizon"))
-    builder.ExportOutput(reference.GetOutputPort("d_g"), "d_g")
-    for port in ("reference", "horizon", "reference_verdict"):
-        builder.ExportOutput(guard.GetOutputPort(port), port)
-    diagram = builder.Build()
-    diagram.set_name("guidance")
-    return diagram
+    if not any(isinstance(fault, REFERENCE_FAULTS) for fault in scenario.faults):
+        return (DIRECT + EXPORTS).build(builder, "guidance")
+    builder.AddNamedSystem(
+        "reference_fault", ReferenceFaultSystem(scenario.faults, scenario.settle_s, stages_s)
+    )
+    return (WITH_FAULTS + EXPORTS).build(builder, "guidance")

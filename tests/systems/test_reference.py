@@ -1,4 +1,4 @@
-"""The reference system: time, ports and freshness of its outputs."""
+"""Tests of the reference as a system: ports, time, and outputs that follow the time."""
 
 import math
 
@@ -34,7 +34,7 @@ def test_ports_and_state():
     assert not system.HasAnyDirectFeedthrough()
 
 
-def test_outputs_are_those_of_the_curve_at_reference_time():
+def test_outputs_are_the_curve_at_reference_time():
     curve, system = make_system()
     context = system.CreateDefaultContext()
     for t in (0.0, 2.9, 3.0, 4.5, 30.0, 1.0):  # One context: its cache must not go stale.
@@ -45,13 +45,13 @@ def test_outputs_are_those_of_the_curve_at_reference_time():
         )
         horizon = port(system, context, "horizon").reshape(5, 6)
         for ahead, row in zip(STAGES_S, horizon, strict=True):
-            # Before it all begins, there is no view of what comes.
+            # Before reference time 0 the horizon rests at the start.
             time = t - SETTLE_S + ahead if t >= SETTLE_S else 0.0
             p, v = curve.evaluate(np.array([time]))
             np.testing.assert_allclose(row, [*p[0], *v[0]], atol=1e-12)
 
 
-def test_flight_hovers_until_the_settling_time():
+def test_reference_rests_until_the_end_of_settling():
     _, system = make_system()
     context = system.CreateDefaultContext()
     for t in (0.0, 1.5, 3.0):

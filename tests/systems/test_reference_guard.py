@@ -1,4 +1,4 @@
-"""The reference guard as a system, with the faults before it."""
+"""Tests of the reference guard as a system, with reference faults before it."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ class Follower:
         self.context = self.guard.GetMyContextFromRoot(self.simulator.get_context())
 
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray, ReferenceVerdict]:
-        """Reference (6,), horizon (N + 1, 6) and verdict, just after a tick."""
+        """Returns reference (6,), horizon (N + 1, 6) and verdict, 1 us after a time."""
         self.simulator.AdvanceTo(round(SETTLE_S + time, 9) + 1e-6)
         reference, horizon, verdict = (
             self.guard.GetOutputPort(port).Eval(self.context).copy()
@@ -47,21 +47,21 @@ class Follower:
         return reference, horizon.reshape(-1, 6), ReferenceVerdict(int(verdict[0]))
 
 
-def asked(time: float) -> np.ndarray:
-    """(6,) of the curve, as at the instant that `Follower.at` looks at it."""
+def requested(time: float) -> np.ndarray:
+    """Returns the curve (6,) at the instant of `Follower.at`."""
     return np.hstack(CURVE.evaluate(np.array([round(time + 1e-6, 9)])))[0]
 
 
-def test_without_faults_it_is_the_reference():
+def test_without_faults_it_passes_the_reference_on():
     follower = Follower()
     for time in (-0.1, 0.0, 0.5, 1.3):
         reference, horizon, verdict = follower.at(time)
-        np.testing.assert_allclose(reference, asked(time), atol=1e-7)
+        np.testing.assert_allclose(reference, requested(time), atol=1e-7)
         np.testing.assert_array_equal(horizon[0], reference)
         assert verdict is ReferenceVerdict.OK
 
 
-def test_numbers_that_are_none_are_held_and_then_it_goes_on():
+def test_rests_during_nan_and_then_follows_again():
     follower = Follower(ReferenceNan(start_s=1.0, duration_s=0.5))
     last, _, _ = follower.at(0.98)
     for time in (1.0, 1.2, 1.48):
@@ -71,29 +71,29 @@ def test_numbers_that_are_none_are_held_and_then_it_goes_on():
         np.testing.assert_array_equal(reference, horizon[0])
         assert verdict is ReferenceVerdict.NOT_FINITE
     reference, _, verdict = follower.at(1.5)
-    np.testing.assert_allclose(reference, asked(1.5), atol=1e-7)
+    np.testing.assert_allclose(reference, requested(1.5), atol=1e-7)
     assert verdict is ReferenceVerdict.OK
 
 
-def test_a_jump_is_followed_and_told_at_both_its_ends():
+def test_a_jump_is_followed_and_reported_at_both_its_ends():
     offset = np.array([0.3, 0.0, -0.2])
     follower = Follower(ReferenceJump(start_s=1.0, duration_s=0.5, offset_m=tuple(offset)))
-    told = []
+    reported = []
     for k in range(40, 90):
         reference, _, verdict = follower.at(k * DT)
         is_on = 50 <= k < 75
-        np.testing.assert_allclose(reference[:3], asked(k * DT)[:3] + offset * is_on, atol=1e-7)
+        np.testing.assert_allclose(reference[:3], requested(k * DT)[:3] + offset * is_on, atol=1e-7)
         if verdict is not ReferenceVerdict.OK:
-            told.append((k, verdict))
-    assert told == [(50, ReferenceVerdict.JUMPED), (75, ReferenceVerdict.JUMPED)]
+            reported.append((k, verdict))
+    assert reported == [(50, ReferenceVerdict.JUMPED), (75, ReferenceVerdict.JUMPED)]
 
 
-def test_between_ticks_it_follows_and_holds_alike():
+def test_between_ticks_it_follows_and_rests_as_at_ticks():
     """The log evaluates it at 100 Hz; a refused reference stays at that of the last good tick."""
     follower = Follower(ReferenceNan(start_s=1.0, duration_s=0.5))
     for time in (0.49, 0.5, 0.51, 0.99):
         reference, horizon, _ = follower.at(time)
-        np.testing.assert_array_equal(reference, asked(time))
+        np.testing.assert_array_equal(reference, requested(time))
         np.testing.assert_array_equal(horizon[0], reference)
     last = np.hstack(CURVE.evaluate(np.array([0.98])))[0, :3]
     for time in (1.0, 1.01, 1.25, 1.49):
@@ -103,12 +103,12 @@ def test_between_ticks_it_follows_and_holds_alike():
 
 
 @pytest.mark.parametrize("port", ["horizon", "reference"])
-def test_what_is_asked_for_feeds_through(port):
+def test_the_requested_reference_feeds_through(port):
     system = guard()
     assert system.HasDirectFeedthrough(0, system.GetOutputPort(port).get_index())
 
 
-def test_the_verdict_does_not_and_rate():
+def test_the_verdict_does_not_feed_through_and_rate():
     system = guard()
     verdict = system.GetOutputPort("reference_verdict").get_index()
     assert not system.HasDirectFeedthrough(0, verdict)

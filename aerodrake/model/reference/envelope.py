@@ -1,4 +1,4 @@
-"""References that come from anywhere: followed where they can be, held where not."""
+"""Envelope of references that the vehicle can follow, and the check of a reference."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from aerodrake.scenario import Supervisor
 from aerodrake.support.compiled import compiled
 
 JUMP_M = 0.1
-"""What a reference is elsewhere than its velocity took it, if it has jumped."""
+"""Distance from where its velocity leads at which a reference has jumped."""
 
 
 class ReferenceVerdict(IntEnum):
-    """What is the matter with a reference. A jump is followed, at the MPC's approach speed."""
+    """Result of the check of a reference. A jump is followed, at the MPC's approach speed."""
 
     OK = 0
     NOT_FINITE = 1
@@ -25,10 +25,10 @@ class ReferenceVerdict(IntEnum):
 
 
 class Envelope(NamedTuple):
-    """Where a reference may be, and how fast.
+    """Limits of position and velocity within which a reference is followed.
 
     Attributes:
-        start: (3,) m, where the end-effector starts.
+        start: (3,) m, initial position of the end-effector.
         lowest: m, smallest height.
         farthest: m, largest distance from the start.
         fastest: m/s, largest velocity along an axis.
@@ -41,52 +41,65 @@ class Envelope(NamedTuple):
 
     @classmethod
     def make(cls, config: Supervisor, start: np.ndarray) -> Envelope:
-        """Of the scenario, for an end-effector that starts at `start` (3,) m."""
+        """Returns a scenario's envelope for an end-effector that starts at `start` (3,) m."""
         return cls(np.array(start), config.lowest_m, config.farthest_m, config.fastest_m_s)
 
 
 @compiled
-def judged(envelope: Envelope, row: np.ndarray) -> int:
-    """What is the matter with a row (6,), p_Ed m and p_Ed' m/s, alone: a `ReferenceVerdict`."""
-    if not np.all(np.isfinite(row)):
-        return 1
-    away = row[:3] - envelope.start
-    if row[2] < envelope.lowest or np.sqrt(np.sum(away * away)) > envelope.farthest:
-        return 2
+def check_point(envelope: Envelope, point: np.ndarray) -> int:
+    """Returns the `ReferenceVerdict` on a point (6,), p_Ed in m and p_Ed' in m/s, by itself."""
+    if not np.all(np.isfinite(point)):
+        return ReferenceVerdict.NOT_FINITE.value
+    away = point[:3] - envelope.start
+    if point[2] < envelope.lowest or np.sqrt(np.sum(away * away)) > envelope.farthest:
+        return ReferenceVerdict.OUT_OF_REACH.value
     for i in range(3):
-        if abs(row[3 + i]) > envelope.fastest:
-            return 3
-    return 0
+        if abs(point[3 + i]) > envelope.fastest:
+            return ReferenceVerdict.TOO_FAST.value
+    return ReferenceVerdict.OK.value
+
+
+class GuardState(NamedTuple):
+    """State of the reference guard after a tick.
+
+    Attributes:
+        accepted: (6,) p_Ed in m and p_Ed' in m/s that was passed on at the tick.
+        requested: (6,) that was requested then.
+        verdict: The `ReferenceVerdict` on it.
+    """
+
+    accepted: np.ndarray
+    requested: np.ndarray
+    verdict: int
 
 
 @compiled
-def accepted(
-    envelope: Envelope, rows: np.ndarray, last: np.ndarray, asked: np.ndarray, dt: float
+def guard_reference(
+    envelope: Envelope, requested: np.ndarray, state: GuardState, dt: float
 ) -> tuple[np.ndarray, int]:
-    """A reference, now and over the horizon, as it is to be followed.
+    """Returns the reference to be followed now and over the horizon, and the verdict on now.
 
-    It holds still from where it cannot be followed, at the last place at which it can.
+    From the first stage outside the envelope on, it rests at the last position inside.
 
     Args:
-        envelope: Where it may be.
-        rows: (N + 1, 6) p_Ed, p_Ed' in m and m/s, now and at each stage.
-        last: (6,) what was accepted a tick ago,
-        asked: (6,) and what was asked for then.
-        dt: s, a tick.
+        envelope: Limits.
+        requested: (N + 1, 6) p_Ed, p_Ed' in m and m/s, now and at each stage.
+        state: State after the last tick.
+        dt: s, between ticks.
 
     Returns:
-        (N + 1, 6), and the verdict on now.
+        (N + 1, 6) as `requested`, and a `ReferenceVerdict`.
     """
-    found, held = rows.copy(), -1
-    verdict = judged(envelope, rows[0])
-    for k in range(len(rows)):
-        if held < 0 and judged(envelope, rows[k]) != 0:
-            held = k
-        if held >= 0:
-            found[k] = last if k == 0 else found[k - 1]
-            found[k, 3:] = 0.0
-    if verdict == 0:
-        jump = rows[0, :3] - asked[:3] - dt / 2 * (rows[0, 3:] + asked[3:])
+    accepted, is_refused = requested.copy(), False
+    verdict = check_point(envelope, requested[0])
+    for k in range(len(requested)):
+        is_refused = is_refused or check_point(envelope, requested[k]) != ReferenceVerdict.OK.value
+        if is_refused:
+            accepted[k] = state.accepted if k == 0 else accepted[k - 1]
+            accepted[k, 3:] = 0.0
+    if verdict == ReferenceVerdict.OK.value:
+        now, last = requested[0], state.requested
+        jump = now[:3] - last[:3] - dt / 2 * (now[3:] + last[3:])
         if np.sqrt(np.sum(jump * jump)) > JUMP_M:
-            verdict = 4
-    return found, verdict
+            verdict = ReferenceVerdict.JUMPED.value
+    return accepted, verdict

@@ -1,4 +1,4 @@
-"""References that are not what they should be, for a time."""
+"""Faults of the reference."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from aerodrake.model.reference.curves import Motion
+from aerodrake.model.reference.reference_curve import Motion
 from aerodrake.scenario import AnyFault, ReferenceDrift, ReferenceJump, ReferenceNan
 
 
-def faulty(
+def with_faults(
     faults: Sequence[AnyFault], now: float | np.ndarray, times: np.ndarray, motion: Motion
 ) -> Motion:
-    """A reference with what is the matter with it, one fault after the other.
+    """Returns a reference with faults applied, one after the other.
 
-    Nobody knows of a fault before it is there: then it concerns all that is seen ahead.
+    A fault that is active now affects the whole horizon; a later one does not affect it yet.
 
     Args:
-        faults: Of which those of the reference count.
-        now: s, reference time at which it is looked at; for all rows, or (T,) for each.
+        faults: Any faults; only those of the reference are applied.
+        now: s, reference time at which the reference is read; for all rows, or (T,) for each.
         times: (T,) s, reference times of the rows.
-        motion: (T, 3) m and (T, 3) m/s then.
+        motion: (T, 3) m and (T, 3) m/s at these times.
     """
     p, v = motion[0].copy(), motion[1].copy()
     for fault in faults:

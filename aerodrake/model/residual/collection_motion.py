@@ -7,7 +7,7 @@ import math
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 
-from aerodrake.model.reference.curves import Motion
+from aerodrake.model.reference.reference_curve import Motion
 from aerodrake.model.setpoint.motion import held_acceleration_motion
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.vehicle import VehicleModel

@@ -1,4 +1,4 @@
-"""Directions over time: of unit length, smooth, through their rows; and files that have none."""
+"""Tests of directions over time, and of files of directions."""
 
 import numpy as np
 import pytest
@@ -22,11 +22,11 @@ def path(tmp_path):
 
 
 def angles(rows: np.ndarray) -> np.ndarray:
-    """(M - 1,) rad, between unit vectors that follow each other."""
+    """Returns the angles (M - 1,) in rad between consecutive unit vectors."""
     return np.arccos(np.clip(np.sum(rows[1:] * rows[:-1], axis=1), -1, 1))
 
 
-def test_off_is_none():
+def test_off_returns_none():
     assert make_direction(OrientationOff()) is None
 
 
@@ -47,7 +47,7 @@ tables = st.lists(st.tuples(st.floats(0.2, 3), vectors), min_size=2, max_size=6)
 
 
 @given(tables)
-def test_a_path_is_of_unit_vectors_with_their_derivatives(tmp_path_factory, rows):
+def test_a_path_consists_of_unit_vectors_and_their_derivatives(tmp_path_factory, rows):
     steps, table = zip(*rows, strict=True)
     times, table = np.cumsum(steps), np.array(table)
     unit = table / np.linalg.norm(table, axis=1, keepdims=True)
@@ -85,14 +85,14 @@ def test_a_path_is_of_unit_vectors_with_their_derivatives(tmp_path_factory, rows
         (HEADER + "0,1,0,0\n1,1,0,0\n2,-1,1,0\n", "after t = 1 s: expected turns of 90 deg"),
     ],
 )
-def test_a_bad_file_is_named_with_what_was_expected(path, content, expected):
+def test_a_bad_file_is_refused_with_its_name_and_the_expected_value(path, content, expected):
     with pytest.raises(BadInput) as raised:
         path(content)
     message = str(raised.value)
     assert "d.csv" in message and expected in message and "\n" not in message
 
 
-def test_the_tool_must_be_able_to_tell_which_way_to_turn(vehicle):
+def test_refuses_a_direction_opposite_to_the_tool(vehicle):
     np.testing.assert_allclose(vehicle.tool_axis, [0, 0, -1], atol=1e-12)
     check_start(make_direction(FixedAxis(axis=(1.0, 0.0, 0.5))), vehicle)
     for axis in ((0.0, 0.0, 1.0), (0.5, 0.0, 1.0)):

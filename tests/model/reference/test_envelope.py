@@ -1,4 +1,4 @@
-"""References: passed on as they are, or held at the last place that can be reached."""
+"""Tests of the envelope and of guarded references."""
 
 import numpy as np
 import pytest
@@ -9,9 +9,10 @@ from hypothesis.extra.numpy import arrays
 from aerodrake.model.reference.envelope import (
     JUMP_M,
     Envelope,
+    GuardState,
     ReferenceVerdict,
-    accepted,
-    judged,
+    check_point,
+    guard_reference,
 )
 from aerodrake.scenario import Supervisor
 
@@ -19,10 +20,11 @@ DT = 0.02
 START = np.array([0.0, 0.2, 1.2])
 ENVELOPE = Envelope(START, 0.1, 50.0, 1.5)
 LAST = np.array([*START, 0.0, 0.0, 0.0])
+STATE = GuardState(LAST, LAST, 0)
 
 
 def ramp(velocity, stages: int = 5) -> np.ndarray:
-    """(N + 1, 6) from the start at a velocity."""
+    """Returns a reference (N + 1, 6) from the start at a constant velocity."""
     v = np.array(velocity)
     times = DT * np.arange(1, stages + 2)[:, None]
     return np.hstack([START + times * v, np.tile(v, (stages + 1, 1))])
@@ -43,57 +45,57 @@ def ramp(velocity, stages: int = 5) -> np.ndarray:
         ({5: -1.51}, ReferenceVerdict.TOO_FAST),
     ],
 )
-def test_what_is_the_matter_with_one(change, verdict):
-    row = LAST.copy()
-    for place, value in change.items():
-        row[place] = value
-    assert judged(ENVELOPE, row) == verdict
+def test_verdict_on_a_single_point(change, verdict):
+    point = LAST.copy()
+    for index, value in change.items():
+        point[index] = value
+    assert check_point(ENVELOPE, point) == verdict
 
 
-def test_what_can_be_followed_is_passed_on_to_the_bit():
+def test_a_reference_within_the_envelope_is_passed_on_bit_for_bit():
     rows = ramp([0.7, -0.2, 0.1])
-    found, verdict = accepted(ENVELOPE, rows, LAST, LAST, DT)
-    np.testing.assert_array_equal(found, rows)
+    accepted, verdict = guard_reference(ENVELOPE, rows, STATE, DT)
+    np.testing.assert_array_equal(accepted, rows)
     assert verdict == ReferenceVerdict.OK
 
 
 @pytest.mark.parametrize("bad", [np.nan, 1e9])
-def test_what_cannot_is_held_where_it_was(bad):
-    found, verdict = accepted(ENVELOPE, np.full((6, 6), bad), LAST, LAST, DT)
-    np.testing.assert_array_equal(found, np.tile(LAST, (6, 1)))
+def test_a_refused_reference_rests_at_the_last_accepted_position(bad):
+    accepted, verdict = guard_reference(ENVELOPE, np.full((6, 6), bad), STATE, DT)
+    np.testing.assert_array_equal(accepted, np.tile(LAST, (6, 1)))
     assert verdict in (ReferenceVerdict.NOT_FINITE, ReferenceVerdict.OUT_OF_REACH)
 
 
-def test_it_comes_to_rest_before_what_cannot_be_followed():
+def test_rests_before_the_first_stage_outside_the_envelope():
     rows = ramp([0.7, 0.0, 0.0])
     rows[3:, 2] = -1.0
-    found, verdict = accepted(ENVELOPE, rows, LAST, LAST, DT)
-    np.testing.assert_array_equal(found[:3], rows[:3])
-    np.testing.assert_array_equal(found[3:], np.tile([*rows[2, :3], 0, 0, 0], (3, 1)))
-    assert verdict == ReferenceVerdict.OK  # Of now.
+    accepted, verdict = guard_reference(ENVELOPE, rows, STATE, DT)
+    np.testing.assert_array_equal(accepted[:3], rows[:3])
+    np.testing.assert_array_equal(accepted[3:], np.tile([*rows[2, :3], 0, 0, 0], (3, 1)))
+    assert verdict == ReferenceVerdict.OK  # The verdict is on the current point.
 
 
 @given(st.floats(-0.5, 0.5), st.floats(-1.0, 1.0))
-def test_a_jump_is_what_velocity_does_not_explain(offset, speed):
-    rows, asked = ramp([speed, 0.0, 0.0]), np.array([*START, speed, 0.0, 0.0])
+def test_a_jump_is_a_displacement_that_velocity_does_not_explain(offset, speed):
+    rows, requested = ramp([speed, 0.0, 0.0]), np.array([*START, speed, 0.0, 0.0])
     rows[:, 1] += offset
-    found, verdict = accepted(ENVELOPE, rows, LAST, asked, DT)
-    np.testing.assert_array_equal(found, rows)
+    accepted, verdict = guard_reference(ENVELOPE, rows, GuardState(LAST, requested, 0), DT)
+    np.testing.assert_array_equal(accepted, rows)
     assert (verdict == ReferenceVerdict.JUMPED) == (abs(offset) > JUMP_M)
 
 
-def test_after_numbers_that_were_none_nothing_is_a_jump():
-    asked = np.full(6, np.nan)
-    assert accepted(ENVELOPE, ramp([0.1, 0, 0]), LAST, asked, DT)[1] == ReferenceVerdict.OK
+def test_no_jump_is_reported_after_nan():
+    state = GuardState(LAST, np.full(6, np.nan), int(ReferenceVerdict.NOT_FINITE))
+    assert guard_reference(ENVELOPE, ramp([0.1, 0, 0]), state, DT)[1] == ReferenceVerdict.OK
 
 
 @given(arrays(float, (6, 6), elements=st.floats(allow_nan=True, allow_infinity=True)))
-def test_whatever_comes_what_is_followed_is_within_the_envelope(rows):
-    found, _ = accepted(ENVELOPE, rows, LAST, LAST, DT)
-    assert all(judged(ENVELOPE, row) == ReferenceVerdict.OK for row in found)
+def test_guarded_references_are_within_the_envelope(rows):
+    accepted, _ = guard_reference(ENVELOPE, rows, STATE, DT)
+    assert all(check_point(ENVELOPE, row) == ReferenceVerdict.OK for row in accepted)
 
 
-def test_the_envelope_is_the_scenarios():
+def test_the_envelope_is_made_from_the_scenario():
     envelope = Envelope.make(Supervisor(lowest_m=0.2, farthest_m=3.0, fastest_m_s=0.7), START)
     assert envelope[1:] == (0.2, 3.0, 0.7)
     np.testing.assert_array_equal(envelope.start, START)

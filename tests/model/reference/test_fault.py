@@ -1,8 +1,8 @@
-"""Faults of the reference: what they make of it, when, and together."""
+"""Tests of reference faults, alone and together."""
 
 import numpy as np
 
-from aerodrake.model.reference.fault import faulty
+from aerodrake.model.reference.fault import with_faults
 from aerodrake.scenario import Push, ReferenceDrift, ReferenceJump, ReferenceNan
 
 TIMES = np.arange(0.0, 4.0, 0.5)
@@ -11,8 +11,8 @@ JUMP = ReferenceJump(start_s=1.0, duration_s=1.0, offset_m=(0.5, 0.0, -0.5))
 DRIFT = ReferenceDrift(start_s=1.5, duration_s=2.0, velocity_m_s=(0.0, 2.0, 0.0))
 
 
-def test_each_from_its_start_until_before_its_end():
-    p, v = faulty([JUMP, DRIFT, Push()], TIMES, TIMES, MOTION)
+def test_faults_are_active_from_their_start_until_before_their_end():
+    p, v = with_faults([JUMP, DRIFT, Push()], TIMES, TIMES, MOTION)
     moved = p - MOTION[0]
     on = (TIMES >= 1.0) & (TIMES < 2.0)
     np.testing.assert_allclose(moved[:, 0], 0.5 * on)
@@ -22,15 +22,15 @@ def test_each_from_its_start_until_before_its_end():
     np.testing.assert_allclose(v[:, 1] - 2.0, 2.0 * drifts)
 
 
-def test_nobody_knows_ahead_and_then_all_that_is_seen_is_wrong():
-    for now, is_wrong in ((0.9, False), (1.0, True), (1.9, True), (2.0, False)):
-        p, _ = faulty([JUMP], now, now + TIMES, MOTION)
-        np.testing.assert_allclose(p[:, 0] - MOTION[0][:, 0], 0.5 * is_wrong)
+def test_a_fault_affects_the_whole_horizon_once_it_is_active():
+    for now, is_active in ((0.9, False), (1.0, True), (1.9, True), (2.0, False)):
+        p, _ = with_faults([JUMP], now, now + TIMES, MOTION)
+        np.testing.assert_allclose(p[:, 0] - MOTION[0][:, 0], 0.5 * is_active)
 
 
-def test_numbers_that_are_none_stay_none_and_the_argument_is_not_changed():
+def test_nan_stays_nan_and_the_argument_is_not_changed():
     before = MOTION[0].copy()
-    p, v = faulty([ReferenceNan(start_s=1.0, duration_s=1.0), JUMP], TIMES, TIMES, MOTION)
+    p, v = with_faults([ReferenceNan(start_s=1.0, duration_s=1.0), JUMP], TIMES, TIMES, MOTION)
     assert np.isnan(p[2:4]).all() and np.isnan(v[2:4]).all()
     assert np.isfinite(np.delete(p, [2, 3], axis=0)).all()
     np.testing.assert_array_equal(MOTION[0], before)

@@ -1,4 +1,4 @@
-"""Waypoint files, good and bad, and the path through them."""
+"""Tests of waypoint files, valid and invalid, and of the path through them."""
 
 import os
 import time
@@ -61,7 +61,7 @@ def write(tmp_path):
 
 
 @pytest.mark.parametrize(("content", "expected"), BAD.values(), ids=BAD)
-def test_a_bad_file_is_named_with_what_was_expected(write, content, expected):
+def test_a_bad_file_is_refused_with_its_name_and_the_expected_value(write, content, expected):
     path = write(content)
     with pytest.raises(BadInput) as raised:
         read_waypoints(path)
@@ -70,7 +70,7 @@ def test_a_bad_file_is_named_with_what_was_expected(write, content, expected):
     assert len(message.splitlines()) == 1 and len(message) < len(str(path)) + 150
 
 
-def test_what_is_not_a_file_is_named(tmp_path):
+def test_a_path_that_is_no_file_is_refused_with_its_name(tmp_path):
     os.mkfifo(tmp_path / "fifo")
     for path in (tmp_path / "missing.csv", tmp_path, tmp_path / "fifo", tmp_path / ("x" * 300)):
         with pytest.raises(BadInput, match=path.name):
@@ -108,7 +108,7 @@ paths = st.lists(
 
 @settings(max_examples=50, deadline=None)
 @given(paths)
-def test_path_meets_its_points_at_rest_at_both_ends_and_never_overshoots(rows):
+def test_path_passes_its_points_without_overshoot_and_rests_at_both_ends(rows):
     times, points = np.cumsum(rows[:, 0]), rows[:, 1:]
     path = interpolate_waypoints(times, points)
     velocity = path.derivative()
@@ -123,13 +123,13 @@ def test_path_meets_its_points_at_rest_at_both_ends_and_never_overshoots(rows):
     )
 
 
-def test_two_points_make_a_cubic_from_rest_to_rest(write):
+def test_two_points_give_a_cubic_from_rest_to_rest(write):
     p, v = make_reference(Waypoints(str(write(GOOD))), START).evaluate(np.array([0.0, 1.0, 2.0]))
     np.testing.assert_allclose(p[:, 0], [0, 0.05, 0.1], atol=1e-12)
     np.testing.assert_allclose(v[:, 0], [0, 1.5 * 0.1 / 2, 0], atol=1e-12)
 
 
-def test_ends_hold_outside_the_files_times(write):
+def test_endpoints_are_kept_outside_the_times_of_the_file(write):
     late = GOOD.replace(b"\n2,", b"\n7,").replace(b"\n0,", b"\n5,")
     p, v = make_reference(Waypoints(str(write(late))), START).evaluate(
         np.array([-1.0, 0.0, 4.9, 7.1, 1e6])
@@ -143,7 +143,7 @@ def test_a_path_may_start_elsewhere(write):
     np.testing.assert_allclose(curve.evaluate(np.zeros(1))[0], [START])
 
 
-def test_diameter_sees_what_lies_between_the_points(write):
+def test_diameter_includes_the_path_between_the_points(write):
     curve = make_reference(Waypoints(str(PACKAGED)), START)
     times, points = read_waypoints(PACKAGED)
     brute = pdist(curve.evaluate(np.linspace(0, times[-1], 3000))[0]).max()
@@ -151,7 +151,7 @@ def test_diameter_sees_what_lies_between_the_points(write):
     assert curve.diameter_m >= pdist(points).max()
 
 
-def test_ten_thousand_rows_are_no_burden(write):
+def test_ten_thousand_rows_take_less_than_ten_seconds(write):
     s = np.linspace(0, np.pi, 10_000)  # A spiral on a sphere, where all points are outermost.
     points = np.stack([np.sin(s) * np.cos(41 * s), np.sin(s) * np.sin(41 * s), np.cos(s)], axis=1)
     rows = np.column_stack([0.01 * np.arange(10_000), points])

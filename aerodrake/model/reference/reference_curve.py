@@ -1,0 +1,98 @@
+"""Base class of the end-effector's reference curves, and the diameter of a curve.
+
+Times are reference times in s: 0 is the end of the initial hover. Positions and velocities are
+p_E,d and its derivative in the world frame, z up.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+Motion = tuple[np.ndarray, np.ndarray]
+"""Positions (T, 3) in m, and their derivatives (T, 3)."""
+
+
+class ReferenceCurve(ABC):
+    """Desired motion of the end-effector over reference time."""
+
+    def evaluate(self, times: np.ndarray) -> Motion:
+        """Returns positions (T, 3) in m and velocities (T, 3) in m/s at times (T,) in s.
+
+        Before reference time 0 the position is that at 0, and the velocity is zero.
+        """
+        times = np.asarray(times, dtype=float)
+        p, v = self._move(np.maximum(times, 0.0))
+        return p, np.where(times[:, None] < 0.0, 0.0, v)
+
+    @property
+    @abstractmethod
+    def diameter_m(self) -> float:
+        """d_g, the largest distance between two points of the target trajectory, in m."""
+
+    @property
+    def lap(self) -> tuple[float, float] | None:
+        """Start and end in s of one whole lap after the smooth start; None without laps."""
+        return None
+
+    @abstractmethod
+    def _move(self, times: np.ndarray) -> Motion:
+        """Implements `evaluate` for times (T,) >= 0."""
+
+
+def hover_then_follow(curve: ReferenceCurve, start: np.ndarray, times: np.ndarray) -> Motion:
+    """Returns a flight's reference at times (T,): `start` (3,) m before 0, then the curve."""
+    p, v = curve.evaluate(times)
+    return np.where(times[:, None] < 0.0, start, p), v
+
+
+def path_diameter(position: Callable[[np.ndarray], np.ndarray], times: np.ndarray) -> float:
+    """Returns the largest distance between two points of a path, in m.
+
+    The farthest pair of samples is refined three times, each time between its neighbours and
+    on a grid 32 times as fine. The error of the samples decreases with the square of their
+    spacing in time; the error of the refinement is 1e-9 of it.
+
+    Args:
+        position: Maps times (T,) in s to points (T, 3) in m.
+        times: (T,) s, ascending; dense enough to separate the path's turns.
+    """
+    a = b = times
+    points = position(times)
+    i, j = farthest_pair(points)
+    distance = float(np.linalg.norm(points[i] - points[j]))
+    for _ in range(3):
+        a, b = _between_neighbours(a, i), _between_neighbours(b, j)
+        distances = cdist(position(a), position(b))
+        i, j = np.unravel_index(distances.argmax(), distances.shape)
+        distance = float(distances[i, j])
+    return distance
+
+
+def farthest_pair(points: np.ndarray) -> tuple[int, int]:
+    """Returns the indices of the two points (M, 3) that are farthest apart, exactly.
+
+    Points are visited from the outermost inwards. Two points at radii r and s from the middle
+    are at most r + s apart, which excludes most pairs without computing their distance.
+    """
+    radius = np.linalg.norm(points - (points.min(axis=0) + points.max(axis=0)) / 2, axis=1)
+    order = np.argsort(-radius)
+    points, radius = points[order], radius[order]
+    best, pair = -1.0, (0, 0)
+    block = 64
+    for first in range(0, len(points), block):
+        end = np.searchsorted(-radius, radius[first] - best)
+        if end <= first:
+            break
+        distances = cdist(points[first : first + block], points[first:end])
+        i, j = np.unravel_index(distances.argmax(), distances.shape)
+        if distances[i, j] > best:
+            best, pair = distances[i, j], (int(order[first + i]), int(order[first + j]))
+    return pair
+
+
+def _between_neighbours(times: np.ndarray, i: int) -> np.ndarray:
+    return np.linspace(times[max(i - 1, 0)], times[min(i + 1, len(times) - 1)], 65)
