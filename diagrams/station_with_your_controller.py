@@ -1,10 +1,11 @@
-"""The station alone, flown by a controller of your own: here, a circle of the base."""
+"""Flies the station alone with a controller of your own: here, a circle of the base."""
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource
 
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context, make_station
@@ -12,7 +13,7 @@ from aerodrake.support.threads import single_thread
 
 
 class Circle(LeafSystem):
-    """p_d, v_d and a_d on a circle of 0.3 m about `centre` (3,) m, once in 8 s."""
+    """Source of p_d, v_d and a_d on a circle of 0.3 m about `centre` (3,) m, 8 s a turn."""
 
     def __init__(self, centre: np.ndarray):
         super().__init__()
@@ -22,9 +23,10 @@ class Circle(LeafSystem):
     def _calc(self, context: Context, output: BasicVector) -> None:
         radius, rate = 0.3, 2 * np.pi / 8
         angle = rate * context.get_time()
-        out = radius * np.array([np.cos(angle), np.sin(angle), 0.0])
-        along = radius * np.array([-np.sin(angle), np.cos(angle), 0.0])
-        output.SetFromVector([*(self._centre + out), *(rate * along), *(-(rate**2) * out)])
+        radial = radius * np.array([np.cos(angle), np.sin(angle), 0.0])
+        tangential = radius * np.array([-np.sin(angle), np.cos(angle), 0.0])
+        p_d, v_d, a_d = self._centre + radial, rate * tangential, -(rate**2) * radial
+        output.SetFromVector([*p_d, *v_d, *a_d])
 
 
 def main() -> None:
@@ -45,9 +47,10 @@ def main() -> None:
     for t in range(0, 13, 2):
         with single_thread():
             simulator.AdvanceTo(t)
-        p_B = station.GetOutputPort("true_state").Eval(station.GetMyContextFromRoot(context))[4:7]
+        x = station.GetOutputPort("true_state").Eval(station.GetMyContextFromRoot(context))
+        p_B = split_state(x).p_B
         p_Bd = circle.get_output_port().Eval(circle.GetMyContextFromRoot(context))[:3]
-        print(f"{t:3d} s  base at {p_B.round(3)} m, asked for {p_Bd.round(3)} m")
+        print(f"{t:3d} s  base at {p_B.round(3)} m, setpoint {p_Bd.round(3)} m")
 
 
 if __name__ == "__main__":

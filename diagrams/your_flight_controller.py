@@ -1,4 +1,4 @@
-"""A flight controller of your own in the place of ours: PD on SE(3), and no observer."""
+"""Replaces the packaged flight controller by your own: PD control on SE(3), without an observer."""
 
 import numpy as np
 from pydrake.systems.framework import LeafSystem
@@ -12,7 +12,7 @@ from aerodrake.wiring.replacements import Replacements
 
 
 class PdController(LeafSystem):
-    """Thrusts from position and attitude errors; the model's torque in trim is all it knows.
+    """PD control of position and attitude, with the model's trim torque as feedforward.
 
     Ports: those of `aerodrake.systems.flight_controller.FlightController`.
     Rate: `period`, half a millisecond after each sample.
@@ -30,7 +30,7 @@ class PdController(LeafSystem):
         specific_thrust = self.DeclareDiscreteState([GRAVITY])
         self.DeclareStateOutputPort("specific_thrust", specific_thrust)
         for name, size in (("acceleration", 6), ("reaction", 3), ("disturbance", 6)):
-            self.DeclareStateOutputPort(name, self.DeclareDiscreteState(size))  # Nothing is known.
+            self.DeclareStateOutputPort(name, self.DeclareDiscreteState(size))  # Zero: no observer.
         self.DeclareStateOutputPort("saturated", self.DeclareDiscreteState(1))
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0005, self._update)
 
@@ -53,8 +53,8 @@ def main() -> None:
     scenario = load_scenario("clover", [("--set", "duration=8")])
     vehicle = VehicleModel.load(scenario)
     ratio, period = scenario.vehicle.rotor.torque_ratio_m, scenario.rates.flight_period_s
-    mine = {"flight_controller": lambda ours: PdController(vehicle, ratio, period)}
-    for name, replacements in (("ours", Replacements()), ("mine", Replacements(mine))):
+    pd = {"flight_controller": lambda packaged: PdController(vehicle, ratio, period)}
+    for name, replacements in (("packaged", Replacements()), ("PD", Replacements(pd))):
         error = summarize(scenario, FlightSimulation(scenario, replacements).fly())["error"]
         print(f"{name}: {1e3 * error['mean_m']:.3f} mm")
 

@@ -1,4 +1,4 @@
-"""Rotors and propellers at the plant's rate, without Python in the loop."""
+"""Rotors and propellers at the plant's rate, as systems of Drake's own."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from aerodrake.scenario import Mismatch, Rotor
 def make_rotors(
     config: Rotor, mismatch: Mismatch, trim: np.ndarray, period: float
 ) -> SymbolicVectorSystem:
-    """Thrust limits and first-order lag of each rotor, exactly discretised.
+    """Makes the rotors: thrust limits and first-order lag of each, exactly discretised.
 
     Ports:
         in `u0` (k): commanded thrusts, N.
         out `y0` (k): thrusts, N.
     State:
-        deviation of the thrusts from `trim`, so that the default Context, all
+        deviation of the thrusts from `trim` (k), so that the default Context, all
         zeros, is in trim.
     Rate:
         `period`.
@@ -30,7 +30,7 @@ def make_rotors(
     Args:
         config: Limits and time constants.
         mismatch: Factors on the time constants, and on the command's deviation
-            from trim; the limits are those of the thrust that comes of it.
+            from trim; the limits apply after the factor.
         trim: (k,) N, thrusts in trim.
         period: s, the plant's step.
     """
@@ -42,8 +42,8 @@ def make_rotors(
     )
     dynamics = []
     for x, c, f0 in zip(state, command, trim, strict=True):
-        wanted = c + (mismatch.thrust_scale - 1) * (c - f0)  # Just c where the scale is 1.
-        gap = min(max(wanted, config.min_thrust_n), config.max_thrust_n) - (f0 + x)
+        scaled = c + (mismatch.thrust_scale - 1) * (c - f0)  # Exactly c if the scale is 1.
+        gap = min(max(scaled, config.min_thrust_n), config.max_thrust_n) - (f0 + x)
         dynamics.append(x + if_then_else(gap > 0, up, down) * gap)
     output = [f0 + x for x, f0 in zip(state, trim, strict=True)]
     return SymbolicVectorSystem(
@@ -52,12 +52,12 @@ def make_rotors(
 
 
 def make_propellers(rotor: Rotor, rotors: Rotors, base: BodyIndex) -> Propeller:
-    """The wrenches that thrusts (k) N exert on the base, with their drag torque.
+    """Makes the propellers, which apply thrusts (k) N and their drag torques to the base.
 
     Args:
         rotor: Ratio of drag torque to thrust.
-        rotors: Where they are, and which way they turn.
-        base: The body they are on.
+        rotors: Positions and directions of rotation.
+        base: The body that they are attached to.
     """
     return Propeller(
         [

@@ -1,4 +1,4 @@
-"""The arm controller alone, and on joints that are plain inertias."""
+"""Arm controller by itself, and on joints of constant inertia."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def controller(vehicle):
 
 
 class Bench:
-    """The controller on a bench: joints of constant inertia, that may be held fast."""
+    """The controller with joints of constant inertia, which may be blocked."""
 
     def __init__(self, controller, vehicle):
         self.controller, self.vehicle = controller, vehicle
@@ -27,7 +27,7 @@ class Bench:
         self.q, self.qdot = vehicle.working.copy(), np.zeros(vehicle.joints)
 
     def tick(self, q_d, qdot_d=None) -> np.ndarray:
-        """(n,) N m, the torques after an update."""
+        """Returns the torques (n,) N m after an update."""
         n = self.vehicle.joints
         x = self.vehicle.trim_state
         x[7 : 7 + n], x[-n:] = self.q, self.qdot
@@ -45,7 +45,7 @@ class Bench:
         return self.controller.GetOutputPort("joint_torque").Eval(self.context)
 
     def move(self, torque: np.ndarray) -> None:
-        """Moves by one tick under the joint torques beyond those of trim."""
+        """Moves the joints by one tick under the torques beyond those of trim."""
         acceleration = (torque - self.vehicle.trim_torque) / self.vehicle.joint_inertia
         self.q = self.q + self.qdot * DT + acceleration * DT**2 / 2
         self.qdot = self.qdot + acceleration * DT
@@ -56,7 +56,7 @@ def bench(controller, vehicle) -> Bench:
     return Bench(controller, vehicle)
 
 
-def test_trim_is_kept_forever(bench, vehicle):
+def test_trim_is_an_equilibrium(bench, vehicle):
     np.testing.assert_array_equal(bench.torque, vehicle.trim_torque)
     for _ in range(200):
         np.testing.assert_array_equal(bench.tick(vehicle.working), vehicle.trim_torque)
@@ -72,7 +72,7 @@ def test_ports_rate_and_feedthrough(controller, vehicle):
     assert (timing.period_sec(), timing.offset_sec()) == (DT, OFFSET)
 
 
-def test_torque_is_held_between_ticks(controller, vehicle):
+def test_torque_is_constant_between_ticks(controller, vehicle):
     simulator = Simulator(controller)
     context = simulator.get_mutable_context()
     port = controller.GetOutputPort("joint_torque")
@@ -88,7 +88,7 @@ def test_torque_is_held_between_ticks(controller, vehicle):
 
 
 def test_gains_are_per_inertia(bench, vehicle):
-    """One tick, by hand: J (w^2 e + 2 z w e') on trim, and J w^2 i e dt more at the next."""
+    """By hand: J (w^2 e + 2 z w e') beyond trim, and J w^2 i e dt more at the next tick."""
     e, e_dot = 1e-3 * np.array([1, -2, 3, -1, 2, -3]), 1e-2 * np.array([2, 1, -1, -2, 1, 3])
     expected = vehicle.trim_torque + vehicle.joint_inertia * (40**2 * e + 2 * 0.9 * 40 * e_dot)
     np.testing.assert_allclose(bench.tick(vehicle.working + e, e_dot), expected, rtol=1e-12)
@@ -96,7 +96,7 @@ def test_gains_are_per_inertia(bench, vehicle):
     np.testing.assert_allclose(bench.tick(vehicle.working + e, e_dot), expected, rtol=1e-12)
 
 
-def test_a_constant_load_is_taken_out(bench, vehicle):
+def test_a_constant_load_is_compensated(bench, vehicle):
     load = np.array([0.3, -0.5, 0.2, 0.05, -0.1, 0.1])
     for _ in range(600):
         bench.move(bench.tick(vehicle.working) + load)
@@ -104,8 +104,8 @@ def test_a_constant_load_is_taken_out(bench, vehicle):
     np.testing.assert_allclose(bench.torque, vehicle.trim_torque - load, atol=1e-5)
 
 
-def test_joints_that_are_held_fast_do_not_wind_up(bench, vehicle):
-    """After 5 s of pushing at the torque limit, trim is back within a tenth of a second."""
+def test_blocked_joints_do_not_wind_up(bench, vehicle):
+    """After 5 s at the torque limit, the joints stay close to trim and return to it."""
     away = np.where(np.arange(vehicle.joints) % 2, -1.0, 1.0)
     for _ in range(1000):
         torque = bench.tick(vehicle.working + away)
@@ -119,8 +119,8 @@ def test_joints_that_are_held_fast_do_not_wind_up(bench, vehicle):
     np.testing.assert_allclose(bench.q, vehicle.working, atol=1e-5)
 
 
-def test_torques_keep_their_limits(bench, vehicle):
-    """Rates as well: those are what a rest of torque would be for."""
+def test_torques_are_within_their_limits(bench, vehicle):
+    """A limited desired rate bounds the torque below its own limit."""
     most = vehicle.joint_inertia * 2 * 0.9 * 40 * vehicle.velocity
     for side in (1, -1):
         wild = bench.tick(vehicle.working + side * 100, np.full(6, side * 100.0))

@@ -1,4 +1,4 @@
-"""What the flight controller knows of arm and rotors, against the station's own plant."""
+"""Feedforward of arm and rotors in the flight controller, against the station's plant."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -17,12 +17,12 @@ from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
 
 PERIOD = 0.01
-WAYS = np.array([1.0, 0.8, -1.0, 1.0, 0.8, 1.0])
-"""Of each joint, towards the middle of its range."""
+DIRECTIONS = np.array([1.0, 0.8, -1.0, 1.0, 0.8, 1.0])
+"""Direction of each joint's motion, towards the middle of its range."""
 
 
 def motion(vehicle: VehicleModel, base_speed, joint_speed) -> tuple[Trajectory, Trajectory]:
-    """Of base and joints, from their velocities each `PERIOD`."""
+    """Returns the motions of base and joints with the given velocities, sampled at `PERIOD`."""
     return (
         held_acceleration_motion(vehicle.p_B, base_speed, PERIOD),
         held_acceleration_motion(vehicle.working, joint_speed, PERIOD),
@@ -30,22 +30,22 @@ def motion(vehicle: VehicleModel, base_speed, joint_speed) -> tuple[Trajectory, 
 
 
 def swing(vehicle: VehicleModel) -> tuple[Trajectory, Trajectory]:
-    """All joints by about 1 rad in 1 s, and a second of rest; the base is to stay."""
+    """Returns a motion of all joints by about 1 rad in 1 s and a second of rest; the base rests."""
     s = np.clip(PERIOD * np.arange(201), 0, 1)
     speed = 30 * s**2 - 60 * s**3 + 30 * s**4
-    return motion(vehicle, np.zeros((201, 3)), speed[:, None] * WAYS)
+    return motion(vehicle, np.zeros((201, 3)), speed[:, None] * DIRECTIONS)
 
 
 def wave(vehicle: VehicleModel) -> tuple[Trajectory, Trajectory]:
-    """Base and joints together, smoothly from rest and around for 4 s."""
+    """Returns a smooth oscillation of base and joints from rest, for 4 s."""
     t = PERIOD * np.arange(401)
     ramp = (np.minimum(t, 1) ** 2 * (3 - 2 * np.minimum(t, 1)))[:, None]
     base = 0.6 * ramp * np.sin(0.8 * np.pi * t[:, None] + [0, 1, 2])
-    return motion(vehicle, base, 0.4 * ramp * np.sin(np.pi * t[:, None]) * WAYS)
+    return motion(vehicle, base, 0.4 * ramp * np.sin(np.pi * t[:, None]) * DIRECTIONS)
 
 
 class Flown:
-    """The station along such a motion."""
+    """The station, with a motion as its setpoints."""
 
     def __init__(self, scenario: Scenario, feedforward: str, base, joints):
         flight = replace(scenario.flight, feedforward=feedforward)
@@ -57,7 +57,7 @@ class Flown:
         self.controller = station.GetSubsystemByName("flight_controller")
 
     def advance(self) -> Iterator[float]:
-        """Just before each sample but the first: its time."""
+        """Stops just before each sample but the first, and yields its time."""
         for k in range(1, self.ticks):
             self.simulator.AdvanceTo(k * PERIOD - 0.0004)
             yield k * PERIOD
@@ -75,21 +75,21 @@ class Flown:
 
 
 @pytest.mark.parametrize("feedforward", ["whole_body", "none"])
-def test_it_starts_at_rest(scenario, vehicle, feedforward):
-    """Nothing moves, whether the controller knows what the arm weighs or had to find out."""
+def test_a_flight_starts_at_rest(scenario, vehicle, feedforward):
+    """Nothing moves, with or without a model of the arm's weight."""
     still = motion(vehicle, np.zeros((51, 3)), np.zeros((51, vehicle.joints)))
     flown = Flown(scenario, feedforward, *still)
     thrust = flown.output("thrust")
     for _ in flown.advance():
         np.testing.assert_allclose(flown.output("true_state"), vehicle.trim_state, atol=1e-7)
         np.testing.assert_allclose(flown.output("thrust"), thrust, atol=1e-6)
-        # What is believed to turn the base is made up for by h.
-        believed = flown.acceleration() + flown.output("disturbance")
-        np.testing.assert_allclose(believed, 0, atol=1e-6)
+        # The attitude observer's h cancels the modelled angular acceleration.
+        total = flown.acceleration() + flown.output("disturbance")
+        np.testing.assert_allclose(total, 0, atol=1e-6)
 
 
-def test_the_base_holds_still_while_the_arm_swings(scenario, vehicle):
-    """Sideways within 3 mm, where the observers alone let it go by 15 mm and more."""
+def test_the_base_stays_in_place_while_the_arm_swings(scenario, vehicle):
+    """Within 3 mm sideways; with the observers alone it moves by more than 15 mm."""
     sideways, furthest = {}, {}
     for feedforward in ("whole_body", "none"):
         flown = Flown(scenario, feedforward, *swing(vehicle))
@@ -102,58 +102,59 @@ def test_the_base_holds_still_while_the_arm_swings(scenario, vehicle):
 
 @pytest.fixture(scope="module")
 def waved(scenario, vehicle):
-    """What was believed and what was true between samples 0.05 s after the start and later.
+    """Modelled and true motion between samples, from 0.05 s after the start.
 
-    By rows: believed and true mean acceleration (6), specific thrust (1) just before a sample.
+    Columns: modelled and true mean acceleration (6), modelled and true specific thrust just
+    before a sample.
     """
     flown, rows, last = Flown(scenario, "whole_body", *wave(vehicle)), [], None
     for _ in flown.advance():
-        now, seen = flown.state, flown.acceleration()
+        now, modelled = flown.state, flown.acceleration()
         if last is not None:
             true = np.concatenate(
                 [now.v_B - last.v_B, now.R_B.T @ now.omega_W - last.R_B.T @ last.omega_W]
             )
             thrust = flown.output("thrust").sum() / vehicle.mass
-            rows.append((seen, true / PERIOD, flown.output("specific_thrust")[0], thrust))
+            rows.append((modelled, true / PERIOD, flown.output("specific_thrust")[0], thrust))
         last = now
     return [np.array(column) for column in zip(*rows[5:], strict=True)]
 
 
-def test_the_believed_acceleration_is_nearly_the_true_one(waved):
-    """But for the rotors' lag, and for what turning adds at the origin.
+def test_the_modelled_acceleration_is_close_to_the_true_one(waved):
+    """Up to the rotors' lag, and the effect of angular acceleration at the base's origin.
 
-    That is 0.05 m, by which it is above the centre of mass, times 6 rad/s^2.
+    The origin is 0.05 m above the centre of mass; the angular acceleration is 6 rad/s^2.
     """
-    believed, true, _, _ = waved
+    modelled, true, _, _ = waved
     size = np.abs(true).max(axis=0)
     assert np.all(size > [1.5, 1.5, 1.5, 5, 5, 0.5])
-    miss = np.abs(believed - true)
-    assert np.all(miss.max(axis=0) < [0.4, 0.4, 0.25, 0.9, 0.9, 0.25])
-    assert np.all(np.sqrt(np.mean(miss**2, axis=0)) < 0.15 * size)
+    error = np.abs(modelled - true)
+    assert np.all(error.max(axis=0) < [0.4, 0.4, 0.25, 0.9, 0.9, 0.25])
+    assert np.all(np.sqrt(np.mean(error**2, axis=0)) < 0.15 * size)
 
 
-def test_the_believed_thrust_is_what_the_rotors_give(waved):
-    _, _, believed, true = waved
+def test_the_modelled_thrust_is_close_to_the_true_one(waved):
+    _, _, modelled, true = waved
     assert np.ptp(true) > 2.0
-    np.testing.assert_allclose(believed, true, atol=0.006)
+    np.testing.assert_allclose(modelled, true, atol=0.006)
 
 
-def test_the_disturbance_is_not_what_the_arm_is_known_to_take(scenario, vehicle):
-    """h is nearly nothing as the arm swings, and d the arm's reaction, by inverse dynamics.
+def test_the_disturbance_is_the_reaction_of_the_arm(scenario, vehicle):
+    """While the arm swings, h is almost zero, and d is the reaction by inverse dynamics.
 
-    The force beyond gravity that keeps the base in its place acts on it the other way round.
+    The reaction is opposite to the force beyond gravity that keeps the base in place.
     """
     base, joints = swing(vehicle)
     flown, whole_body = Flown(scenario, "whole_body", base, joints), WholeBody(vehicle.plant)
     orders = joints, joints.MakeDerivative(1), joints.MakeDerivative(2)
-    misses, sizes = [], []
+    errors, sizes = [], []
     for time in flown.advance():
         q, qdot, qddot = (order.value(time - PERIOD / 2).ravel() for order in orders)
         state = split_state(vehicle.trim_state.copy())
         x = state._replace(q=q, qdot=qdot).to_vector()
         force = whole_body.effort(x, np.concatenate([np.zeros(6), qddot]))[3:6]
         expected = -(force / vehicle.mass - [0, 0, 9.81])
-        misses.append(np.abs(flown.output("disturbance")[:3] - expected).max())
+        errors.append(np.abs(flown.output("disturbance")[:3] - expected).max())
         sizes.append(np.abs(expected).max())
     assert max(sizes) > 0.15
-    assert max(misses) < 0.06
+    assert max(errors) < 0.06

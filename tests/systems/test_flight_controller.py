@@ -1,4 +1,4 @@
-"""The flight controller alone, and on the station's plant."""
+"""Flight controller by itself, and on the station's plant."""
 
 import math
 from dataclasses import replace
@@ -25,7 +25,7 @@ def make_controller(scenario, vehicle, **flight) -> FlightController:
 
 @pytest.fixture(scope="module")
 def mixer(scenario, vehicle):
-    """(4, k) from thrusts to the wrench on the base, written out from the rotors' places."""
+    """The mixer (4, k) from thrusts to the wrench on the base, from the rotors' positions."""
     x, y, _ = vehicle.rotors.p_B.T
     return np.array(
         [np.ones(4), y, -x, -scenario.vehicle.rotor.torque_ratio_m * np.array([1, -1, 1, -1])]
@@ -34,7 +34,7 @@ def mixer(scenario, vehicle):
 
 @pytest.fixture(scope="module")
 def centre(vehicle) -> np.ndarray:
-    """(3,) m, the centre of mass in trim, from the base's origin."""
+    """Centre of mass (3,) m in trim, from the base's origin."""
     plant = MultibodyPlant(0.0)
     add_robot(plant, vehicle.description)
     plant.Finalize()
@@ -44,9 +44,9 @@ def centre(vehicle) -> np.ndarray:
 
 
 def lever(vehicle, centre, feedforward: str, a_B) -> np.ndarray:
-    """(3,) N m, what the weight of the arm takes; if it is known, under an acceleration, too."""
-    known = np.asarray(a_B) if feedforward == "whole_body" else np.zeros(3)
-    return np.cross(centre, vehicle.mass * (known + [0, 0, GRAVITY]))
+    """Returns the torque (3,) N m of the arm's weight; with feedforward, of its inertia as well."""
+    modelled = np.asarray(a_B) if feedforward == "whole_body" else np.zeros(3)
+    return np.cross(centre, vehicle.mass * (modelled + [0, 0, GRAVITY]))
 
 
 @pytest.fixture
@@ -55,10 +55,10 @@ def hover(vehicle) -> np.ndarray:
 
 
 def tick(controller, context, state, setpoint) -> np.ndarray:
-    """(k,) N, the command after an update."""
+    """Returns the command (k,) N after an update."""
     controller.GetInputPort("state").FixValue(context, state)
     controller.GetInputPort("base_setpoint").FixValue(context, setpoint)
-    # The arm is told to stay where it is.
+    # The arm's setpoint is its present configuration.
     q = split_state(state).q
     folded = np.concatenate([q, np.zeros(2 * len(q))])
     controller.GetInputPort("joint_setpoint").FixValue(context, folded)
@@ -84,7 +84,7 @@ def test_ports_rate_and_feedthrough(scenario, vehicle):
 
 @FEEDFORWARDS
 @pytest.mark.parametrize("interface", ["trajectory", "position"])
-def test_trim_is_kept_forever(scenario, vehicle, mixer, hover, interface, feedforward):
+def test_trim_is_an_equilibrium(scenario, vehicle, mixer, hover, interface, feedforward):
     controller = make_controller(
         scenario, vehicle, interface=interface, feedforward=feedforward, integral_gain=(1, 1, 1)
     )
@@ -99,7 +99,7 @@ def test_trim_is_kept_forever(scenario, vehicle, mixer, hover, interface, feedfo
 
 @FEEDFORWARDS
 def test_height_error_by_hand(scenario, vehicle, mixer, hover, centre, feedforward):
-    """m (g + k_p e) more or less, and no torque beyond that of the arm's weight."""
+    """Thrust of m (g + k_p e), and no torque beyond that of the arm's weight."""
     controller = make_controller(
         scenario, vehicle, position_gain=(9, 9, 7), feedforward=feedforward
     )
@@ -138,7 +138,7 @@ def test_horizontal_error_by_hand(
 
 
 def test_velocity_and_feedforward_by_hand(scenario, vehicle, mixer, hover):
-    """Also with the base moving: its velocity alone is seen by the law, not yet by the ESO."""
+    """Also with a moving base, whose velocity the law uses but the ESO does not yet estimate."""
     controller = make_controller(scenario, vehicle, velocity_gain=(5, 5, 6))
     hover[5], hover[8] = 0.3, 0.7
     state = vehicle.trim_state
@@ -147,17 +147,17 @@ def test_velocity_and_feedforward_by_hand(scenario, vehicle, mixer, hover):
     assert wrench[0] == pytest.approx(vehicle.mass * (GRAVITY + 6 * 0.2 + 0.7), rel=1e-12)
 
 
-def test_position_interface_heeds_p_d_alone(scenario, vehicle, hover):
+def test_the_position_interface_uses_p_d_alone(scenario, vehicle, hover):
     moving = hover + np.concatenate([np.zeros(3), np.full(6, 0.2)])
-    for interface, is_heeded in (("position", False), ("trajectory", True)):
+    for interface, is_used in (("position", False), ("trajectory", True)):
         controller = make_controller(scenario, vehicle, interface=interface)
         still = first_command(controller, vehicle.trim_state, hover)
-        assert is_heeded == np.any(still != first_command(controller, vehicle.trim_state, moving))
+        assert is_used == np.any(still != first_command(controller, vehicle.trim_state, moving))
         higher = first_command(controller, vehicle.trim_state, hover + np.eye(9)[2])
         assert np.all(higher > still)
 
 
-def test_commands_keep_the_rotors_limits(scenario, vehicle, hover):
+def test_commands_are_within_the_rotors_limits(scenario, vehicle, hover):
     controller = make_controller(scenario, vehicle)
     context = controller.CreateDefaultContext()
     rotor = scenario.vehicle.rotor
@@ -167,38 +167,38 @@ def test_commands_keep_the_rotors_limits(scenario, vehicle, hover):
         assert np.all((rotor.min_thrust_n <= command) & (command <= rotor.max_thrust_n))
 
 
-@pytest.mark.parametrize(("share", "expected"), [(0.99, 0), (1.01, 1)])
-def test_the_limit_of_tilt_is_flagged(scenario, vehicle, hover, share, expected):
-    """With an attitude law that asks for no torque, so that none is short."""
+@pytest.mark.parametrize(("ratio", "expected"), [(0.99, 0), (1.01, 1)])
+def test_the_limit_of_tilt_is_flagged(scenario, vehicle, hover, ratio, expected):
+    """With an attitude law without torque, so that no torque is limited."""
     law = {"position_gain": (9, 9, 9), "attitude_gain": (0, 0, 0), "rate_gain": (0, 0, 0)}
     controller = make_controller(scenario, vehicle, **law)
     context = controller.CreateDefaultContext()
-    hover[0] += share * GRAVITY * math.tan(scenario.flight.max_tilt_rad) / 9
+    hover[0] += ratio * GRAVITY * math.tan(scenario.flight.max_tilt_rad) / 9
     tick(controller, context, vehicle.trim_state, hover)
     assert controller.GetOutputPort("saturated").Eval(context) == expected
 
 
 @pytest.mark.parametrize("axis", ["thrust", "roll", "pitch", "yaw"])
-def test_the_limits_of_the_rotors_are_flagged_while_they_bind(scenario, vehicle, hover, axis):
-    """Thrust out of a climb, torque out of a spin of the base."""
+def test_the_limits_of_the_rotors_are_flagged_while_they_are_active(scenario, vehicle, hover, axis):
+    """Thrust for a climb, torque against a rotation of the base."""
     controller = make_controller(scenario, vehicle)
     context = controller.CreateDefaultContext()
     saturated = controller.GetOutputPort("saturated")
-    assert saturated.Eval(context) == 0  # There was no command yet.
-    for much, expected in ((0.02, 0), (10.0, 1), (0.0, 0)):
+    assert saturated.Eval(context) == 0  # Before the first command.
+    for size, expected in ((0.02, 0), (10.0, 1), (0.0, 0)):
         state, setpoint = split_state(vehicle.trim_state.copy()), hover.copy()
         if axis == "thrust":
-            setpoint[2] += much
+            setpoint[2] += size
         else:
-            state.omega_W[["roll", "pitch", "yaw"].index(axis)] = much
+            state.omega_W[["roll", "pitch", "yaw"].index(axis)] = size
         tick(controller, context, state.to_vector(), setpoint)
         assert saturated.Eval(context) == expected
-        for _ in range(100 if much else 0):  # The observer forgets.
+        for _ in range(100 if size else 0):  # Until the observer has settled.
             tick(controller, context, vehicle.trim_state, hover)
 
 
 class Flight:
-    """The station, with the base setpoint and a force on the base at hand."""
+    """The station under a base setpoint and a constant force on the base."""
 
     def __init__(self, scenario, vehicle, **flight):
         self.station = make_station(replace(scenario, flight=replace(scenario.flight, **flight)))
@@ -208,7 +208,7 @@ class Flight:
         self.simulator = Simulator(self.station, self.context)
 
     def push(self, torque_and_force) -> None:
-        """Pushes at the base origin from now on, [N m, N] in the world frame."""
+        """Applies a wrench at the base origin from now on, [N m, N] in the world frame."""
         plant = self.station.GetSubsystemByName("plant")
         forces = np.zeros(plant.num_velocities())
         forces[:6] = torque_and_force
@@ -217,7 +217,7 @@ class Flight:
         )
 
     def advance(self, base_setpoint, duration: float) -> np.ndarray:
-        """(samples, 3) m, base positions over the next `duration` s."""
+        """Returns base positions (samples, 3) m over the next `duration` s."""
         self.station.GetInputPort("base_setpoint").FixValue(self.context, base_setpoint)
         positions = []
         for end in self.context.get_time() + np.arange(0.05, duration + 1e-9, 0.05):
@@ -229,34 +229,34 @@ class Flight:
         return self.station.GetOutputPort(port).Eval(self.context)
 
 
-def test_a_constant_force_is_estimated_and_taken_out(scenario, vehicle, hover):
+def test_a_constant_force_is_estimated_and_rejected(scenario, vehicle, hover):
     flight = Flight(scenario, vehicle)
     force = np.array([2.0, -1.0, 3.0])
     flight.push([0, 0, 0, *force])
     p_B = flight.advance(hover, 6.0)
-    assert np.abs(p_B - vehicle.p_B).max() > 0.02  # It was pushed.
+    assert np.abs(p_B - vehicle.p_B).max() > 0.02  # The push moves it at first.
     np.testing.assert_allclose(p_B[-1], vehicle.p_B, atol=1e-5)
     np.testing.assert_allclose(flight.output("disturbance")[:3], force / vehicle.mass, atol=1e-4)
 
 
 @FEEDFORWARDS
-def test_a_constant_torque_is_estimated_and_taken_out(scenario, vehicle, hover, feedforward):
+def test_a_constant_torque_is_estimated_and_rejected(scenario, vehicle, hover, feedforward):
     flight = Flight(scenario, vehicle, feedforward=feedforward)
     torque = np.array([0.3, -0.2, 0.1])
     flight.push([*torque, 0, 0, 0])
     p_B = flight.advance(hover, 6.0)
     np.testing.assert_allclose(p_B[-1], vehicle.p_B, atol=1e-5)
-    # In hover the rotors balance the push and the weight of the arm, which may be known.
-    unknown = torque - (feedforward == "none") * vehicle.trim_wrench[1:]
-    expected = np.linalg.solve(vehicle.inertia, unknown)
+    # In hover the rotors balance the push and the arm's weight; feedforward models the weight.
+    unmodelled = torque - (feedforward == "none") * vehicle.trim_wrench[1:]
+    expected = np.linalg.solve(vehicle.inertia, unmodelled)
     np.testing.assert_allclose(flight.output("disturbance")[3:], expected, atol=1e-4)
     np.testing.assert_allclose(flight.output("disturbance")[:3], 0, atol=1e-4)
 
 
 @FEEDFORWARDS
 @pytest.mark.parametrize("away", [(1000, 0, 0), (0, 0, 1000)])
-def test_a_setpoint_out_of_reach_does_not_wind_up(scenario, vehicle, hover, away, feedforward):
-    """With an integral it comes back as it does without one, and the ESO stays sober."""
+def test_an_unreachable_setpoint_does_not_wind_up(scenario, vehicle, hover, away, feedforward):
+    """The base returns with an integral as without one, and the ESO's disturbance stays small."""
     scenario = replace(scenario, vehicle=replace(scenario.vehicle, base_position_m=(0, 0, 50)))
     hover[2] = 50
     far = hover + np.concatenate([away, np.zeros(6)])

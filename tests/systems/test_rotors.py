@@ -13,7 +13,7 @@ PERIOD = 0.001
 
 
 def fly(command, duration: float, period: float = PERIOD, **mismatch: float) -> np.ndarray:
-    """(k,) N, thrusts after `duration` s of a constant command, from trim."""
+    """Returns the thrusts (k,) N after `duration` s of a constant command, from trim."""
     rotors = make_rotors(CONFIG, Mismatch(**mismatch), TRIM, period)
     simulator = Simulator(rotors)
     context = simulator.get_mutable_context()
@@ -22,7 +22,7 @@ def fly(command, duration: float, period: float = PERIOD, **mismatch: float) -> 
     return rotors.get_output_port().Eval(context)
 
 
-def test_the_default_context_is_trim_and_stays_there():
+def test_the_default_context_is_trim_and_an_equilibrium():
     rotors = make_rotors(CONFIG, Mismatch(), TRIM, PERIOD)
     np.testing.assert_array_equal(
         rotors.get_output_port().Eval(rotors.CreateDefaultContext()), TRIM
@@ -49,7 +49,7 @@ def test_commands_beyond_the_limits_lag_towards_the_limits():
 
 
 @pytest.mark.parametrize("scale", [0.2, 1.2, 5.0])
-def test_rotors_slower_or_faster_than_their_model(scale):
+def test_a_mismatch_scales_the_time_constants(scale):
     command = np.array([12.0, 6.0, 8.5, 2.0])
     tau = scale * np.array([0.0125, 0.025, 0.0125, 0.025])
     expected = command + (TRIM - command) * np.exp(-0.02 / tau)
@@ -58,7 +58,7 @@ def test_rotors_slower_or_faster_than_their_model(scale):
 
 @pytest.mark.parametrize("scale", [0.1, 0.8, 1.5])
 def test_thrust_deviates_from_trim_by_a_factor(scale):
-    """And is in trim where trim is asked for."""
+    """A command of trim gives trim."""
     deviation = np.array([3.0, -4.0, 0.0, -1.0])
     tau = np.array([0.0125, 0.025, 0.0125, 0.025])
     expected = TRIM + scale * deviation * (1 - np.exp(-0.02 / tau))
@@ -66,7 +66,7 @@ def test_thrust_deviates_from_trim_by_a_factor(scale):
     np.testing.assert_allclose(flown, expected, rtol=1e-12)
 
 
-def test_thrust_beyond_the_limits_is_not_had_by_any_factor():
+def test_the_limits_apply_after_the_factor():
     flown = fly(TRIM + [5.0, -5.0, 1.0, -1.0], 1.0, thrust_scale=5.0)
     np.testing.assert_allclose(flown, [18.0, 1.0, 13.0, 4.5], rtol=1e-9)
 

@@ -1,4 +1,4 @@
-"""Faults between actuators and plant, and pushes, without Python in the loop."""
+"""Faults between actuators and plant, and pushes, as systems of Drake's own."""
 
 from __future__ import annotations
 
@@ -12,63 +12,63 @@ from aerodrake.scenario import Fault, JointDegraded, Push, RotorDegraded, Scenar
 from aerodrake.support.errors import ScenarioError
 
 ROUNDING_S = 1e-9
-"""By how much a plant's step may miss the instant at which a fault begins."""
+"""Tolerance of the instants at which a fault begins and ends: times of plant steps are rounded."""
 
 
 def make_rotor_faults(scenario: Scenario, rotors: int) -> SymbolicVectorSystem | None:
-    """What degraded rotors leave of the thrusts: None if no rotor ever is.
+    """Makes the loss of thrust of degraded rotors; None if the scenario has none.
 
     Ports:
-        in `u0` (k): thrusts, N, as lag and limits have them.
-        out `y0` (k): N, each by the shares that all faults of its rotor leave of it.
+        in `u0` (k): N, thrusts after lag and limits.
+        out `y0` (k): N, thrusts times the remaining fractions of all active faults.
 
     Args:
-        scenario: Its faults; they begin and end at reference times.
+        scenario: Its faults, which begin and end at reference times.
         rotors: k.
 
     Raises:
-        ScenarioError: if there is no such rotor.
+        ScenarioError: if a fault's rotor does not exist.
     """
-    shares = {
+    remaining = {
         i: (fault.rotor, fault.remaining)
         for i, fault in enumerate(scenario.faults)
         if isinstance(fault, RotorDegraded)
     }
-    return _degraded(scenario, shares, "rotor", rotors)
+    return _degraded(scenario, remaining, "rotor", rotors)
 
 
 def make_joint_faults(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
-    """What degraded motors leave of the joints' torques: None if no motor ever is.
+    """Makes the loss of torque of degraded joint motors; None if the scenario has none.
 
     Ports:
-        in `u0` (n): torques, N m, as commanded.
-        out `y0` (n): N m, as they act.
+        in `u0` (n): N m, commanded torques.
+        out `y0` (n): N m, torques times the remaining fractions of all active faults.
 
     Args:
-        scenario: Its faults; they begin and end at reference times.
+        scenario: Its faults, which begin and end at reference times.
         joints: n.
 
     Raises:
-        ScenarioError: if there is no such joint.
+        ScenarioError: if a fault's joint does not exist.
     """
-    shares = {
+    remaining = {
         i: (fault.joint, fault.remaining)
         for i, fault in enumerate(scenario.faults)
         if isinstance(fault, JointDegraded)
     }
-    return _degraded(scenario, shares, "joint", joints)
+    return _degraded(scenario, remaining, "joint", joints)
 
 
 def make_pushes(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
-    """Pushes on the base beside other forces: None if nobody ever pushes.
+    """Makes the pushes on the base, added to other forces; None if the scenario has none.
 
     Ports:
         in `u0` (6 + n): generalized force on the plant's velocities [omega_W, v_B, q'].
-        out `y0` (6 + n): the same with the pushes, which move v_B alone since they are
-            at the base's origin.
+        out `y0` (6 + n): the same plus the pushes, which act at the base's origin and thus
+            on v_B alone.
 
     Args:
-        scenario: Its faults; they begin and end at reference times.
+        scenario: Its faults, which begin and end at reference times.
         joints: n.
     """
     pushes = [fault for fault in scenario.faults if isinstance(fault, Push)]
@@ -78,43 +78,51 @@ def make_pushes(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
     output = [Expression(f) for f in force]
     for push in pushes:
         for axis, newtons in enumerate(push.force_n):
-            output[3 + axis] += if_then_else(_is_on(push, scenario.settle_s, time), newtons, 0.0)
-    return _passing(time, force, output)
+            is_active = _is_active(push, scenario.settle_s, time)
+            output[3 + axis] += if_then_else(is_active, newtons, 0.0)
+    return _function(time, force, output)
 
 
 def _degraded(
-    scenario: Scenario, shares: dict[int, tuple[int, float]], key: str, count: int
+    scenario: Scenario, remaining: dict[int, tuple[int, float]], key: str, count: int
 ) -> SymbolicVectorSystem | None:
-    """Inputs by the shares left of them, told as (which input, share) by the faults' places."""
-    if not shares:
+    """Makes a system that scales its inputs during faults; None without faults.
+
+    Args:
+        scenario: Its faults.
+        remaining: By index of the fault, the index of its input and the remaining fraction.
+        key: Scenario key of the input's index.
+        count: Number of inputs.
+    """
+    if not remaining:
         return None
-    time, given = Variable("t"), [Variable(f"u{i}") for i in range(count)]
-    output = [Expression(u) for u in given]
-    for i, (index, remaining) in shares.items():
+    time, inputs = Variable("t"), [Variable(f"u{i}") for i in range(count)]
+    output = [Expression(u) for u in inputs]
+    for i, (index, fraction) in remaining.items():
         if index >= count:
             raise ScenarioError(
                 scenario.source,
                 f"faults[{i}].{key}",
                 f"expected a {key} of the robot in [0, {count - 1}], got {index}",
             )
-        output[index] *= if_then_else(
-            _is_on(scenario.faults[i], scenario.settle_s, time), remaining, 1.0
-        )
-    return _passing(time, given, output)
+        is_active = _is_active(scenario.faults[i], scenario.settle_s, time)
+        output[index] *= if_then_else(is_active, fraction, 1.0)
+    return _function(time, inputs, output)
 
 
-def _is_on(fault: Fault, settle_s: float, time: Variable) -> object:
+def _is_active(fault: Fault, settle_s: float, time: Variable) -> object:
     start, end = (settle_s + t - ROUNDING_S for t in (fault.start_s, fault.end_s))
     return logical_and(time >= start, time < end)
 
 
-def _passing(
-    time: Variable, given: Sequence[Variable], output: Sequence[Expression]
+def _function(
+    time: Variable, inputs: Sequence[Variable], output: Sequence[Expression]
 ) -> SymbolicVectorSystem:
+    """Makes a system without state from expressions of time and inputs."""
     return SymbolicVectorSystem(
         time=time,
         state=np.array([]),
-        input=np.array(given),
+        input=np.array(inputs),
         dynamics=np.array([]),
         output=np.array(output),
         time_period=0.0,

@@ -1,4 +1,4 @@
-"""The flight laws: closed forms, Drake's rotations, and the loops they are to close."""
+"""Flight laws against closed forms, Drake's rotations, and simulated closed loops."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def test_attitude_error_is_the_sine_of_the_angle_about_drakes_axis(axis, angle):
 
 @given(st.tuples(numbers, numbers, st.floats(0.1, 50)).map(np.array), st.floats(-3.1, 3.1))
 def test_desired_attitude(thrust, yaw):
-    """A rotation, z along the thrust, whose yaw is the one of roll, pitch and yaw."""
+    """A rotation with z along the thrust and the yaw angle of roll, pitch and yaw."""
     R = desired_attitude(thrust, yaw)
     np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
     assert np.linalg.det(R) > 0
@@ -52,17 +52,17 @@ def test_desired_attitude(thrust, yaw):
 
 @given(accelerations, st.floats(0.05, 1.2))
 def test_desired_thrust(u_v, max_tilt):
-    """Tilted no further than allowed, upward, and as wanted where that is possible."""
-    wanted = u_v + np.array([0, 0, GRAVITY])
+    """Tilted within its limit, upward, and as desired where possible."""
+    desired = u_v + np.array([0, 0, GRAVITY])
     thrust = desired_thrust(u_v.copy(), max_tilt)
     tilt = np.arctan2(np.hypot(*thrust[:2]), thrust[2])
     assert tilt <= max_tilt + 1e-12
-    assert thrust[2] == pytest.approx(max(wanted[2], 0.2 * GRAVITY))
-    if wanted[2] > 0.2 * GRAVITY and np.arctan2(np.hypot(*wanted[:2]), wanted[2]) < max_tilt:
-        np.testing.assert_allclose(thrust, wanted, atol=1e-12)
-    # Horizontal direction stays.
-    assert np.cross([*thrust[:2], 0], [*wanted[:2], 0])[2] == pytest.approx(0, abs=1e-9)
-    assert thrust[:2] @ wanted[:2] >= 0
+    assert thrust[2] == pytest.approx(max(desired[2], 0.2 * GRAVITY))
+    if desired[2] > 0.2 * GRAVITY and np.arctan2(np.hypot(*desired[:2]), desired[2]) < max_tilt:
+        np.testing.assert_allclose(thrust, desired, atol=1e-12)
+    # The horizontal direction is unchanged.
+    assert np.cross([*thrust[:2], 0], [*desired[:2], 0])[2] == pytest.approx(0, abs=1e-9)
+    assert thrust[:2] @ desired[:2] >= 0
 
 
 def test_position_law_makes_the_error_linear():

@@ -1,4 +1,4 @@
-"""The joint PID: its closed loop, its limits, and recovery from saturation."""
+"""Joint PID: closed loop, limits, and recovery from saturation."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ DT = 0.005
 
 @pytest.fixture
 def pid() -> JointPid:
-    """One joint of 0.03 kg m^2, with its stops far away."""
+    """A joint of 0.03 kg m^2 with its stops out of reach."""
     I, w = 0.03, 40.0
     k_p = np.array([I * w**2])
     return make_pid(k_p, np.array([I * 2 * w]), 5 * k_p, np.array([4.0]))
@@ -26,7 +26,7 @@ def make_pid(k_p, k_d, k_i, effort, velocity=3.0, stop=9.0) -> JointPid:
 
 
 def tick(pid: JointPid, error, rate_error, integral) -> tuple[np.ndarray, np.ndarray]:
-    """(torque, integral one period later) of joints that are off their setpoints by so much."""
+    """Returns torque and next integral of joints with the given errors of angle and rate."""
     n = len(integral)
     state, setpoint = np.full(VehicleState.size(n), 9.0), np.full(3 * n, 9.0)
     state[7 : 7 + n] = state[-n:] = 0.0
@@ -35,7 +35,7 @@ def tick(pid: JointPid, error, rate_error, integral) -> tuple[np.ndarray, np.nda
 
 
 def simulate(pid: JointPid, steps: int, *, disturbance=0.0, blocked=0, goal=0.5) -> np.ndarray:
-    """(steps,) rad: a joint of 0.03 kg m^2 sent from 0 to `goal`, blocked for some steps."""
+    """Returns the path (steps,) rad of a joint of 0.03 kg m^2 to `goal`, blocked at first."""
     q, qdot, integral, path = 0.0, 0.0, np.zeros(1), []
     for k in range(steps):
         state = np.zeros(VehicleState.size(1))
@@ -62,7 +62,7 @@ def test_gains_place_each_joints_poles(vehicle):
     assert pid.dt == DT
 
 
-def test_torque_is_linear_within_limits_and_clipped_beyond():
+def test_torque_is_linear_within_its_limits_and_clipped_beyond():
     one = np.ones(4)
     pid = make_pid(10 * one, 2 * one, 30 * one, 4 * one, velocity=9.0)
     error, rate_error = np.array([0.1, -0.1, 1.0, -1.0]), np.array([0.2, 0.3, 0.0, 0.0])
@@ -70,7 +70,7 @@ def test_torque_is_linear_within_limits_and_clipped_beyond():
     np.testing.assert_allclose(torque, [1.9, -0.4, 4.0, -4.0])
 
 
-def test_integral_is_that_of_the_error_within_limits(pid):
+def test_the_integral_is_that_of_the_error_within_limits(pid):
     errors = 0.02 * np.sin(np.arange(40))
     integral = np.zeros(1)
     for error in errors:
@@ -78,7 +78,7 @@ def test_integral_is_that_of_the_error_within_limits(pid):
     assert integral[0] == pytest.approx(pid.k_i[0] * errors.sum() * DT)
 
 
-def test_constant_torque_is_taken_out(pid):
+def test_a_constant_torque_is_compensated(pid):
     path = simulate(pid, 800, disturbance=-1.5, goal=0.02)
     assert abs(path[-1] - 0.02) < 1e-4
     without_integral = pid._replace(k_i=np.zeros(1))
@@ -86,24 +86,24 @@ def test_constant_torque_is_taken_out(pid):
     assert droop == pytest.approx(1.5 / pid.k_p[0], rel=1e-3)
 
 
-def test_no_windup_while_the_joint_is_stuck(pid):
-    """However long it was stuck, it then moves as if it had not been."""
+def test_no_windup_while_the_joint_is_blocked(pid):
+    """After any time of blocking it moves as if it had not been blocked."""
     free = simulate(pid, 600, goal=0.1)
-    stuck = simulate(pid, 600 + 1000, blocked=1000, goal=0.1)
-    np.testing.assert_allclose(stuck[1000:], free, atol=1e-12)
+    blocked = simulate(pid, 600 + 1000, blocked=1000, goal=0.1)
+    np.testing.assert_allclose(blocked[1000:], free, atol=1e-12)
     assert free.max() < 0.1 * 1.25
     assert abs(free[-1] - 0.1) < 1e-3
 
 
 def test_a_full_integral_unwinds_at_once(pid):
-    """Saturated, it still integrates an error that leads back."""
+    """In saturation it still integrates an error of the opposite sign."""
     full = pid.effort.copy()
     _, back = tick(pid, -0.001, 0.1, full)
     assert back[0] == pytest.approx(full[0] - pid.k_i[0] * 0.001 * DT)
 
 
 def test_the_integral_never_exceeds_the_effort(pid):
-    """Even where the rate term keeps the torque within its limit."""
+    """Even if the rate term keeps the torque within its limit."""
     full = pid.effort.copy()
     for sign in (1, -1):
         torque, integral = tick(pid, 0.02 * sign, -1.0 * sign, full * sign)
@@ -114,7 +114,7 @@ def test_the_integral_never_exceeds_the_effort(pid):
 @pytest.mark.parametrize("load", [0.0, 2.0, -2.0])
 @pytest.mark.parametrize("goal", [3.0, -3.0])
 def test_far_setpoints_are_approached_at_the_velocity_limit(pid, goal, load):
-    """However long the joint was held; a load that nobody knows of takes off what it must."""
+    """After any time of blocking; an unknown load changes the rate by load / k_d."""
     path = simulate(pid, 1500, goal=goal, disturbance=load, blocked=500)
     rate, limit = np.abs(np.diff(path)) / DT, pid.velocity[0]
     assert rate.max() < 1.02 * limit + abs(load) / pid.k_d[0]
@@ -123,7 +123,7 @@ def test_far_setpoints_are_approached_at_the_velocity_limit(pid, goal, load):
 
 
 @pytest.mark.parametrize("goal", [1.1, 1.5, 40.0])
-def test_no_setpoint_leads_beyond_the_stop(goal):
+def test_no_setpoint_drives_a_joint_beyond_its_stop(goal):
     I, w = 0.03, 40.0
     k_p = np.array([I * w**2])
     pid = make_pid(k_p, np.array([I * 2 * w]), 5 * k_p, np.array([4.0]), stop=1.0)
@@ -134,13 +134,12 @@ def test_no_setpoint_leads_beyond_the_stop(goal):
 
 
 @given(st.floats(-2, 2), st.floats(-5, 5), st.floats(-1.5, 1.5), st.floats(-3, 3))
-def test_torque_is_that_of_the_limited_rate(error, rate_error, angle, integral):
-    """Written as a cascade."""
+def test_torque_is_that_of_a_cascade_with_a_limited_rate(error, rate_error, angle, integral):
     pid = make_pid(*np.array([[48.0], [2.4], [240.0], [4.0]]), stop=1.0)
     state, setpoint = np.zeros(VehicleState.size(1)), np.array([angle + error, rate_error, 0.0])
     state[7] = angle
-    torque, moved = control(pid, state, setpoint, np.array([integral]))
-    wanted = np.clip(rate_error + 20 * error, -3, 3)
-    wanted = np.clip(wanted, 20 * (-1 - angle), 20 * (1 - angle))
-    assert torque[0] == pytest.approx(np.clip(2.4 * wanted + integral, -4, 4), abs=1e-9)
-    assert abs(moved[0]) <= 4
+    torque, new_integral = control(pid, state, setpoint, np.array([integral]))
+    desired_rate = np.clip(rate_error + 20 * error, -3, 3)
+    desired_rate = np.clip(desired_rate, 20 * (-1 - angle), 20 * (1 - angle))
+    assert torque[0] == pytest.approx(np.clip(2.4 * desired_rate + integral, -4, 4), abs=1e-9)
+    assert abs(new_integral[0]) <= 4

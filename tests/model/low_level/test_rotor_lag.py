@@ -1,4 +1,4 @@
-"""The rotors' lag against its differential equation."""
+"""Rotor lag against its differential equation."""
 
 import numpy as np
 import pytest
@@ -22,9 +22,11 @@ def test_end_and_mean_solve_the_equation(start, command, dt):
     np.testing.assert_allclose(average, mean, atol=1e-7)
 
 
-def test_rotors_lag_each_by_itself():
+def test_rotors_lag_independently():
     lag = RotorLag(UP, DOWN, 0.01)
     starts, commands = np.array([2.0, 9.0, 4.0]), np.array([9.0, 2.0, 4.0])
-    together = np.array(advance(lag, starts, commands))
-    alone = [advance(lag, s, c) for s, c in zip(starts[:, None], commands[:, None], strict=True)]
-    np.testing.assert_array_equal(together, np.hstack(alone))
+    jointly = np.array(advance(lag, starts, commands))
+    separately = [
+        advance(lag, s, c) for s, c in zip(starts[:, None], commands[:, None], strict=True)
+    ]
+    np.testing.assert_array_equal(jointly, np.hstack(separately))

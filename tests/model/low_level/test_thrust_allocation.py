@@ -1,4 +1,4 @@
-"""Thrust allocation: always within limits, exact where it can be, yaw first to give way."""
+"""Thrust allocation: within limits, exact where feasible, and yaw with the lowest priority."""
 
 import re
 
@@ -23,7 +23,7 @@ MIXER = QUAD.mixer(0.02)
 ALLOCATION = ThrustAllocation.of(MIXER, MIN, MAX)
 
 thrusts = st.lists(st.floats(MIN, MAX), min_size=4, max_size=4).map(np.array)
-# Zeros and round numbers on purpose: that is where thrusts meet their limits exactly.
+# Zeros and round numbers on purpose: with them, thrusts are exactly at their limits.
 torques = st.one_of(st.just(0.0), st.integers(-30, 30).map(float), st.floats(-30, 30))
 wrenches = st.tuples(st.floats(-20, 150), torques, torques, torques).map(np.array)
 
@@ -33,7 +33,7 @@ def at_a_limit(thrust: np.ndarray) -> bool:
 
 
 @given(wrenches)
-def test_within_limits_whatever_is_wanted(wrench):
+def test_thrusts_are_within_limits_for_every_wrench(wrench):
     thrust = allocate(ALLOCATION, wrench)
     assert thrust.shape == (4,)
     assert np.all((thrust >= MIN) & (thrust <= MAX))
@@ -41,7 +41,7 @@ def test_within_limits_whatever_is_wanted(wrench):
 
 @given(thrusts)
 def test_exact_where_feasible(thrust):
-    """Feasible with and without its yaw torque, which is never what the rest has to lean on."""
+    """For wrenches that are feasible with and without their yaw torque."""
     wrench = MIXER @ thrust
     without_yaw = np.linalg.solve(MIXER, wrench * [1, 1, 1, 0])
     assume(np.all((without_yaw >= MIN) & (without_yaw <= MAX)))
@@ -49,8 +49,8 @@ def test_exact_where_feasible(thrust):
 
 
 @given(wrenches, st.integers(0, 2**32))
-def test_no_jumps(wrench, seed):
-    """Nearby wrenches give nearby thrusts, at and beyond every limit."""
+def test_thrusts_are_continuous_in_the_wrench(wrench, seed):
+    """At and beyond every limit."""
     step = 1e-6 * np.random.default_rng(seed).normal(size=4)
     moved = allocate(ALLOCATION, wrench + step) - allocate(ALLOCATION, wrench)
     assert np.abs(moved).max() < 1e-3
@@ -58,14 +58,14 @@ def test_no_jumps(wrench, seed):
 
 @given(wrenches)
 def test_priorities(wrench):
-    """Tilt before thrust before yaw, and each gives way no further than it must."""
+    """Tilt before thrust before yaw; each is reduced no further than necessary."""
     lift, roll, pitch, yaw = MIXER @ allocate(ALLOCATION, wrench)
-    # Every rotor's share of a torque is +- torque / (4 ARM).
+    # A torque changes each rotor's thrust by +- torque / (4 ARM).
     spread = 2 * (abs(wrench[1]) + abs(wrench[2])) / (4 * ARM)
     served = min(1.0, (MAX - MIN) / spread) if spread > 1e-9 else 1.0
     np.testing.assert_allclose([roll, pitch], served * wrench[1:3], atol=1e-9)
 
-    # With yaw aside, thrust is free between what keeps the least and the most loaded rotor legal.
+    # Without yaw, the least and the most loaded rotor bound the collective thrust.
     least, most = 4 * MIN + 2 * served * spread, 4 * MAX - 2 * served * spread
     assert lift == pytest.approx(np.clip(wrench[0], least, max(least, most)), abs=1e-9)
 
@@ -76,13 +76,13 @@ def test_priorities(wrench):
 
 @given(st.floats(0, 100), torques, torques)
 def test_yaw_costs_neither_thrust_nor_tilt(lift, roll, pitch):
-    """A yaw torque far out of reach leaves the rest of the wrench as it would be without."""
+    """An infeasible yaw torque does not change the rest of the wrench."""
     without = MIXER @ allocate(ALLOCATION, np.array([lift, roll, pitch, 0.0]))
     with_yaw = MIXER @ allocate(ALLOCATION, np.array([lift, roll, pitch, 1e3]))
     np.testing.assert_allclose(with_yaw[:3], without[:3], atol=1e-9)
 
 
-def test_makes_the_vehicles_own(scenario, vehicle):
+def test_makes_the_allocation_of_a_vehicle(scenario, vehicle):
     rotor = scenario.vehicle.rotor
     allocation = ThrustAllocation.make(vehicle, rotor)
     np.testing.assert_allclose(
@@ -105,14 +105,14 @@ def test_more_rotors_than_wrench_components():
 
 
 @pytest.mark.parametrize(
-    ("rotor", "told"),
+    ("rotor", "note"),
     [
         (Rotor(), None),
         (Rotor(max_thrust_n=9.0), r"vehicle.rotor.max_thrust_n \(9 N\) .* in hover \(9.7\d+ N\)"),
         (Rotor(min_thrust_n=9.5), r"vehicle.rotor.min_thrust_n \(9.5 N\) .* in hover \(8.9\d+ N\)"),
     ],
 )
-def test_rotors_that_cannot_hold_it_are_told(rotor, told):
+def test_rotors_that_cannot_hover_are_noted(rotor, note):
     notes = thrust_notes(Scenario(vehicle=VehicleKeys(rotor=rotor)))
-    assert len(notes) == (told is not None)
-    assert all(re.match(told, note) for note in notes)
+    assert len(notes) == (note is not None)
+    assert all(re.match(note, text) for text in notes)

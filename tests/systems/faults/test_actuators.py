@@ -1,4 +1,4 @@
-"""Faults between actuators and plant: when they act, how they add up, and who is refused."""
+"""Faults between actuators and plant: start and end, combinations, and invalid indices."""
 
 from dataclasses import replace
 
@@ -17,15 +17,15 @@ def scenario(*faults) -> Scenario:
     return replace(Scenario(), settle_s=SETTLE_S, faults=faults, source="flight.yaml")
 
 
-def after(system, given, reference_s: float) -> np.ndarray:
-    """What a system makes of its input at a reference time."""
+def output_at(system, value, reference_s: float) -> np.ndarray:
+    """Returns the output of a system for an input at a reference time."""
     context = system.CreateDefaultContext()
     context.SetTime(SETTLE_S + reference_s)
-    system.get_input_port().FixValue(context, given)
+    system.get_input_port().FixValue(context, value)
     return system.get_output_port().Eval(context)
 
 
-def test_without_faults_there_is_nothing():
+def test_without_faults_there_are_no_systems():
     others = scenario(Push())
     assert make_rotor_faults(others, 4) is None
     assert make_joint_faults(others, 6) is None
@@ -34,7 +34,7 @@ def test_without_faults_there_is_nothing():
 
 @pytest.mark.parametrize("start", [-2.0, 0.0, 1.234])
 def test_a_fault_lasts_from_its_start_until_before_its_end(start):
-    """To the plant's step: instants that are off by rounding count."""
+    """To the plant step: instants that differ by rounding count."""
     system = make_rotor_faults(scenario(RotorDegraded(start, 0.5, rotor=1, remaining=0.25)), 4)
     healthy, degraded = THRUST, THRUST * [1, 0.25, 1, 1]
     for time, expected in (
@@ -45,10 +45,10 @@ def test_a_fault_lasts_from_its_start_until_before_its_end(start):
         (start + 0.5 - 1e-12, healthy),
         (start + 0.5, healthy),
     ):
-        np.testing.assert_array_equal(after(system, THRUST, time), expected)
+        np.testing.assert_array_equal(output_at(system, THRUST, time), expected)
 
 
-def test_faults_of_one_rotor_multiply_and_others_stand_beside():
+def test_faults_of_one_rotor_multiply_and_other_rotors_are_unaffected():
     system = make_rotor_faults(
         scenario(
             Push(),
@@ -58,19 +58,19 @@ def test_faults_of_one_rotor_multiply_and_others_stand_beside():
         ),
         4,
     )
-    np.testing.assert_allclose(after(system, THRUST, 1.0), THRUST * [1, 1, 0.5, 1])
-    np.testing.assert_allclose(after(system, THRUST, 6.0), THRUST * [0, 1, 0.4, 1])
-    np.testing.assert_allclose(after(system, THRUST, 11.0), THRUST * [0, 1, 0.8, 1])
+    np.testing.assert_allclose(output_at(system, THRUST, 1.0), THRUST * [1, 1, 0.5, 1])
+    np.testing.assert_allclose(output_at(system, THRUST, 6.0), THRUST * [0, 1, 0.4, 1])
+    np.testing.assert_allclose(output_at(system, THRUST, 11.0), THRUST * [0, 1, 0.8, 1])
 
 
 def test_joints():
     torque = np.array([1.0, -2.0, 3.0])
     system = make_joint_faults(scenario(JointDegraded(0.0, 1.0, joint=1, remaining=0.2)), 3)
-    np.testing.assert_allclose(after(system, torque, 0.5), [1.0, -0.4, 3.0])
-    np.testing.assert_array_equal(after(system, torque, 2.0), torque)
+    np.testing.assert_allclose(output_at(system, torque, 0.5), [1.0, -0.4, 3.0])
+    np.testing.assert_array_equal(output_at(system, torque, 2.0), torque)
 
 
-def test_pushes_add_to_what_is_there_and_to_each_other():
+def test_pushes_add_to_other_forces_and_to_each_other():
     wind = np.concatenate([np.zeros(3), [0.1, 0.2, 0.3], np.zeros(2)])
     system = make_pushes(
         scenario(Push(0.0, 2.0, (1.0, 2.0, 3.0)), Push(1.0, 2.0, (-5.0, 0.0, 0.0))), 2
@@ -78,10 +78,10 @@ def test_pushes_add_to_what_is_there_and_to_each_other():
     for time, force in ((0.5, [1, 2, 3]), (1.5, [-4, 2, 3]), (2.5, [-5, 0, 0]), (3.5, [0, 0, 0])):
         expected = wind.copy()
         expected[3:6] += force
-        np.testing.assert_allclose(after(system, wind, time), expected)
+        np.testing.assert_allclose(output_at(system, wind, time), expected)
 
 
-def test_nothing_is_late():
+def test_faults_have_no_delay():
     for system in (
         make_rotor_faults(scenario(RotorDegraded()), 4),
         make_joint_faults(scenario(JointDegraded()), 6),
@@ -99,6 +99,6 @@ def test_nothing_is_late():
         (make_joint_faults, JointDegraded(joint=6), 6, r"faults\[1\]\.joint: .* \[0, 5\], got 6"),
     ],
 )
-def test_what_the_robot_does_not_have(make, fault, count, expected):
+def test_an_index_that_the_robot_does_not_have_raises(make, fault, count, expected):
     with pytest.raises(BadInput, match="^flight.yaml: " + expected):
         make(scenario(Push(), fault), count)

@@ -1,4 +1,4 @@
-"""Faults of samples in the diagram: from when to when, one on top of another, in flight."""
+"""Faults of samples as systems: start and end, combinations, and in flight."""
 
 from dataclasses import replace
 
@@ -29,7 +29,7 @@ KINDS = (SampleNan, SampleStale, SampleFrozen, SampleJump)
 
 
 def arriving(*faults: SampleFault, until: float = 3.2) -> tuple[np.ndarray, ...]:
-    """Times, samples and stamps behind faults, of numbers that grow by 1 in each second."""
+    """Returns times, and samples and stamps after faults; all values equal the time in s."""
     builder = DiagramBuilder()
     clock = PiecewisePolynomial.FirstOrderHold([0, 10], [[0, 10]] * (SIZE + 3))
     samples, stamps = (
@@ -61,19 +61,19 @@ def test_a_fault_lasts_from_its_start_until_just_before_its_end(kind, start, dur
     healthy = np.all(np.abs(samples - times[:, None]) < 1e-9, axis=1)
     k = np.arange(len(times))
     first, end = round((SETTLE + start) / PERIOD), round((SETTLE + start + duration) / PERIOD)
-    # What is held is that of the sample before: the first of these differs already.
+    # Held values are those of the sample before the fault: the first faulty sample differs.
     np.testing.assert_array_equal(healthy, (k < first) | (k >= end))
 
 
 @pytest.mark.parametrize("kind", [SampleStale, SampleFrozen])
-def test_what_is_held_is_the_last_sample_before(kind):
+def test_the_last_sample_before_a_fault_is_held(kind):
     _, samples, stamps = arriving(kind(start_s=0.0, duration_s=0.1))
     np.testing.assert_allclose(samples[300:310], 2.99)
     np.testing.assert_allclose(stamps[305], 2.99 if kind is SampleStale else 3.05)
 
 
 def test_faults_compose_in_their_order():
-    """A jump that is then frozen stays when it is over; one of what is frozen does not."""
+    """A frozen jump outlasts the jump; a jump of a frozen sample does not."""
     jump = SampleJump(group="joints", start_s=0.0, duration_s=0.1, angle_rad=1.0)
     freeze = SampleFrozen(group="joints", start_s=0.05, duration_s=0.1)
     q = slice(7, 7 + JOINTS)
@@ -86,8 +86,8 @@ def test_faults_compose_in_their_order():
 
 @pytest.mark.parametrize("group", ["position", "attitude", "joints", "all"])
 @pytest.mark.parametrize("kind", KINDS)
-def test_nobody_sees_a_fault_that_the_flight_rides_out(kind, group):
-    """0.1 s of it on the way, with noise and gusts."""
+def test_a_short_fault_does_not_affect_the_flight(kind, group):
+    """For 0.1 s during a flight with noise and gusts."""
     scenario = replace(
         load_scenario("clover_realistic"),
         settle_s=0.5,
@@ -100,7 +100,7 @@ def test_nobody_sees_a_fault_that_the_flight_rides_out(kind, group):
     assert log.exit_reason == "completed"
     for key, values in log.signals.items():
         assert np.isfinite(values).all(), key
-    told = log["sample_verdict"][(log.time_s > 0.55) & (log.time_s < 0.6)].any(axis=0)
-    assert list(told) == [group in (name, "all") for name in SAMPLE_GROUPS]
-    # 5 mm without any fault.
+    is_rejected = log["sample_verdict"][(log.time_s > 0.55) & (log.time_s < 0.6)].any(axis=0)
+    assert list(is_rejected) == [group in (name, "all") for name in SAMPLE_GROUPS]
+    # 5 mm without a fault.
     assert log.error_m.max() < 0.02
