@@ -1,11 +1,11 @@
-"""Flies in real time with station and coordinator in a process each, and LCM between them."""
+"""Flies in real time, with station and coordinator in two processes connected over LCM."""
 
 import subprocess
 import sys
 
 
 def main(*options: str) -> None:
-    """Takes the scenario, and `--set` and `--lcm` for both sides; by default, the clover."""
+    """Starts both processes with a scenario and the options `--set` and `--lcm`; default: clover."""
     options = options or ("clover", "--lcm", "udpm://239.255.76.67:7667?ttl=0")
     aerodrake = (sys.executable, "-m", "aerodrake")
     coordinator = subprocess.Popen([*aerodrake, "coordinator", *options, "--quiet"])

@@ -1,4 +1,4 @@
-"""A wire in memory: station and coordinator in one process, on one clock, again and again alike."""
+"""Link in memory: station and coordinator in one process with one clock, repeatable."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from aerodrake.wire.remote_coordinator import make_station_link
 
 
 class Lockstep:
-    """What a station polls each plant step; a companion at its other end works then.
+    """LCM interface of a station, which polls it each plant step; then the companion runs.
 
     Args:
-        late: Polls from an answer until it arrives.
-        is_lost: Says of the i-th message of a channel whether it is.
+        late: Number of polls from a reply until it arrives.
+        is_lost: Returns True if the i-th message of a channel is lost.
     """
 
     def __init__(
@@ -30,7 +30,7 @@ class Lockstep:
         self._late, self.is_lost = late, is_lost
         self._polls = 0
         self._sent: dict[str, int] = {}
-        self._held: list[tuple[int, bytes]] = []
+        self._delayed: list[tuple[int, bytes]] = []
         self._is_busy = False
 
     def Subscribe(self, channel, handler):
@@ -41,7 +41,7 @@ class Lockstep:
         if self.is_lost(channel, i):
             return
         if channel == COORDINATOR:
-            self._held.append((self._polls + self._late, buffer))
+            self._delayed.append((self._polls + self._late, buffer))
         else:
             self._lcm.Publish(channel, buffer)
 
@@ -50,15 +50,15 @@ class Lockstep:
             self._polls += 1
             if self.companion is not None:
                 self._is_busy = True
-                self.companion.answer()
+                self.companion.process_messages()
                 self._is_busy = False
-            while self._held and self._held[0][0] <= self._polls:
-                self._lcm.Publish(COORDINATOR, self._held.pop(0)[1])
+            while self._delayed and self._delayed[0][0] <= self._polls:
+                self._lcm.Publish(COORDINATOR, self._delayed.pop(0)[1])
         return self._lcm.HandleSubscriptions(0)
 
 
 def fly_over(lcm: Lockstep, scenario: Scenario) -> FlightLog:
-    """A flight of which both ends are here, faster than real time."""
+    """Flies with both ends in this process, faster than real time."""
     flight = FlightSimulation(scenario, link=make_station_link(scenario, lcm))
     lcm.companion = Companion(scenario, lcm)
     return flight.fly()

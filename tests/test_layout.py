@@ -164,3 +164,14 @@ def test_packaged_data_is_packaged():
         if path.is_file() and path.suffix not in (".py", ".pyc") and "__pycache__" not in path.parts
     }
     assert data == {path for path in packaged if path.is_file()}
+
+
+def test_the_link_over_lcm_is_an_option():
+    """Without `aerodrake.wire`, only the flight and the commands would change."""
+    users = {
+        path.relative_to(PACKAGE).as_posix()
+        for path in PACKAGE.rglob("*.py")
+        if any(module.startswith("aerodrake.wire.") for module in imports(path))
+    }
+    users = {user for user in users if not user.startswith("wire/")}
+    assert users == {"flight/simulate.py", "commands/run.py", "commands/coordinator.py"}

@@ -151,7 +151,7 @@ class FlightSimulation:
                     raise
             finally:
                 if self._link:
-                    self._link.part(context.get_time())
+                    self._link.close(context.get_time())
         wall_s = time.perf_counter() - start
         self._record(recording, context)
         time_s = np.round(recording.times - scenario.settle_s, 9)

@@ -1,1 +1,1 @@
-"""The coordinator in a process of its own, connected over LCM."""
+"""Option to run the coordinator in a process of its own, connected over LCM."""

@@ -1,4 +1,4 @@
-"""The coordinator as a companion computer runs it: to the clock of a station across the wire."""
+"""The coordinator on a companion computer, which follows the clock of a station over the link."""
 
 from __future__ import annotations
 
@@ -23,155 +23,160 @@ from aerodrake.wire.link import Link
 from aerodrake.wire.message import Message, Phase
 from aerodrake.wire.remote_coordinator import make_layouts
 
-PATIENCE_MS = 50
-"""How long it waits for a message before it looks up."""
+TIMEOUT_MS = 50
+"""Longest wait for a message."""
 
 BEFORE = -1e-6
-"""s: no flight has begun."""
+"""s, a time before any flight."""
 
 
 @dataclass
 class Service:
-    """What a coordinator did for a station.
+    """Statistics of the flight that a coordinator has served.
 
     Attributes:
         tick_ms: Wall time of forming and solving each program.
-        answer_ms: Wall time from each tick's sample to its answer.
-        missed: Ticks that did not have the sample of their instant.
-        overruns: Ticks that were answered later than a period after.
-        flown_s: How far the station's clock had come.
-        fault: Why it ended before the station said so; empty if it did not.
+        reply_ms: Wall time from each tick's sample to its reply.
+        missed: Ticks without the sample of their instant.
+        overruns: Ticks whose reply took longer than a period.
+        flown_s: Station's time at the last sample.
+        fault: Reason of an end before that of the flight; empty if there was none.
     """
 
     tick_ms: list[float]
-    answer_ms: list[float] = field(default_factory=list)
+    reply_ms: list[float] = field(default_factory=list)
     missed: int = 0
     overruns: int = 0
     flown_s: float = 0.0
     fault: str = ""
 
     def line(self) -> str:
-        """What a person is told of it."""
-        if not self.answer_ms:
+        """Returns a line of text for a terminal."""
+        if not self.reply_ms:
             return "no flight"
-        median, p99 = np.percentile(self.answer_ms, [50, 99])
+        median, p99 = np.percentile(self.reply_ms, [50, 99])
         return (
-            f"{self.flown_s:.2f} s, {len(self.answer_ms)} ticks, {self.missed} missed, "
-            f"{self.overruns} overruns; answered in {median:.1f} ms, "
-            f"99 % within {p99:.1f} ms, {max(self.answer_ms):.1f} ms at most"
+            f"{self.flown_s:.2f} s, {len(self.reply_ms)} ticks, {self.missed} missed, "
+            f"{self.overruns} overruns; replies after {median:.1f} ms (median), "
+            f"{p99:.1f} ms (99 %), {max(self.reply_ms):.1f} ms (max)"
         )
 
 
 class Companion:
-    """A coordinator that is told samples, and tells setpoints.
+    """Coordinator that receives the samples of a station and replies with setpoints.
 
-    Its time is the station's: a sample takes it to the sample's time, and where that is a
-    tick's, the answer goes out at once. Samples that do not come leave it where it is: their
-    ticks are missed and never made up for, and what that means for the flight is the station's
-    to say, which has a supervisor too. So when it was held up, it answers the first tick that
-    comes. A station that is silent for as long as the supervisor lets a flight go
-    on without attitude is dead. Of several stations it serves the first that it hears.
+    Its time is the station's: it advances to the time of each sample, and replies at once if that
+    is the time of a tick. Without samples it does not advance: their ticks are missed and never
+    made up for. The effect on the flight is left to the supervisor of the station. After a pause
+    of its own it replies to the first tick that arrives. A station that is silent for
+    `supervisor.attitude_lost_s` is taken as dead. If there are several stations, it serves the
+    first that it receives.
 
     Args:
-        scenario: What the station flies.
-        lcm: What messages go over.
-        say: As `Link` has it.
+        scenario: Scenario of the station.
+        lcm: LCM interface.
+        notify: As for `Link`.
     """
 
     def __init__(
         self,
         scenario: Scenario,
         lcm: DrakeLcmInterface,
-        say: Callable[[str], None] = lambda note: None,
+        notify: Callable[[str], None] = lambda note: None,
     ):
         self.scenario = scenario
         self._coordinator = make_coordinator(scenario)
-        self.link = Link(lcm, *make_layouts(self._coordinator, scenario), False, say)
+        self.link = Link(lcm, *make_layouts(self._coordinator, scenario), False, notify)
         self._controller = self._coordinator.GetSubsystemByName(scenario.controller)
         self._context = make_context(self._coordinator, scenario.seed)
         self._simulator = Simulator(self._coordinator, self._context)
         self._timer = TickTimer(self._controller)
         self.service = Service(self._timer.times_ms)
-        self._timed = 0  # Ticks whose time has been told.
-        self._time = -math.inf  # s, of the sample that was taken in last.
-        # What is compiled is loaded now, lest the first ticks wait for it.
+        self._reported = 0  # Number of times in `tick_ms` that were sent.
+        self._time = -math.inf  # s, of the last sample.
+        # Compiled code is loaded now, so that the first ticks do not wait for it.
         warm = make_context(self._coordinator, scenario.seed)
-        self._fix(warm, {"state": VehicleModel.load(scenario).trim_state})
+        self._fix_inputs(warm, {"state": VehicleModel.load(scenario).trim_state})
         with single_thread():
             Simulator(self._coordinator, warm).AdvanceTo(scenario.rates.mpc_period_s)
 
     def serve(self, progress: Callable[[float], None]) -> Service:
-        """Waits for a station and serves it until it says that its flight is over, or is dead.
+        """Waits for a station and serves it until the end of its flight, or until it is dead.
 
         Args:
             progress: Called every 50 ms or more often, with the station's time in s; it may
                 raise.
 
         Raises:
-            BadInput: if the station that is there has another scenario.
+            BadInput: if the station has another scenario.
         """
-        heard = time.monotonic()
+        received = time.monotonic()
         lost_s = self.scenario.supervisor.attitude_lost_s
         with single_thread():
             while self.link.phase is not Phase.OVER:
-                asked = time.monotonic()  # What came while this process was held up counts.
-                if self.answer(PATIENCE_MS):
-                    heard = time.monotonic()
-                elif asked - heard > lost_s:
+                polled = time.monotonic()  # Messages that arrived while this process paused count.
+                if self.process_messages(TIMEOUT_MS):
+                    received = time.monotonic()
+                elif polled - received > lost_s:
                     if self.link.phase is Phase.FLYING:
                         self.service.fault = (
-                            f"no sample of the station for {lost_s:g} s, "
+                            f"no sample from the station for {lost_s:g} s, "
                             f"since {self.service.flown_s:.2f} s"
                         )
                         break
-                    self.link.station = None  # It has gone before it flew: another one may come.
+                    self.link.station = None  # It ended before a flight: serves another one.
                 progress(self.service.flown_s)
         return self.service
 
-    def answer(self, patience_ms: int = 0) -> bool:
-        """Takes in what came, and answers it; returns whether there was anything to take in.
+    def process_messages(self, timeout_ms: int = 0) -> bool:
+        """Processes the received messages and replies; returns True if the station is alive.
 
         Args:
-            patience_ms: How long to wait for it.
+            timeout_ms: Time to wait for a message.
 
         Raises:
-            BadInput: as `Link.hear`.
+            BadInput: as `Link.receive`.
         """
-        messages = self.link.hear(patience_ms)
+        messages = self.link.receive(timeout_ms)
         start = time.perf_counter()
-        is_there = False
+        is_alive = False
         for message in messages:
             if message.phase is Phase.WAITING and self.link.phase is Phase.WAITING:
-                is_there = True
-                self.link.tell(0.0, {})
-            elif message.phase is Phase.FLYING and not self._is_believed(message):
-                if message.time > self._time:  # Others are late, or were told twice.
-                    self.link.refuse("samples come that no vehicle has, or of no time of a flight")
+                is_alive = True
+                self.link.publish(0.0, {})
+            elif message.phase is Phase.FLYING and not self._is_valid_sample(message):
+                if message.time > self._time:  # Others are late, or repeated.
+                    self.link.reject("samples with absurd values or times are ignored")
             elif message.phase is Phase.FLYING:
-                is_there = True
-                self._take_in(message)
+                is_alive = True
+                self._advance_to(message)
                 if self._is_tick(message.time):
-                    self._tell(message.time)
+                    self._publish_reply(message.time)
                     took_s = time.perf_counter() - start
-                    self.service.answer_ms.append(1e3 * took_s)
+                    self.service.reply_ms.append(1e3 * took_s)
                     self.service.overruns += took_s > self.scenario.rates.mpc_period_s
             elif message.phase is Phase.OVER and self.link.phase is Phase.FLYING:
                 self.link.phase = Phase.OVER
-                self.link.tell(message.time, {})
-        return is_there
+                self.link.publish(message.time, {})
+        return is_alive
 
-    def _is_believed(self, message: Message) -> bool:
-        """Whether a sample is new, and of a vehicle: what no filter passes, Drake dies of."""
-        length = np.linalg.norm(message.parts["state"][:4])
-        is_sane = all((np.abs(numbers) < MAX_MAGNITUDE).all() for numbers in message.parts.values())
-        # Nobody is silent for so long and comes back.
+    def _is_valid_sample(self, message: Message) -> bool:
+        """Returns True if a sample is new, and its values can be those of a vehicle.
+
+        The coordinator has no sample check: Drake raises on absurd values.
+        """
+        length = np.linalg.norm(message.signals["state"][:4])
+        is_bounded = all(
+            (np.abs(values) < MAX_MAGNITUDE).all() for values in message.signals.values()
+        )
+        # A longer silence would have ended the flight.
         latest = self._time + self.scenario.supervisor.plan_lost_s
         is_next = self.link.phase is Phase.WAITING or message.time < latest
         is_new = is_next and max(self._time, BEFORE) < message.time < MAX_MAGNITUDE
-        return is_sane and abs(length - 1) < UNIT_LENGTH and is_new
+        return is_bounded and abs(length - 1) < UNIT_LENGTH and is_new
 
-    def _take_in(self, message: Message) -> None:
-        """Advances to a sample's time and makes all that is due there see it."""
+    def _advance_to(self, message: Message) -> None:
+        """Advances to the time of a sample; all events of that instant see its values."""
         slack = self.scenario.rates.plant_step_s / 4
         begin = message.time - slack
         is_first = self.link.phase is Phase.WAITING
@@ -181,38 +186,39 @@ class Companion:
         missed = 0 if is_first else self._ticks_between(self._time, message.time)
         self.service.missed += missed
         if missed or is_first and message.time > 0:
-            # What is over is not worked off: it would take the time of the ticks to come.
+            # Missed ticks are skipped: computing them would delay the next ones.
             self._context.SetTime(begin)
             self._simulator.Initialize()
         elif not is_first:
             self._simulator.AdvanceTo(begin)
-        self._fix(self._context, message.parts)
+        self._fix_inputs(self._context, message.signals)
         self._simulator.AdvanceTo(message.time + slack)
         self._time = self.service.flown_s = message.time
 
-    def _tell(self, tick: float) -> None:
-        """Sends what the coordinator has to say after a tick."""
-        told, took_ms = self.link.tells.sizes, self._timer.times_ms
-        parts = {
+    def _publish_reply(self, tick: float) -> None:
+        """Publishes the outputs of the coordinator after the tick at that time in s."""
+        signals = {
             name: self._coordinator.GetOutputPort(name).Eval(self._context)[:size]
-            for name, size in told.items()
+            for name, size in self.link.outgoing.sizes.items()
             if name not in ("tick_ms", "output_time_s")
         }
-        parts["output_time_s"] = np.array([self._context.get_time()])
-        # A tick that is missed here, by fault, has no time either.
-        parts["tick_ms"] = np.array(took_ms[self._timed :][-1:] or [np.nan])
-        self._timed = len(took_ms)
-        self.link.tell(tick, parts)
+        signals["output_time_s"] = np.array([self._context.get_time()])
+        # A tick that a fault makes the controller miss has no wall time.
+        times_ms = self._timer.times_ms
+        signals["tick_ms"] = np.array(times_ms[self._reported :][-1:] or [np.nan])
+        self._reported = len(times_ms)
+        self.link.publish(tick, signals)
 
-    def _fix(self, context: Context, parts: Mapping[str, np.ndarray]) -> None:
-        """Puts numbers at the coordinator's inputs; at those that are not told, zeros."""
-        for name, size in self.link.hears.sizes.items():
-            self._coordinator.GetInputPort(name).FixValue(context, parts.get(name, np.zeros(size)))
+    def _fix_inputs(self, context: Context, signals: Mapping[str, np.ndarray]) -> None:
+        """Fixes the coordinator's inputs to signals; inputs without one are zero."""
+        for name, size in self.link.incoming.sizes.items():
+            value = signals.get(name, np.zeros(size))
+            self._coordinator.GetInputPort(name).FixValue(context, value)
 
     def _is_tick(self, time: float) -> bool:
         return self._ticks_between(time - 1e-6, time + 1e-6) == 1
 
     def _ticks_between(self, begin: float, end: float) -> int:
-        """How many are due after `begin` and before `end`, in s."""
+        """Returns the number of ticks after `begin` and before `end`, in s."""
         period = self.scenario.rates.mpc_period_s
         return math.ceil((end - 1e-7) / period) - math.floor((begin + 1e-7) / period) - 1

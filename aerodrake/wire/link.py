@@ -1,15 +1,15 @@
-"""What station and coordinator tell each other over LCM, when each has a process of its own.
+"""Link between station and coordinator in processes of their own, over LCM.
 
-    channel                 from, when                    parts
-    AERODRAKE_STATION       station, at every sample      its interface, and the segment it follows
-    AERODRAKE_COORDINATOR   coordinator, at every tick    segment, plan, and what is logged of it
+    channel                 sender, when                  signals
+    AERODRAKE_STATION       station, at every sample      station interface, followed segment
+    AERODRAKE_COORDINATOR   coordinator, at every tick    segment, plan, and its logged outputs
 
-`wire_message` says what else is in each. Times are the station's, in s from where its flight
-begins, in trim.
+`aerodrake.wire.message` describes the rest of a message. Times are the station's, in s from the
+start of the flight in trim.
 
-A station draws a number when it is made; a coordinator takes on that of the one it finds there,
-and to others both are deaf. Ends of different scenarios do not begin a flight: both say in what
-they differ.
+Each station draws a number; a coordinator serves the first station that it receives, and both
+ignore messages with another number. If the scenarios of the two ends differ, no flight begins,
+and both report the sections that differ.
 """
 
 from __future__ import annotations
@@ -27,34 +27,34 @@ from aerodrake.support.errors import BadInput
 from aerodrake.wire.message import NUMBERS, Layout, Message, Phase
 
 STATION, COORDINATOR = "AERODRAKE_STATION", "AERODRAKE_COORDINATOR"
-"""Channels, by who sends."""
+"""Channels, by sender."""
 
 BACKLOG = 100
-"""Messages that are taken in at one look; of more, the newest."""
+"""Largest number of messages that are kept between two calls of `receive`, the newest."""
 
-FAREWELL_S = 0.5
-"""For so long an end says that the flight is over, until the other one has heard it."""
+CLOSING_S = 0.5
+"""s, time for which an end announces the end of the flight if the other does not confirm it."""
 
 
 class Link:
-    """One end of the wire.
+    """One end of the link.
 
     Attributes:
-        lcm: What it goes over.
-        phase: Of this end, as the other is told.
-        station: The station's number. At the coordinator's end, that of the one whose messages
-            are heard, the first that is there; None until then.
-        tells, hears: Layouts of its own messages, and of the other end's.
-        refused: How many messages came that were not heard.
+        lcm: LCM interface.
+        phase: Phase of this end, which its messages contain.
+        station: Number of the station. At the coordinator's end that of the station it serves;
+            None until the first message.
+        outgoing, incoming: Layouts of the messages to and from the other end.
+        rejected: Number of messages that were received but ignored.
         tick_ms: At the station's end, wall time of the coordinator's computation at each tick
-            whose answer was accepted, if the coordinator reported one.
+            whose reply was accepted, if the coordinator reported one.
 
     Args:
-        lcm: What it goes over; one of its own.
+        lcm: LCM interface, used by this end only.
         station: Layout of the station's messages.
-        coordinator: Layout of the coordinator's.
-        is_station: Whose end it is.
-        say: Is told, once for each reason, when messages come that are refused.
+        coordinator: Layout of the coordinator's messages.
+        is_station: True for the station's end.
+        notify: Called once for each reason to reject messages, with a line of text.
     """
 
     def __init__(
@@ -63,130 +63,133 @@ class Link:
         station: Layout,
         coordinator: Layout,
         is_station: bool,
-        say: Callable[[str], None] = lambda note: None,
+        notify: Callable[[str], None] = lambda note: None,
     ):
         self.lcm = lcm
-        self._say = say
-        self._said: set[str] = set()
+        self._notify = notify
+        self._reasons: set[str] = set()
         self.phase = Phase.WAITING
-        self.refused = 0
+        self.rejected = 0
         self.tick_ms: list[float] = []
         self._is_station = is_station
-        # Of a generator of its own: it is in no result.
+        # Not from the scenario's seed: it must differ between stations, and is in no result.
         self.station = secrets.randbelow(NUMBERS) if is_station else None
-        self.tells, self.hears = (station, coordinator) if is_station else (coordinator, station)
-        self._to, of = (STATION, COORDINATOR) if is_station else (COORDINATOR, STATION)
-        self._came: deque[bytes] = deque(maxlen=BACKLOG)
-        lcm.Subscribe(of, self._came.append)
+        layouts = (station, coordinator) if is_station else (coordinator, station)
+        self.outgoing, self.incoming = layouts
+        self._channel, other = (STATION, COORDINATOR) if is_station else (COORDINATOR, STATION)
+        self._backlog: deque[bytes] = deque(maxlen=BACKLOG)
+        lcm.Subscribe(other, self._backlog.append)
 
-    def tell(self, time: float, parts: Mapping[str, np.ndarray]) -> None:
-        """Sends a message of this end; that of a coordinator has a station.
+    def publish(self, time: float, signals: Mapping[str, np.ndarray]) -> None:
+        """Sends a message; a coordinator must have a station.
 
         Args:
             time: s, as in `Message`.
-            parts: (size,) numbers by name; those that it does not have are zero.
+            signals: (size,) values by name; signals that are not given are zero.
         """
-        zeros = {name: np.zeros(size) for name, size in self.tells.sizes.items()}
-        message = Message(time, self.phase, self.station, {**zeros, **parts})
-        self.lcm.Publish(self._to, self.tells.encode(message))
+        zeros = {name: np.zeros(size) for name, size in self.outgoing.sizes.items()}
+        message = Message(time, self.phase, self.station, {**zeros, **signals})
+        self.lcm.Publish(self._channel, self.outgoing.encode(message))
 
     def wait(self, check: Callable[[], None]) -> None:
-        """Returns when the other end is there.
+        """Waits for the other end.
 
         Args:
             check: Called every 0.1 s; it may raise.
 
         Raises:
-            BadInput: as `hear`.
+            BadInput: as `receive`.
         """
         self.phase = Phase.WAITING
-        while not any(message.phase is Phase.WAITING for message in self.hear(100)):
-            self.tell(0.0, {})
+        while not any(message.phase is Phase.WAITING for message in self.receive(100)):
+            self.publish(0.0, {})
             check()
 
-    def part(self, time: float) -> None:
-        """Says that the flight is over, at `time` in s, until the other end says the same.
+    def close(self, time: float) -> None:
+        """Announces the end of the flight until the other end confirms it.
 
-        Whatever is lost on the way: for `FAREWELL_S` at most, since it may be dead.
+        Args:
+            time: s, end of the flight. Messages may be lost and the other end may be dead, so
+                that the announcement is repeated, for `CLOSING_S` at most.
         """
         self.phase = Phase.OVER
-        for _ in range(round(FAREWELL_S / 0.02)):
-            self.tell(time, {})
-            own = (message for message in self._take(20) if message.station == self.station)
+        for _ in range(round(CLOSING_S / 0.02)):
+            self.publish(time, {})
+            own = (message for message in self._decode(20) if message.station == self.station)
             if any(message.phase is Phase.OVER for message in own):
                 return
 
-    def hear(self, patience_ms: int = 0) -> list[Message]:
-        """What the other end told since it was asked last, oldest first.
+    def receive(self, timeout_ms: int = 0) -> list[Message]:
+        """Returns the messages of the other end since the last call, oldest first.
 
         Args:
-            patience_ms: How long to wait for anything.
+            timeout_ms: Time to wait for a message.
 
         Raises:
-            BadInput: if this end waits, and the other one is there with another scenario. It
-                was told so: it finds out as well.
+            BadInput: if this end waits, and the other end has another scenario. The other end
+                raises as well, since it is notified.
         """
         messages = []
-        for message in self._take(patience_ms):
+        for message in self._decode(timeout_ms):
             if self.station is None and message.phase is not Phase.OVER:
                 self.station = message.station
             differing = ", ".join(message.differing)
             if message.station != self.station:
-                self.refuse(
-                    "the coordinator answers another station"
+                self.reject(
+                    "the coordinator serves another station"
                     if self._is_station
-                    else "another station is there, and is not answered"
+                    else "messages of another station are ignored"
                 )
             elif not differing:
                 messages.append(message)
             elif self.phase is Phase.WAITING:
-                self.part(0.0)
+                self.close(0.0)
                 end = "coordinator" if self._is_station else "station"
                 problem = (
                     f"expected a {end} of the same scenario, got one that differs in {differing}"
                 )
                 raise BadInput("--lcm", "", problem)
             else:
-                self.refuse(f"messages come of another scenario, which differs in {differing}")
+                self.reject(f"messages of another scenario are ignored; it differs in {differing}")
         return messages
 
-    def _take(self, patience_ms: int) -> list[Message]:
-        """All messages that came, whoever is meant."""
-        self.lcm.HandleSubscriptions(patience_ms)
+    def _decode(self, timeout_ms: int) -> list[Message]:
+        """Returns all messages of the channel, of any station."""
+        self.lcm.HandleSubscriptions(timeout_ms)
         messages = []
-        while self._came:
-            message = self.hears.decode(self._came.popleft())
+        while self._backlog:
+            message = self.incoming.decode(self._backlog.popleft())
             if message is None:
-                self.refuse("messages come that are not of ours, or of another version")
+                self.reject("messages of another format or version are ignored")
             else:
                 messages.append(message)
         return messages
 
-    def refuse(self, reason: str) -> None:
-        """Counts a message that is not heard; says why, once for each reason."""
-        self.refused += 1
-        if reason not in self._said:
-            self._said.add(reason)
-            self._say(f"note: {reason}")
+    def reject(self, reason: str) -> None:
+        """Counts a message that is ignored, and reports each reason once."""
+        self.rejected += 1
+        if reason not in self._reasons:
+            self._reasons.add(reason)
+            self._notify(f"note: {reason}")
 
 
 def make_lcm(url: str) -> DrakeLcm:
-    """What messages go over.
+    """Returns an LCM interface.
 
     Args:
-        url: As LCM has it, udpm://ADDRESS:PORT?ttl=N.
+        url: URL in LCM's form, udpm://ADDRESS:PORT?ttl=N.
 
     Raises:
-        BadInput: if it is none: LCM itself would go on without a wire.
+        BadInput: if the URL is invalid. LCM itself would continue without a network.
     """
     match = re.fullmatch(r"udpm://([0-9.]+):(\d{1,5})(?:\?ttl=(\d{1,3}))?", url)
     try:
         address, port, ttl = match.groups(default="0")
-        is_sound = ipaddress.IPv4Address(address).is_multicast
-        is_sound = is_sound and 0 < int(port) < 65536 and int(ttl) < 256
+        is_valid = ipaddress.IPv4Address(address).is_multicast
+        is_valid = is_valid and 0 < int(port) < 65536 and int(ttl) < 256
     except (AttributeError, ValueError):
-        is_sound = False
-    if not is_sound:
+        is_valid = False
+    if not is_valid:
         problem = f"expected udpm://ADDRESS:PORT?ttl=N with a multicast address, got {url!r}"
         raise BadInput("--lcm", "", problem)
     return DrakeLcm(url)

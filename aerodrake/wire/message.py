@@ -1,13 +1,13 @@
-"""A message over the wire: Drake's `lcmt_drake_signal`, numbers, each with its name.
+"""Messages between station and coordinator: Drake's `lcmt_drake_signal`, numbers with names.
 
-    name                 what
-    phase                a `Phase`
-    station              number of the station that tells, or is told
-    scenario.rates, ...  what the sender flies, by a number for each section of the scenario
-    state[4], ...        the parts, one after another
+    name                 number
+    phase                `Phase` of the sender
+    station              number of the station that sends or is addressed
+    scenario.rates, ...  hash of each section of the sender's scenario
+    state[4], ...        elements of the signals, one signal after another
 
-The first three are the header, which ends of different scenarios understand as well. Beside them
-is a time stamp, in microseconds.
+The first three rows are the header, which does not depend on the scenario. The time stamp is in
+microseconds.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ import numpy as np
 from drake import lcmt_drake_signal
 
 NUMBERS = 2**48
-"""Whole numbers below it are exact as those of a message, and that many do not meet by chance."""
+"""Bound of whole numbers in a message: exact as floats, and unlikely to coincide by chance."""
 
 
 class Phase(IntEnum):
-    """What the sender is about.
+    """Phase of the sender.
 
-    WAITING: it is there, and nothing else that it says counts. FLYING: it flies. OVER: the
-    flight has ended.
+    WAITING: it waits for the other end, and its signals have no meaning. FLYING: it flies.
+    OVER: the flight has ended.
     """
 
     WAITING = 0
@@ -37,31 +37,31 @@ class Phase(IntEnum):
 
 
 class Message(NamedTuple):
-    """What was told.
+    """Message of a station or a coordinator.
 
     Attributes:
-        time: s, of the sample, or of the tick that is answered.
-        phase: Of the sender.
-        station: Number of the station that told, or was told.
-        parts: (size,) numbers by name. They may be no numbers, as those of a sensor.
-        differing: Sections of the sender's scenario that are not as the receiver's. Where there
-            are any, parts were not read.
+        time: s, time of the sample, or of the tick that the message replies to.
+        phase: Phase of the sender.
+        station: Number of the station that sends or is addressed.
+        signals: (size,) values of each signal; they may be NaN or infinite, as of a sensor.
+        differing: Sections in which the scenarios of sender and receiver differ. If there are
+            any, the signals are not decoded.
     """
 
     time: float
     phase: Phase
     station: int
-    parts: dict[str, np.ndarray]
+    signals: dict[str, np.ndarray]
     differing: tuple[str, ...] = ()
 
 
 class Layout:
-    """What stands where in a channel's messages.
+    """Layout of the messages of a channel.
 
     Args:
-        scenario: Numbers below `NUMBERS` of the scenario's sections, by name, that both ends
-            have to agree on: `fingerprint.coordinated`.
-        sizes: Of the parts, by name.
+        scenario: Hash, below `NUMBERS`, of each section of the scenario on which both ends must
+            agree, as from `fingerprint.coordinated`.
+        sizes: Size of each signal.
     """
 
     def __init__(self, scenario: Mapping[str, int], sizes: Mapping[str, int]):
@@ -71,18 +71,18 @@ class Layout:
         self._ends = np.cumsum(list(sizes.values()))[:-1]
 
     def encode(self, message: Message) -> bytes:
-        """As it goes over the wire. Its parts are these, in any order."""
+        """Returns the bytes of a message, whose signals are those of the layout, in any order."""
         signal = lcmt_drake_signal()
         header = [message.phase, message.station, *self.scenario.values()]
-        parts = [message.parts[name] for name in self.sizes]
-        signal.val = [*map(float, header), *np.concatenate(parts).tolist()]
+        values = [message.signals[name] for name in self.sizes]
+        signal.val = [*map(float, header), *np.concatenate(values).tolist()]
         signal.dim = len(signal.val)
         signal.coord = self._header + self._names
         signal.timestamp = round(1e6 * message.time)
         return signal.encode()
 
     def decode(self, data: bytes) -> Message | None:
-        """What was told; None if it is anything but a message with this header and these parts."""
+        """Returns the message; None if the data has another header or other signals."""
         try:
             signal = lcmt_drake_signal.decode(data)
         except (ValueError, struct.error, MemoryError):
@@ -93,12 +93,12 @@ class Layout:
         phase, station, *numbers = signal.val[:size]
         if phase not in tuple(Phase) or not (station.is_integer() and 0 <= station < NUMBERS):
             return None
-        told = zip(self.scenario.items(), numbers, strict=True)
-        differing = tuple(name for (name, own), number in told if number != own)
-        parts: dict[str, np.ndarray] = {}
+        sections = zip(self.scenario.items(), numbers, strict=True)
+        differing = tuple(name for (name, own), number in sections if number != own)
+        signals: dict[str, np.ndarray] = {}
         if not differing:
             if signal.coord[size:] != self._names:
                 return None
             values = np.split(np.array(signal.val[size:]), self._ends)
-            parts = dict(zip(self.sizes, values, strict=True))
-        return Message(signal.timestamp / 1e6, Phase(int(phase)), int(station), parts, differing)
+            signals = dict(zip(self.sizes, values, strict=True))
+        return Message(signal.timestamp / 1e6, Phase(int(phase)), int(station), signals, differing)

@@ -1,4 +1,4 @@
-"""From a station's signals to messages for the coordinator."""
+"""System that publishes the station's signals."""
 
 from __future__ import annotations
 
@@ -8,15 +8,17 @@ from aerodrake.wire.link import Link
 
 
 class WireSender(LeafSystem):
-    """Tells the other end what stands at its inputs.
+    """Publishes its inputs over the link.
 
     Ports:
-        in: the parts of the link's messages, by name.
-    State, rate:
-        none; a message each `period`, after `offset`. Its time is the multiple of `period`.
+        in: the signals of the link's outgoing messages, by name.
+    State:
+        none.
+    Rate:
+        publishes at each `period`, after `offset`; the time of the message is without `offset`.
 
     Args:
-        link: This end of the wire.
+        link: Station's end of the link.
         period: s.
         offset: s.
     """
@@ -24,11 +26,10 @@ class WireSender(LeafSystem):
     def __init__(self, link: Link, period: float, offset: float):
         super().__init__()
         self._link, self._offset = link, offset
-        self._parts = {
-            name: self.DeclareVectorInputPort(name, size) for name, size in link.tells.sizes.items()
-        }
-        self.DeclarePeriodicPublishEvent(period, offset, self._send)
+        sizes = link.outgoing.sizes
+        self._ports = {name: self.DeclareVectorInputPort(name, sizes[name]) for name in sizes}
+        self.DeclarePeriodicPublishEvent(period, offset, self._publish)
 
-    def _send(self, context: Context) -> None:
-        parts = {name: port.Eval(context) for name, port in self._parts.items()}
-        self._link.tell(context.get_time() - self._offset, parts)
+    def _publish(self, context: Context) -> None:
+        signals = {name: port.Eval(context) for name, port in self._ports.items()}
+        self._link.publish(context.get_time() - self._offset, signals)

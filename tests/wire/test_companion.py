@@ -1,4 +1,4 @@
-"""A coordinator that serves a station that is a script."""
+"""Companion with a scripted station."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ class Bench:
         self.notes = []
         self.companion = Companion(scenario, self.lcm, self.notes.append)
         self.station = make_station_link(scenario, self.lcm)
-        zeros = {name: np.zeros(size) for name, size in self.station.tells.sizes.items()}
+        zeros = {name: np.zeros(size) for name, size in self.station.outgoing.sizes.items()}
         position = np.concatenate([vehicle.p_B, vehicle.working])
         self.sample = zeros | {
             "state": vehicle.trim_state,
@@ -39,156 +39,156 @@ class Bench:
             "followed": np.concatenate([position, np.zeros(2 * len(position) + 1)]),
         }
 
-    def tell(self, time, phase=Phase.FLYING, station=None, **parts):
-        """By the bench's own station, or another one."""
+    def publish(self, time, phase=Phase.FLYING, station=None, **signals):
+        """Publishes a sample of the bench's station, or of another one."""
         station = station or self.station
         station.phase = phase
-        station.tell(time, self.sample | parts)
+        station.publish(time, self.sample | signals)
 
-    def answers(self, *times):
-        """To samples of these times, one after another."""
-        answers = []
+    def replies(self, *times):
+        """Returns the replies to samples at these times, one after another."""
+        replies = []
         for time in times:
-            self.tell(time)
-            self.companion.answer()
-            answers += self.station.hear()
-        return answers
+            self.publish(time)
+            self.companion.process_messages()
+            replies += self.station.receive()
+        return replies
 
 
-def test_who_waits_is_told_that_it_is_there(bench):
+def test_a_waiting_station_receives_a_reply(bench):
     for _ in range(2):
-        bench.tell(0.0, Phase.WAITING)
-        bench.companion.answer()
-        (answer,) = bench.station.hear()
-        assert answer.phase is Phase.WAITING
+        bench.publish(0.0, Phase.WAITING)
+        bench.companion.process_messages()
+        (reply,) = bench.station.receive()
+        assert reply.phase is Phase.WAITING
     assert bench.companion.service.line() == "no flight"
 
 
-def test_each_tick_is_answered_once(bench):
-    answers = bench.answers(*(i * PERIOD for i in range(9)), 0.08, 0.04)
-    assert [answer.time for answer in answers] == pytest.approx([0, 0.02, 0.04, 0.06, 0.08])
-    assert all(answer.phase is Phase.FLYING for answer in answers)
-    assert [answer.parts["segment"][-1] for answer in answers] == pytest.approx(
+def test_each_tick_has_one_reply(bench):
+    replies = bench.replies(*(i * PERIOD for i in range(9)), 0.08, 0.04)
+    assert [reply.time for reply in replies] == pytest.approx([0, 0.02, 0.04, 0.06, 0.08])
+    assert all(reply.phase is Phase.FLYING for reply in replies)
+    assert [reply.signals["segment"][-1] for reply in replies] == pytest.approx(
         [0, 0.02, 0.04, 0.06, 0.08]
     )
     service = bench.companion.service
-    assert (len(service.answer_ms), service.missed, service.flown_s) == (5, 0, 0.08)
+    assert (len(service.reply_ms), service.missed, service.flown_s) == (5, 0, 0.08)
     assert service.line().startswith("0.08 s, 5 ticks, 0 missed, ")
 
 
-def test_an_answer_is_what_the_coordinator_says(bench):
-    bench.answers(0.0, 0.01)
-    (answer,) = bench.answers(0.02)
-    m = len(answer.parts["segment"]) // 3
-    plan = answer.parts["plan"].reshape(-1, m)
+def test_a_reply_contains_the_outputs_of_the_coordinator(bench):
+    bench.replies(0.0, 0.01)
+    (reply,) = bench.replies(0.02)
+    m = len(reply.signals["segment"]) // 3
+    plan = reply.signals["plan"].reshape(-1, m)
     assert len(plan) == Supervisor().plan_ticks + 2
-    # At rest in trim nothing is to be done.
-    np.testing.assert_allclose(answer.parts["segment"][: 2 * m], bench.sample["followed"][: 2 * m])
+    # At rest in trim no acceleration is needed.
+    np.testing.assert_allclose(reply.signals["segment"][: 2 * m], bench.sample["followed"][: 2 * m])
     np.testing.assert_allclose(plan, 0.0, atol=1e-9)
-    assert answer.parts["status"][2] == 0
+    assert reply.signals["status"][2] == 0
 
 
-def test_setpoints_begin_where_the_station_has_them(bench):
-    bench.answers(0.0, 0.01)
+def test_setpoints_start_from_the_followed_segment(bench):
+    bench.replies(0.0, 0.01)
     elsewhere = bench.sample["followed"].copy()
     m = len(elsewhere) // 3
     elsewhere[0] += 0.1
     elsewhere[m] = 0.2
     elsewhere[-1] = 0.01
-    bench.tell(0.02, followed=elsewhere)
-    bench.companion.answer()
-    (answer,) = bench.station.hear()
-    assert answer.parts["segment"][0] == pytest.approx(elsewhere[0] + 0.01 * 0.2)
-    assert answer.parts["segment"][m] == pytest.approx(0.2)
+    bench.publish(0.02, followed=elsewhere)
+    bench.companion.process_messages()
+    (reply,) = bench.station.receive()
+    assert reply.signals["segment"][0] == pytest.approx(elsewhere[0] + 0.01 * 0.2)
+    assert reply.signals["segment"][m] == pytest.approx(0.2)
 
 
 def test_ticks_without_their_sample_are_missed(bench):
-    """And not worked off later."""
-    bench.answers(0.0, 0.01, 0.03, 0.11)  # Without 0.02, 0.04, 0.06, 0.08 and 0.1.
+    """They are not made up for."""
+    bench.replies(0.0, 0.01, 0.03, 0.11)  # Without 0.02, 0.04, 0.06, 0.08 and 0.1.
     service = bench.companion.service
     assert service.missed == 5 and len(service.tick_ms) == 1
-    answer, last = bench.answers(0.12, 0.13, 4.2)
-    assert (answer.time, last.time) == (0.12, 4.2)
+    reply, last = bench.replies(0.12, 0.13, 4.2)
+    assert (reply.time, last.time) == (0.12, 4.2)
     assert service.missed == 5 + 203 and len(service.tick_ms) == 3
 
 
-def test_a_flight_that_has_begun_is_joined(bench):
-    assert bench.answers(12.345678) == []
-    (answer,) = bench.answers(12.35, 12.36)
-    assert answer.time == pytest.approx(12.36)
+def test_a_flight_in_progress_is_served(bench):
+    assert bench.replies(12.345678) == []
+    (reply,) = bench.replies(12.35, 12.36)
+    assert reply.time == pytest.approx(12.36)
     assert bench.companion.service.missed == 0
 
 
-def test_noise_is_not_answered(bench):
+def test_noise_has_no_reply(bench):
     for data in (b"", b"noise", b"\0" * 1000):
         bench.lcm.Publish(STATION, data)
-    assert not bench.companion.answer()
-    assert bench.companion.link.refused == 3
+    assert not bench.companion.process_messages()
+    assert bench.companion.link.rejected == 3
 
 
 @pytest.fixture(scope="module")
 def hostile_bench(scenario, vehicle):
     bench = Bench(scenario, vehicle)
-    bench.answers(0.0)
+    bench.replies(0.0)
     return bench
 
 
 @given(st.data())
-def test_absurd_samples_are_not_believed_and_others_survived(hostile_bench, data):
-    """Whatever a part holds: what is asked for is finite, and the next sample is taken in."""
+def test_after_absurd_samples_replies_are_finite(hostile_bench, data):
+    """Any values of a signal: replies are finite, and the next sample is used."""
     bench = hostile_bench
     begin = bench.companion.service.flown_s
-    part = data.draw(st.sampled_from(sorted(bench.sample)))
-    size = len(bench.sample[part])
-    numbers = st.floats() | st.sampled_from([0.0, 1.0, 9999.0, -9999.0, 1e300])
-    value = data.draw(st.lists(numbers, min_size=size, max_size=size).map(np.array))
-    bench.tell(begin + 0.02, **{part: value})
-    bench.companion.answer()
-    for answer in [*bench.station.hear(), *bench.answers(begin + 0.04)]:
-        assert np.isfinite(answer.parts["segment"]).all()
-        assert np.isfinite(answer.parts["plan"]).all()
+    signal = data.draw(st.sampled_from(sorted(bench.sample)))
+    size = len(bench.sample[signal])
+    values = st.floats() | st.sampled_from([0.0, 1.0, 9999.0, -9999.0, 1e300])
+    value = data.draw(st.lists(values, min_size=size, max_size=size).map(np.array))
+    bench.publish(begin + 0.02, **{signal: value})
+    bench.companion.process_messages()
+    for reply in [*bench.station.receive(), *bench.replies(begin + 0.04)]:
+        assert np.isfinite(reply.signals["segment"]).all()
+        assert np.isfinite(reply.signals["plan"]).all()
     assert bench.companion.service.flown_s == pytest.approx(begin + 0.04)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e5])
-@pytest.mark.parametrize("part", ["state", "disturbance", "followed"])
-def test_absurd_samples_are_not_answered(bench, part, value):
-    bench.answers(0.0, 0.01)
-    bench.tell(0.02, **{part: np.full_like(bench.sample[part], value)})
-    bench.companion.answer()
-    assert bench.station.hear() == []
+@pytest.mark.parametrize("signal", ["state", "disturbance", "followed"])
+def test_absurd_samples_have_no_reply(bench, signal, value):
+    bench.replies(0.0, 0.01)
+    bench.publish(0.02, **{signal: np.full_like(bench.sample[signal], value)})
+    bench.companion.process_messages()
+    assert bench.station.receive() == []
 
 
 @pytest.mark.parametrize("time", [1e6, -1.0])
-def test_a_time_that_no_flight_comes_to_is_not_believed_and_said(bench, time):
-    assert bench.answers(time) == []
+def test_an_absurd_time_is_rejected_and_reported(bench, time):
+    assert bench.replies(time) == []
     assert bench.companion.link.phase is Phase.WAITING
-    assert bench.notes == ["note: samples come that no vehicle has, or of no time of a flight"]
+    assert bench.notes == ["note: samples with absurd values or times are ignored"]
 
 
-def test_what_is_late_or_told_twice_is_no_news(bench):
-    assert len(bench.answers(0.0, 0.01, 0.02, 0.02, 0.01)) == 2
-    assert bench.notes == [] and bench.companion.link.refused == 0
+def test_late_and_repeated_samples_are_ignored(bench):
+    assert len(bench.replies(0.0, 0.01, 0.02, 0.02, 0.01)) == 2
+    assert bench.notes == [] and bench.companion.link.rejected == 0
 
 
-def test_it_ends_with_the_flight(bench):
-    bench.answers(0.0, 0.01)
-    bench.tell(0.02, Phase.OVER)
+def test_the_companion_ends_with_the_flight(bench):
+    bench.replies(0.0, 0.01)
+    bench.publish(0.02, Phase.OVER)
     service = bench.companion.serve(lambda flown_s: None)
     assert service.fault == "" and service.flown_s == 0.01
 
 
-def test_another_stations_end_is_not_its_own(bench):
-    bench.tell(0.0, Phase.OVER)
-    bench.companion.answer()
+def test_the_end_of_another_flight_is_ignored(bench):
+    bench.publish(0.0, Phase.OVER)
+    bench.companion.process_messages()
     assert bench.companion.link.phase is Phase.WAITING
 
 
-def test_a_station_that_falls_silent_is_dead(vehicle):
+def test_a_silent_station_is_dead(vehicle):
     bench = Bench(Scenario(supervisor=Supervisor(attitude_lost_s=0.05)), vehicle)
-    bench.answers(0.0, 0.01)
+    bench.replies(0.0, 0.01)
     service = bench.companion.serve(lambda flown_s: None)
-    assert service.fault == "no sample of the station for 0.05 s, since 0.01 s"
+    assert service.fault == "no sample from the station for 0.05 s, since 0.01 s"
 
 
 @pytest.mark.parametrize(
@@ -201,47 +201,47 @@ def test_a_station_that_falls_silent_is_dead(vehicle):
     ids=lambda value: value if isinstance(value, str) else "",
 )
 @pytest.mark.parametrize("phase", [Phase.WAITING, Phase.FLYING])
-def test_a_station_of_another_scenario_is_refused_and_finds_out(bench, phase, other, differing):
+def test_another_scenario_is_refused_at_both_ends(bench, phase, other, differing):
     station = make_station_link(other, bench.lcm)
-    bench.tell(0.0, phase, station)
+    bench.publish(0.0, phase, station)
     with pytest.raises(BadInput, match=f"a station of the same .* that differs in {differing}$"):
-        bench.companion.answer()
-    assert bench.companion.service.answer_ms == []
+        bench.companion.process_messages()
+    assert bench.companion.service.reply_ms == []
     with pytest.raises(
         BadInput, match=f"a coordinator of the same .* that differs in {differing}$"
     ):
         station.wait(lambda: None)
 
 
-def test_of_two_stations_it_serves_the_one_whose_flight_it_begins(bench):
+def test_the_first_of_two_stations_is_served(bench):
     other = make_station_link(bench.companion.scenario, bench.lcm)
     for phase in (Phase.WAITING, Phase.FLYING):
-        bench.tell(0.0, phase)
-        bench.tell(0.0, phase, other)
-        bench.companion.answer()
-        (answer,) = bench.station.hear()
-        assert (answer.phase, answer.station) == (phase, bench.station.station)
-    bench.tell(0.02, Phase.FLYING, other)
-    bench.tell(0.01, Phase.OVER, other)
-    assert not bench.companion.answer()
-    assert other.hear() == [] and bench.companion.service.flown_s == 0.0
-    assert bench.notes == ["note: another station is there, and is not answered"]
+        bench.publish(0.0, phase)
+        bench.publish(0.0, phase, other)
+        bench.companion.process_messages()
+        (reply,) = bench.station.receive()
+        assert (reply.phase, reply.station) == (phase, bench.station.station)
+    bench.publish(0.02, Phase.FLYING, other)
+    bench.publish(0.01, Phase.OVER, other)
+    assert not bench.companion.process_messages()
+    assert other.receive() == [] and bench.companion.service.flown_s == 0.0
+    assert bench.notes == ["note: messages of another station are ignored"]
 
 
-def test_a_station_that_has_gone_before_it_flew_makes_room(vehicle):
+def test_a_station_that_ends_before_its_flight_is_replaced(vehicle):
     bench = Bench(Scenario(supervisor=Supervisor(attitude_lost_s=0.05)), vehicle)
     second = make_station_link(bench.companion.scenario, bench.lcm)
-    bench.tell(0.0, Phase.WAITING)
+    bench.publish(0.0, Phase.WAITING)
 
     def waits(flown_s):
-        if second.hear():
+        if second.receive():
             raise KeyboardInterrupt
-        second.tell(0.0, {})
+        second.publish(0.0, {})
 
     with pytest.raises(KeyboardInterrupt):
         bench.companion.serve(waits)
     assert bench.companion.link.station == second.station
-    assert len(bench.station.hear()) == 1
+    assert len(bench.station.receive()) == 1
 
 
 def test_waiting_can_be_interrupted(bench):
@@ -252,8 +252,8 @@ def test_waiting_can_be_interrupted(bench):
         bench.companion.serve(check)
 
 
-def test_alone_the_coordinator_follows_its_own_setpoints(scenario, vehicle):
-    """`followed` is for who has others to follow."""
+def test_without_a_link_the_coordinator_follows_its_own_setpoints(scenario, vehicle):
+    """Its input `followed` is unconnected."""
     coordinator = make_coordinator(scenario)
     context = make_context(coordinator, 0)
     assert not coordinator.GetInputPort("followed").HasValue(context)

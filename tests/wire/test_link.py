@@ -1,4 +1,4 @@
-"""Two ends of a wire: each hears the other, and nobody else."""
+"""Two ends of a link receive messages of each other only."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ SIZES = {"state": 3, "saturated": 1}
 
 
 def layouts(scenario=SCENARIO, sizes=SIZES):
-    """Of the station, and of the coordinator."""
+    """Returns the layouts of the station and of the coordinator."""
     return Layout(scenario, sizes), Layout(scenario, {"plan": 2})
 
 
@@ -27,55 +27,57 @@ def ends():
     return Link(lcm, *layouts(), is_station=True), Link(lcm, *layouts(), is_station=False)
 
 
-def test_two_ends(ends):
+def test_messages_arrive_at_the_other_end(ends):
     station, coordinator = ends
     station.phase = Phase.FLYING
-    station.tell(0.01, {"state": np.arange(3.0)})
-    station.tell(0.02, {})
-    first, second = coordinator.hear()
+    station.publish(0.01, {"state": np.arange(3.0)})
+    station.publish(0.02, {})
+    first, second = coordinator.receive()
     assert (first.time, first.phase) == (0.01, Phase.FLYING)
-    assert first.parts["state"].tolist() == [0, 1, 2] and first.parts["saturated"].tolist() == [0]
-    assert second.time == 0.02 and coordinator.hear() == []
-    coordinator.tell(0.02, {"plan": np.ones(2)})
-    (answer,) = station.hear()
-    assert answer.parts["plan"].tolist() == [1, 1]
+    assert first.signals["state"].tolist() == [0, 1, 2] and first.signals["saturated"].tolist() == [
+        0
+    ]
+    assert second.time == 0.02 and coordinator.receive() == []
+    coordinator.publish(0.02, {"plan": np.ones(2)})
+    (reply,) = station.receive()
+    assert reply.signals["plan"].tolist() == [1, 1]
 
 
-def test_what_is_refused_is_counted_and_said_once_and_harms_nothing():
+def test_rejected_messages_are_counted_and_reported_once():
     lcm, notes = DrakeLcm("memq://"), []
-    station = Link(lcm, *layouts(), is_station=True, say=notes.append)
+    station = Link(lcm, *layouts(), is_station=True, notify=notes.append)
     coordinator = Link(lcm, *layouts(), is_station=False)
     for data in (b"", b"hello", LAYOUT.encode(Message(0, Phase(0), station.station, ZEROS))):
         station.lcm.Publish(COORDINATOR, data)
     coordinator.station = station.station
-    coordinator.tell(0.0, {})
-    assert len(station.hear()) == 1 and station.refused == 3
-    assert notes == ["note: messages come that are not of ours, or of another version"]
+    coordinator.publish(0.0, {})
+    assert len(station.receive()) == 1 and station.rejected == 3
+    assert notes == ["note: messages of another format or version are ignored"]
 
 
-def test_of_a_flood_the_newest_is_heard(ends):
+def test_the_newest_messages_of_a_flood_are_received(ends):
     station, coordinator = ends
     for i in range(1000):
-        station.tell(i / 100, {})
+        station.publish(i / 100, {})
         station.lcm.Publish(STATION, b"noise")
-    times = [message.time for message in coordinator.hear()]
+    times = [message.time for message in coordinator.receive()]
     assert len(times) == 50 and times[-1] == 9.99
 
 
-def test_waiting_ends_with_an_answer(ends):
+def test_waiting_ends_with_a_reply(ends):
     station, coordinator = ends
-    asked = []
+    received = []
 
     def check():
-        asked.append(len(coordinator.hear()))
-        if len(asked) == 3:
-            coordinator.tell(0.0, {})
+        received.append(len(coordinator.receive()))
+        if len(received) == 3:
+            coordinator.publish(0.0, {})
 
     station.wait(check)
-    assert asked == [1, 1, 1]
+    assert received == [1, 1, 1]
 
 
-def test_waiting_can_be_given_up(ends):
+def test_waiting_can_be_interrupted(ends):
     def check():
         raise KeyboardInterrupt
 
@@ -92,52 +94,52 @@ def test_waiting_can_be_given_up(ends):
         *("udpm://239.255.76.67:7667?ttl=", "udpm://239.255.76.67:7667?tll=1"),
     ],
 )
-def test_an_address_that_is_none(url):
+def test_an_invalid_address_is_refused(url):
     with pytest.raises(BadInput, match="^--lcm: expected udpm://"):
         make_lcm(url)
 
 
-def test_an_address():
+def test_a_valid_address_is_used():
     url = "udpm://239.255.76.67:7668?ttl=0"
     assert make_lcm(url).get_lcm_url() == url
 
 
-def test_the_end_is_said_until_it_is_heard():
-    """By one who hears the third message at first, and then says the same."""
+def test_the_end_is_announced_until_it_is_confirmed():
+    """The coordinator receives the third announcement first, and confirms it."""
     lcm = DrakeLcm("memq://")
     station, coordinator = Link(lcm, *layouts(), True), Link(lcm, *layouts(), False)
     coordinator.station = station.station
-    heard = []
+    phases = []
 
-    def answer(message: bytes) -> None:
-        heard.append(LAYOUT.decode(message).phase)
-        if len(heard) == 3:
+    def reply(message: bytes) -> None:
+        phases.append(LAYOUT.decode(message).phase)
+        if len(phases) == 3:
             coordinator.phase = Phase.OVER
-            coordinator.tell(1.0, {})
+            coordinator.publish(1.0, {})
 
-    lcm.Subscribe(STATION, answer)
-    station.part(1.0)
-    assert heard[:3] == [Phase.OVER] * 3 and len(heard) <= 4
+    lcm.Subscribe(STATION, reply)
+    station.close(1.0)
+    assert phases[:3] == [Phase.OVER] * 3 and len(phases) <= 4
     assert station.phase is Phase.OVER
 
 
-def test_nobody_waits_for_ever_for_the_dead():
+def test_a_dead_end_is_not_waited_for():
     station = Link(DrakeLcm("memq://"), *layouts(), True)
-    station.part(1.0)
+    station.close(1.0)
     assert station.phase is Phase.OVER
 
 
 OTHER = {"rates": 4, "mpc": 5}
 
 
-def test_who_waits_refuses_another_scenario_and_both_find_out():
-    """The station has other sizes, too; its waiting brings the coordinator's answer about."""
+def test_another_scenario_is_refused_at_both_ends():
+    """The sizes of signals differ as well."""
     lcm = DrakeLcm("memq://")
     station = Link(lcm, *layouts(OTHER, {"state": 4}), True)
     coordinator = Link(lcm, *layouts(), False)
-    station.tell(0.0, {})
+    station.publish(0.0, {})
     with pytest.raises(BadInput) as at_coordinator:
-        coordinator.hear()
+        coordinator.receive()
     with pytest.raises(BadInput) as at_station:
         station.wait(lambda: None)
     expected = "--lcm: expected a {} of the same scenario, got one that differs in rates"
@@ -146,78 +148,78 @@ def test_who_waits_refuses_another_scenario_and_both_find_out():
 
 
 @pytest.mark.parametrize("first", [STATION, COORDINATOR])
-def test_the_refusal_is_said_until_it_is_heard(first):
-    """By either end to the other, whose first four messages are lost."""
+def test_the_refusal_is_announced_until_it_is_confirmed(first):
+    """The first four messages of the other end are lost."""
     lcm = DrakeLcm("memq://")
     refusing = Link(lcm, *layouts(), first == STATION)
-    told = []
+    received = []
 
-    def answer(message):
-        told.append(refusing.tells.decode(message))
-        if len(told) == 5:
+    def reply(message):
+        received.append(refusing.outgoing.decode(message))
+        if len(received) == 5:
             other.phase = Phase.OVER
-            other.tell(0.0, {})
+            other.publish(0.0, {})
 
-    lcm.Subscribe(first, answer)
+    lcm.Subscribe(first, reply)
     other = Link(lcm, *layouts(OTHER), first != STATION)
     other.station = refusing.station = 9
-    other.tell(0.0, {})
+    other.publish(0.0, {})
     with pytest.raises(BadInput):
-        refusing.hear()
-    assert len(told) <= 6
-    assert {(message.phase, message.station) for message in told} == {(Phase.OVER, 9)}
+        refusing.receive()
+    assert len(received) <= 6
+    assert {(message.phase, message.station) for message in received} == {(Phase.OVER, 9)}
 
 
 @pytest.mark.parametrize("is_station", [True, False])
-def test_in_flight_another_scenario_is_not_heard_and_said_once(is_station):
+def test_in_flight_another_scenario_is_ignored_and_reported_once(is_station):
     lcm, notes = DrakeLcm("memq://"), []
     flying = Link(lcm, *layouts(), is_station, notes.append)
     other = Link(lcm, *layouts({"rates": 0, "mpc": 0}), not is_station)
     flying.phase, flying.station = Phase.FLYING, 9
     other.station = 9
     for other.phase in (*Phase, Phase.FLYING):
-        other.tell(0.0, {})
-        assert flying.hear() == []
-    assert notes == ["note: messages come of another scenario, which differs in rates, mpc"]
-    assert flying.refused == 4
+        other.publish(0.0, {})
+        assert flying.receive() == []
+    assert notes == ["note: messages of another scenario are ignored; it differs in rates, mpc"]
+    assert flying.rejected == 4
 
 
-def test_the_first_of_two_stations_is_served_and_the_other_noted():
+def test_the_first_of_two_stations_is_served_and_the_other_reported():
     lcm, notes = DrakeLcm("memq://"), []
     coordinator = Link(lcm, *layouts(), False, notes.append)
     first, second = (Link(lcm, *layouts(), True, notes.append) for _ in range(2))
     assert first.station != second.station
     for station, phase in ((first, Phase.WAITING), (second, Phase.WAITING), (second, Phase.OVER)):
         station.phase = phase
-        station.tell(0.0, {})
-    (message,) = coordinator.hear()
+        station.publish(0.0, {})
+    (message,) = coordinator.receive()
     assert message.station == coordinator.station == first.station
-    coordinator.tell(0.0, {})
-    assert (len(first.hear()), len(second.hear())) == (1, 0)
+    coordinator.publish(0.0, {})
+    assert (len(first.receive()), len(second.receive())) == (1, 0)
     assert notes == [
-        "note: another station is there, and is not answered",
-        "note: the coordinator answers another station",
+        "note: messages of another station are ignored",
+        "note: the coordinator serves another station",
     ]
 
 
-def test_a_flight_that_is_over_is_nobodys():
+def test_a_finished_flight_is_not_served():
     lcm = DrakeLcm("memq://")
     coordinator, station = Link(lcm, *layouts(), False), Link(lcm, *layouts(OTHER), True)
     station.phase = Phase.OVER
-    station.tell(0.0, {})
-    assert coordinator.hear() == [] and coordinator.station is None
+    station.publish(0.0, {})
+    assert coordinator.receive() == [] and coordinator.station is None
 
 
-def test_a_farewell_is_not_taken_from_a_coordinator_of_others():
+def test_the_end_is_confirmed_by_the_own_coordinator_only():
     lcm = DrakeLcm("memq://")
     station, other = Link(lcm, *layouts(), True), Link(lcm, *layouts(), False)
     other.station, other.phase = station.station ^ 1, Phase.OVER
-    told = []
+    received = []
 
-    def answer(message):
-        told.append(message)
-        other.tell(0.0, {})
+    def reply(message):
+        received.append(message)
+        other.publish(0.0, {})
 
-    lcm.Subscribe(STATION, answer)
-    station.part(1.0)
-    assert len(told) > 20
+    lcm.Subscribe(STATION, reply)
+    station.close(1.0)
+    assert len(received) > 20

@@ -1,4 +1,4 @@
-"""Messages: what is told is understood to the last bit, and nothing else is."""
+"""Messages are decoded to the last bit, or not at all."""
 
 import numpy as np
 import pytest
@@ -27,19 +27,19 @@ MESSAGES = st.builds(
 
 
 @given(MESSAGES)
-def test_what_is_told_is_heard_to_the_last_bit(message):
-    heard = LAYOUT.decode(LAYOUT.encode(message))
-    assert heard.time == message.time and heard.phase is message.phase
-    assert heard.station == message.station and heard.differing == ()
-    assert list(heard.parts) == ["state", "saturated"]
-    for name, numbers in message.parts.items():
-        np.testing.assert_array_equal(heard.parts[name], numbers)
+def test_messages_are_decoded_to_the_last_bit(message):
+    decoded = LAYOUT.decode(LAYOUT.encode(message))
+    assert decoded.time == message.time and decoded.phase is message.phase
+    assert decoded.station == message.station and decoded.differing == ()
+    assert list(decoded.signals) == ["state", "saturated"]
+    for name, numbers in message.signals.items():
+        np.testing.assert_array_equal(decoded.signals[name], numbers)
 
 
-def test_others_read_it_as_drakes_own_signal():
-    """By names, as a bridge to hardware would."""
-    parts = {"state": np.arange(3.0), "saturated": np.ones(1)}
-    signal = lcmt_drake_signal.decode(LAYOUT.encode(Message(0.02, Phase.FLYING, 7, parts)))
+def test_a_message_is_drakes_own_signal():
+    """A bridge to hardware can read it by names."""
+    signals = {"state": np.arange(3.0), "saturated": np.ones(1)}
+    signal = lcmt_drake_signal.decode(LAYOUT.encode(Message(0.02, Phase.FLYING, 7, signals)))
     assert signal.timestamp == 20_000
     assert dict(zip(signal.coord, signal.val, strict=True)) == {
         "phase": 1.0,
@@ -54,31 +54,31 @@ def test_others_read_it_as_drakes_own_signal():
 
 
 @given(st.binary(max_size=300))
-def test_noise_is_no_message(data):
+def test_noise_is_not_decoded(data):
     assert LAYOUT.decode(data) is None
 
 
 @given(MESSAGES, st.data())
-def test_a_damaged_message_is_none_or_whole(message, data):
+def test_a_damaged_message_is_decoded_completely_or_not_at_all(message, data):
     good = LAYOUT.encode(message)
     at = data.draw(st.integers(0, len(good) - 1))
     if data.draw(st.booleans()):
         bad = good[:at]
     else:
         bad = good[:at] + data.draw(st.binary(min_size=1, max_size=9)) + good[at + 1 :]
-    heard = LAYOUT.decode(bad)
-    if heard is not None and not heard.differing:
-        assert heard.phase in tuple(Phase)
-        assert {name: len(part) for name, part in heard.parts.items()} == LAYOUT.sizes
+    decoded = LAYOUT.decode(bad)
+    if decoded is not None and not decoded.differing:
+        assert decoded.phase in tuple(Phase)
+        assert {name: len(values) for name, values in decoded.signals.items()} == LAYOUT.sizes
 
 
 @pytest.mark.parametrize(
     "other", [{"state": 4, "saturated": 1}, {"saturated": 1, "state": 3}, {"state": 3}, {}], ids=str
 )
-def test_messages_of_another_robot_are_none(other):
+def test_messages_of_another_robot_are_not_decoded(other):
     layout = Layout(SCENARIO, other)
-    parts = {name: np.zeros(size) for name, size in other.items()}
-    message = Message(0.0, Phase.FLYING, 7, parts)
+    signals = {name: np.zeros(size) for name, size in other.items()}
+    message = Message(0.0, Phase.FLYING, 7, signals)
     if other:
         assert LAYOUT.decode(layout.encode(message)) is None
     empty = lcmt_drake_signal()
@@ -86,14 +86,14 @@ def test_messages_of_another_robot_are_none(other):
 
 
 @pytest.mark.parametrize("phase", [-1.0, 3.0, 0.5, np.nan, np.inf, 1e300])
-def test_a_phase_that_there_is_not(phase):
+def test_an_invalid_phase_is_not_decoded(phase):
     signal = lcmt_drake_signal.decode(LAYOUT.encode(Message(0.0, Phase.FLYING, 7, ZEROS)))
     signal.val = [phase, *signal.val[1:]]
     assert LAYOUT.decode(signal.encode()) is None
 
 
 @pytest.mark.parametrize("station", [-1.0, 0.5, 2.0**48, np.nan, np.inf])
-def test_a_station_that_there_is_not(station):
+def test_an_invalid_station_is_not_decoded(station):
     signal = lcmt_drake_signal.decode(LAYOUT.encode(Message(0.0, Phase.FLYING, 7, ZEROS)))
     signal.val = [signal.val[0], station, *signal.val[2:]]
     assert LAYOUT.decode(signal.encode()) is None
@@ -101,14 +101,14 @@ def test_a_station_that_there_is_not(station):
 
 @pytest.mark.parametrize("sizes", [LAYOUT.sizes, {"state": 4}], ids=str)
 @pytest.mark.parametrize("differing", [("rates",), ("mpc",), ("rates", "mpc")], ids=str)
-def test_another_scenario_is_told_by_its_sections_whatever_comes_with_it(sizes, differing):
+def test_another_scenario_is_decoded_to_the_sections_that_differ(sizes, differing):
     other = Layout({name: n ^ (name in differing) for name, n in SCENARIO.items()}, sizes)
-    parts = {name: np.ones(size) for name, size in sizes.items()}
-    heard = LAYOUT.decode(other.encode(Message(0.5, Phase.WAITING, 7, parts)))
-    assert heard == Message(0.5, Phase.WAITING, 7, {}, differing)
+    signals = {name: np.ones(size) for name, size in sizes.items()}
+    decoded = LAYOUT.decode(other.encode(Message(0.5, Phase.WAITING, 7, signals)))
+    assert decoded == Message(0.5, Phase.WAITING, 7, {}, differing)
 
 
 @pytest.mark.parametrize("scenario", [{}, {"rates": 0}, {"mpc": 0, "rates": 0}], ids=str)
-def test_sections_of_another_version_are_none(scenario):
+def test_other_sections_are_not_decoded(scenario):
     other = Layout(scenario, LAYOUT.sizes)
     assert LAYOUT.decode(other.encode(Message(0.0, Phase.WAITING, 7, ZEROS))) is None

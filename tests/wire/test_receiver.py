@@ -1,4 +1,4 @@
-"""What a station does with what it is told, and with what it is not."""
+"""Outputs of a receiver with and without replies of the coordinator."""
 
 import numpy as np
 import pytest
@@ -26,30 +26,30 @@ SIZES = {
 
 
 class Bench:
-    """A receiver with a coordinator that is a script."""
+    """Receiver with a scripted coordinator."""
 
     def __init__(self, vehicle):
         lcm, layouts = DrakeLcm("memq://"), (Layout({}, {"state": 1}), Layout({}, SIZES))
-        self.told_by = Link(lcm, *layouts, is_station=False)
-        self.told_by.phase = Phase.FLYING
+        self.coordinator = Link(lcm, *layouts, is_station=False)
+        self.coordinator.phase = Phase.FLYING
         link = Link(lcm, *layouts, is_station=True)
-        self.told_by.station = link.station
+        self.coordinator.station = link.station
         self.link = link
         self.receiver = WireReceiver(link, PERIOD, STAGES_S, vehicle, POLL, 3 * POLL / 8)
         self.simulator = Simulator(self.receiver)
 
-    def tell(self, time, value, **others):
-        """u is `value` at the tick, 10 and 20 more at the next ones."""
+    def reply(self, time, value, **others):
+        """Publishes a reply with u of `value` at the tick, and 10 and 20 more at the next ones."""
         segment = np.concatenate([np.full(2 * AXES, 99.0), np.full(AXES, value), [time]])
         plan = np.repeat([-1.0, value + 10, value + 20], AXES)
-        parts = {
+        signals = {
             "segment": segment,
             "plan": plan,
             "status": np.array([1.0, 7.0, 2.0]),
             "delta": np.array([value, -value]),
             "tick_ms": np.array([0.1 * value]),
         }
-        self.told_by.tell(time, parts | others)
+        self.coordinator.publish(time, signals | others)
 
     def at(self, time, port="u"):
         self.simulator.AdvanceTo(time)
@@ -61,56 +61,56 @@ def bench(vehicle):
     return Bench(vehicle)
 
 
-def test_before_anything_is_told(bench):
+def test_before_the_first_message_ticks_are_missed(bench):
     assert bench.at(0.005) == [0, 0]
     assert bench.at(0.045, "status") == [MISSED, 0, 3]
 
 
-def test_the_plan_is_followed_until_the_next_answer(bench):
-    bench.tell(0.0, 1.0)
+def test_the_plan_is_followed_until_the_next_reply(bench):
+    bench.reply(0.0, 1.0)
     assert bench.at(0.003) == [1, 1]
     assert bench.at(0.019) == [1, 1]
     assert bench.at(0.021) == [11, 11]
-    bench.tell(0.02, 2.0)
+    bench.reply(0.02, 2.0)
     assert bench.at(0.0225) == [2, 2]
     assert bench.at(0.0225, "delta") == [2, -2]
     assert bench.link.tick_ms == pytest.approx([0.1, 0.2])
 
 
 def test_the_plan_ends_in_rest(bench):
-    bench.tell(0.0, 1.0)
+    bench.reply(0.0, 1.0)
     assert [bench.at(t)[0] for t in (0.01, 0.03, 0.05, 0.07, 0.5)] == [1, 11, 21, 0, 0]
 
 
-def test_ticks_without_an_answer_are_missed_ones(bench):
-    bench.tell(0.0, 1.0)
+def test_ticks_without_a_reply_are_missed(bench):
+    bench.reply(0.0, 1.0)
     assert bench.at(0.01, "status") == [1, 7, 2]
     assert bench.at(0.03, "status") == [MISSED, 0, 3]
     assert bench.at(0.05, "status") == [MISSED, 0, 4]
-    bench.tell(0.04, 1.0)
+    bench.reply(0.04, 1.0)
     assert bench.at(0.055, "status") == [1, 7, 2]
     assert len(bench.link.tick_ms) == 2
 
 
 @pytest.mark.parametrize("time", [0.0, 0.02, 0.06, -0.04, 1e6])
-def test_answers_to_other_ticks_are_not_followed(bench, time):
+def test_replies_to_other_ticks_are_not_followed(bench, time):
     bench.at(0.045)
-    bench.tell(time, 5.0)
+    bench.reply(time, 5.0)
     assert bench.at(0.055) == [0, 0] and not bench.link.tick_ms
 
 
-def test_the_first_answer_counts(bench):
-    bench.tell(0.0, 1.0)
-    bench.tell(0.0, 2.0)
+def test_the_first_reply_counts(bench):
+    bench.reply(0.0, 1.0)
+    bench.reply(0.0, 2.0)
     assert bench.at(0.01) == [1, 1] and len(bench.link.tick_ms) == 1
 
 
-@pytest.mark.parametrize("part", ["segment", "plan", "horizon"])
+@pytest.mark.parametrize("signal", ["segment", "plan", "horizon"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_what_is_no_number_is_not_followed(bench, part, value):
-    bench.tell(0.0, 1.0, **{part: np.full(SIZES[part], value)})
+def test_replies_with_nan_or_infinity_are_not_followed(bench, signal, value):
+    bench.reply(0.0, 1.0, **{signal: np.full(SIZES[signal], value)})
     assert bench.at(0.01) == [0, 0]
-    bench.tell(0.0, 3.0)
+    bench.reply(0.0, 3.0)
     assert bench.at(0.012) == [3, 3]
 
 
@@ -130,7 +130,7 @@ def test_horizons_are_interpolated_at_the_current_time(bench):
     """The message has three of the four stages; it was evaluated 0.2 ms after its tick."""
     rows = motion(0.0002 + STAGES_S[:3])
     horizons = {"horizon": rows.ravel(), "tool_axis_horizon": rows[:, [2, 0, 1, 5, 3, 4]].ravel()}
-    bench.tell(0.0, 1.0, **horizons, output_time_s=np.array([0.0002]))
+    bench.reply(0.0, 1.0, **horizons, output_time_s=np.array([0.0002]))
     for time in (0.0031, 0.02, 0.033, 0.05):
         expected = motion(np.array([time]))[0]
         assert bench.at(time, "reference") == pytest.approx(expected, abs=1e-12)
@@ -139,24 +139,24 @@ def test_horizons_are_interpolated_at_the_current_time(bench):
         assert bench.at(time, "reference") == [*rows[-1, :3], 0, 0, 0]
 
 
-def test_what_is_logged_may_be_none(bench):
-    bench.tell(0.0, 1.0, delta=np.full(2, np.nan))
+def test_logged_signals_may_be_nan(bench):
+    bench.reply(0.0, 1.0, delta=np.full(2, np.nan))
     assert bench.at(0.01) == [1, 1] and np.isnan(bench.at(0.01, "delta")).all()
 
 
-def test_a_tick_that_the_coordinator_missed_itself_has_no_time(bench):
-    bench.tell(0.0, 1.0, tick_ms=np.array([np.nan]))
+def test_a_tick_that_the_coordinator_missed_has_no_wall_time(bench):
+    bench.reply(0.0, 1.0, tick_ms=np.array([np.nan]))
     assert bench.at(0.01) == [1, 1] and bench.link.tick_ms == []
 
 
 @pytest.mark.parametrize("phase", [Phase.WAITING, Phase.OVER])
-def test_who_does_not_fly_is_not_followed(bench, phase):
-    bench.told_by.phase = phase
-    bench.tell(0.0, 1.0)
+def test_replies_of_another_phase_are_not_followed(bench, phase):
+    bench.coordinator.phase = phase
+    bench.reply(0.0, 1.0)
     assert bench.at(0.01) == [0, 0]
 
 
-def test_what_is_told_to_another_station_is_not_followed(bench):
-    bench.told_by.station ^= 1
-    bench.tell(0.0, 1.0)
+def test_replies_to_another_station_are_not_followed(bench):
+    bench.coordinator.station ^= 1
+    bench.reply(0.0, 1.0)
     assert bench.at(0.01) == [0, 0]

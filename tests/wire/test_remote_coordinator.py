@@ -44,7 +44,7 @@ def names(diagram, count, port):
     return {getattr(diagram, port)(i).get_name() for i in range(getattr(diagram, count)())}
 
 
-def test_it_has_the_ports_of_the_coordinator(scenario):
+def test_the_ports_are_those_of_the_coordinator(scenario):
     own, remote = (
         make_coordinator(scenario),
         make_remote_coordinator(
@@ -59,13 +59,13 @@ def test_it_has_the_ports_of_the_coordinator(scenario):
 
 
 @pytest.mark.parametrize("name", ["clover", "clover_paper"])
-def test_without_latency_it_is_the_same_flight_bit_for_bit(name):
+def test_without_latency_the_flight_is_the_same_bit_for_bit(name):
     scenario = load_scenario(name, SHORT)
     here, over = FlightSimulation(scenario).fly(), fly_over(Lockstep(), scenario)
     assert over.exit_reason == here.exit_reason == "completed"
     assert set(over.signals) == set(here.signals)
     for key in set(here.signals) - {"tick_ms", *INTERPOLATED}:
-        # Before the first tick nothing has been told yet.
+        # Before the first tick no message has arrived.
         np.testing.assert_array_equal(over[key][1:], here[key][1:], err_msg=key)
     for key, tolerance in INTERPOLATED.items():
         np.testing.assert_allclose(over[key], here[key], rtol=0, atol=tolerance, err_msg=key)
@@ -74,8 +74,8 @@ def test_without_latency_it_is_the_same_flight_bit_for_bit(name):
         assert figures[0][key] == figures[1][key]
 
 
-def test_latency_costs_next_to_nothing():
-    """Without the plan in each message the 3 ms would cost half as much again."""
+def test_latency_hardly_increases_the_error():
+    """Without the plan in each message, 3 ms would increase the error by half."""
     scenario = load_scenario("clover", [("--set", "settle_s=0.5"), ("--set", "duration=9")])
     here, over = FlightSimulation(scenario).fly(), fly_over(Lockstep(late=3), scenario)
     assert summarize(scenario, over)["mpc"]["missed"] == 0
@@ -83,11 +83,11 @@ def test_latency_costs_next_to_nothing():
     assert over.error_m[started].mean() < 1.2 * here.error_m[started].mean()
 
 
-def test_an_answer_within_its_period_is_in_time(clover):
+def test_a_reply_within_its_period_is_in_time(clover):
     assert summarize(clover, fly_over(Lockstep(late=17), clover))["mpc"]["missed"] == 0
 
 
-def test_an_answer_after_its_period_is_a_missed_tick(clover):
+def test_a_reply_after_its_period_is_a_missed_tick(clover):
     over = fly_over(Lockstep(late=21), clover)
     figures = summarize(clover, over)
     assert figures["mpc"]["ticks"] == 0
@@ -95,8 +95,8 @@ def test_an_answer_after_its_period_is_a_missed_tick(clover):
     assert (over.exit_reason, over.exit_cause.split()[0]) == ("hold", "plan_outage")
 
 
-def test_a_lost_message_hardly_matters(clover, here):
-    """Each fifth answer, and each seventh sample, some of them a tick's."""
+def test_lost_messages_hardly_increase_the_error(clover, here):
+    """Each fifth reply and each seventh sample are lost, some of them samples of a tick."""
     lcm = Lockstep(2, lambda channel, i: i % {COORDINATOR: 5, STATION: 7}[channel] == 4)
     over = fly_over(lcm, clover)
     figures = summarize(clover, over)["mpc"]
@@ -105,13 +105,13 @@ def test_a_lost_message_hardly_matters(clover, here):
     assert figures["missed"] > 25 and figures["missed"] + figures["ticks"] == 125
     assert over["qp_status"].tolist().count(MISSED) > 20
     assert over.error_m.max() < 0.002
-    # Setpoints go on from where they are.
+    # Setpoints are continuous.
     jumps = np.diff(over["p_Bd_m"], axis=0) - over["v_Bd_m_s"][:-1] * 0.01
     assert np.abs(jumps).max() < 3 * 0.01**2
 
 
-def test_a_silent_coordinator_is_an_mpc_without_an_answer(clover):
-    """The plan goes on for `plan_ticks`, then setpoints come to rest; and on it goes."""
+def test_a_silent_coordinator_leads_to_a_hold_until_it_replies(clover):
+    """The plan is followed for `plan_ticks`, then setpoints come to rest until replies arrive."""
     lcm = Lockstep(2, lambda channel, i: channel == COORDINATOR and 60 <= i < 80)
     over = fly_over(lcm, clover)
     mode, age = over["supervisor_mode"], over["plan_age_ticks"]
@@ -125,7 +125,7 @@ def test_a_silent_coordinator_is_an_mpc_without_an_answer(clover):
 
 
 @pytest.mark.parametrize("late, each", [(12, 1000), (2, 20)], ids=["slow", "lossy"])
-def test_a_hold_ends_where_answers_take_their_time_or_are_lost_now_and_then(clover, late, each):
+def test_a_hold_ends_with_late_or_lost_replies(clover, late, each):
     def is_lost(channel, i):
         return channel == COORDINATOR and (40 <= i < 50 or i > 50 and i % each == 0)
 
@@ -134,7 +134,7 @@ def test_a_hold_ends_where_answers_take_their_time_or_are_lost_now_and_then(clov
     assert np.count_nonzero(over["supervisor_mode"] == SafeMode.HOLD) < 80
 
 
-def test_a_dead_coordinator_is_a_landing(clover):
+def test_a_dead_coordinator_leads_to_a_landing(clover):
     scenario = load_scenario("clover", [*SHORT, ("--set", "supervisor.plan_lost_s=0.3")])
     over = fly_over(Lockstep(2, lambda channel, i: channel == COORDINATOR and i > 60), scenario)
     assert (over.exit_reason, over.exit_cause.split()[0]) == ("descend", "plan_lost")
@@ -145,8 +145,8 @@ def test_a_dead_coordinator_is_a_landing(clover):
     assert over["v_Bd_m_s"][-1, 2] == pytest.approx(-scenario.supervisor.descend_m_s, rel=0.05)
 
 
-def test_a_second_station_changes_nothing(clover, here):
-    """Once the first one is served: it waits, flies and ends, by messages among those of that."""
+def test_a_second_station_does_not_change_the_flight(clover, here):
+    """Its messages of all phases are between those of the first one, which is served."""
     lcm = Lockstep()
     second = make_station_link(clover, lcm)
 
@@ -154,7 +154,7 @@ def test_a_second_station_changes_nothing(clover, here):
         is_served = lcm.companion and lcm.companion.link.station
         if is_served and channel == STATION and i % 2:
             second.phase = Phase(i // 2 % 3)
-            second.tell(i / 200, {})
+            second.publish(i / 200, {})
         return False
 
     lcm.is_lost = is_lost
@@ -162,11 +162,11 @@ def test_a_second_station_changes_nothing(clover, here):
     assert over.exit_reason == "completed"
     for key in set(here.signals) - {"tick_ms", *INTERPOLATED}:
         np.testing.assert_array_equal(over[key][1:], here[key][1:], err_msg=key)
-    assert lcm.companion.link.refused > 200
-    assert second.hear() == [] and second.refused
+    assert lcm.companion.link.rejected > 200
+    assert second.receive() == [] and second.rejected
 
 
-def test_a_coordinator_that_is_started_again_takes_the_flight_over(clover):
+def test_a_restarted_coordinator_resumes_the_flight(clover):
     lcm = Lockstep(2)
 
     def is_lost(channel, i):
@@ -184,7 +184,7 @@ def test_a_coordinator_that_is_started_again_takes_the_flight_over(clover):
     assert lcm.companion.service.flown_s == pytest.approx(2.49)
 
 
-def test_a_tick_that_the_mpc_misses_is_missed_over_the_wire_too():
+def test_a_tick_that_the_mpc_misses_is_missed_over_the_link_too():
     faults = "[{kind: mpc_missed, start_s: 0.5, duration_s: 0.055}]"
     scenario = load_scenario("clover", [*SHORT, ("--set", f"faults={faults}")])
     figures = [
@@ -194,12 +194,12 @@ def test_a_tick_that_the_mpc_misses_is_missed_over_the_wire_too():
     assert [f["missed"] for f in figures] == [3, 3]
 
 
-def test_a_refusal_counts_as_soon_as_it_is_heard(scenario):
-    """Systems that are tried out before the flight speak over the wire already."""
+def test_a_refusal_before_the_flight_is_raised(scenario):
+    """The systems receive messages already when they are tried before the flight."""
     lcm, other = DrakeLcm("memq://"), dataclasses.replace(scenario, settle_s=9.0)
     link = make_station_link(scenario, lcm)
     coordinator = Link(lcm, *make_layouts(make_coordinator(other), other), False)
     coordinator.station, coordinator.phase = link.station, Phase.OVER
-    coordinator.tell(0.0, {})
+    coordinator.publish(0.0, {})
     with pytest.raises(BadInput, match=r"expected a coordinator .* that differs in settle_s$"):
         FlightSimulation(scenario, link=link)

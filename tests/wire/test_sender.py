@@ -1,4 +1,4 @@
-"""What a station tells, and when."""
+"""The sender publishes the station's signals periodically."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from aerodrake.wire.message import Layout, Phase
 from aerodrake.wire.sender import WireSender
 
 
-def test_a_message_a_period_with_the_time_of_its_sample():
+def test_each_message_has_the_time_of_its_sample():
     lcm = DrakeLcm("memq://")
     layouts = (
         Layout({}, {"state": 2, "saturated": 1}),
@@ -26,11 +26,11 @@ def test_a_message_a_period_with_the_time_of_its_sample():
     simulator.AdvanceTo(0.015)
     sender.GetInputPort("state").FixValue(context, [3.0, np.nan])
     simulator.AdvanceTo(0.03)
-    heard = Link(lcm, *layouts, is_station=False)
-    assert heard.hear() == []  # Who comes late has missed it.
+    coordinator = Link(lcm, *layouts, is_station=False)
+    assert coordinator.receive() == []  # Earlier messages are lost.
     simulator.AdvanceTo(0.045)
-    messages = heard.hear()
+    messages = coordinator.receive()
     assert [message.time for message in messages] == pytest.approx([0.03, 0.04], abs=1e-12)
     assert all(message.phase is Phase.FLYING for message in messages)
-    np.testing.assert_array_equal(messages[0].parts["state"], [3.0, np.nan])
-    assert messages[0].parts["saturated"].tolist() == [1.0]
+    np.testing.assert_array_equal(messages[0].signals["state"], [3.0, np.nan])
+    assert messages[0].signals["saturated"].tolist() == [1.0]

@@ -1,4 +1,4 @@
-"""Station and coordinator as processes, over a wire of their own. No test looks at the clock."""
+"""Station and coordinator as processes, over LCM. No test depends on wall time."""
 
 import json
 import os
@@ -20,15 +20,15 @@ PATIENT = [
     *("--set", "supervisor.plan_lost_s=1000"),
     *("--set", "supervisor.attitude_lost_s=60"),
 ]
-"""However busy the machine is, nobody gives up."""
+"""Timeouts that no load of the machine exceeds."""
 
 BEGUN = re.compile(rb"\| (?!0\.0/)[\d.]+/")
-"""In a progress bar."""
+"""Progress bar after the start of the flight."""
 
 
 @pytest.fixture
 def url():
-    """An address that no other test has."""
+    """URL that no other test uses."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("", 0))
         return f"udpm://239.255.76.67:{free.getsockname()[1]}?ttl=0"
@@ -54,7 +54,7 @@ def start():
 
 
 def waits(process):
-    """Reads until it says that it does."""
+    """Reads until the process prints that it waits."""
     for line in process.stdout:
         if b"waiting" in line:
             return
@@ -62,16 +62,16 @@ def waits(process):
 
 
 def begins(process):
-    """Reads until it says that the flight has begun."""
-    said = b""
-    while not BEGUN.search(said):
-        came = process.stderr.read1()
-        assert came, said.decode()
-        said += came
+    """Reads until the progress bar shows that the flight has begun."""
+    output = b""
+    while not BEGUN.search(output):
+        chunk = process.stderr.read1()
+        assert chunk, output.decode()
+        output += chunk
 
 
-def test_they_fly_whoever_is_held_up_and_leave_a_runs_folder(start, url, tmp_path):
-    """The station first; the other order is that of `diagrams/fly_over_lcm.py`."""
+def test_two_processes_fly_and_write_the_folder_of_a_run(start, url, tmp_path):
+    """The coordinator pauses for a while. The order of starts differs in `fly_over_lcm.py`."""
     options = [*SHORT, *PATIENT, "--lcm", url]
     commands = {"station": ["run", *options, "--out", tmp_path / "out"]}
     commands["coordinator"] = ["coordinator", *options]
@@ -96,8 +96,8 @@ def test_they_fly_whoever_is_held_up_and_leave_a_runs_folder(start, url, tmp_pat
     assert summary["error"]["max_m"] < 0.01
 
 
-def test_a_coordinator_that_ends_is_an_mpc_without_an_answer(start, url, tmp_path):
-    """Interrupted, it says what it did; to the station that is as if it were killed."""
+def test_a_coordinator_that_ends_leads_to_a_landing(start, url, tmp_path):
+    """An interrupted coordinator prints its report; for the station it is dead."""
     options = [*SHORT, "--set", "supervisor.plan_lost_s=0.2", "--lcm", url]
     station = start("run", *options, "--out", tmp_path / "out", "--duration", 1)
     coordinator = start("coordinator", *options)
@@ -125,47 +125,47 @@ def test_a_killed_station_ends_its_coordinator(start, url, tmp_path):
     report, errors = coordinator.communicate(timeout=300)
     assert coordinator.returncode == 1, errors
     (line,) = [line for line in errors.decode().splitlines() if line.startswith("aerodrake: ")]
-    assert re.search(r"no sample of the station for 0\.4 s, since [\d.]+ s", line)
+    assert re.search(r"no sample from the station for 0\.4 s, since [\d.]+ s", line)
     assert b" ticks, " in report
 
 
-def test_two_scenarios_are_found_out_at_both_ends(start, url, tmp_path):
+def test_different_scenarios_are_refused_at_both_ends(start, url, tmp_path):
     other = ["--set", "rates.mpc_period_s=0.04", "--set", "mpc.horizon=7"]
     ends = {
         "coordinator": start("run", *SHORT, "--quiet", "--lcm", url, "--out", tmp_path / "out"),
         "station": start("coordinator", *SHORT, "--quiet", "--lcm", url, *other),
     }
     for expected, process in ends.items():
-        said, errors = process.communicate(timeout=300)
+        output, errors = process.communicate(timeout=300)
         problem = f"expected a {expected} of the same scenario, got one that differs in rates, mpc"
         assert errors.decode() == f"aerodrake: --lcm: {problem}\n"
-        assert process.returncode == 2 and said == b""
+        assert process.returncode == 2 and output == b""
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("command", ["run", "coordinator"])
-def test_who_waits_can_be_interrupted(url, tmp_path, monkeypatch, capsys, command):
-    """In this process, the third time that it looks up: else it would wait for ever."""
+def test_waiting_can_be_interrupted(url, tmp_path, monkeypatch, capsys, command):
+    """In this process, the third time that it updates up: else it would wait for ever."""
     monkeypatch.chdir(tmp_path)
-    looks = []
+    updates = []
 
     def update(bar, step):
-        looks.append(step)
-        if len(looks) == 3:
+        updates.append(step)
+        if len(updates) == 3:
             os.kill(os.getpid(), signal.SIGINT)
 
     monkeypatch.setattr(tqdm.tqdm, "update", update)
     assert main([command, *SHORT, "--lcm", url]) == 130
-    said, errors = capsys.readouterr()
-    assert "waiting" in said and looks == [0.0, 0.0, 0.0]
+    output, errors = capsys.readouterr()
+    assert "waiting" in output and updates == [0.0, 0.0, 0.0]
     assert "Traceback" not in errors and "aerodrake: interrupted" in errors
     assert not list(tmp_path.rglob("*.*"))
 
 
 @pytest.mark.parametrize("command", ["run", "coordinator"])
-def test_an_address_that_is_none(tmp_path, monkeypatch, capsys, command):
+def test_an_invalid_address_is_bad_input(tmp_path, monkeypatch, capsys, command):
     monkeypatch.chdir(tmp_path)
     assert main([command, *SHORT, "--quiet", "--lcm", "udpm://localhost"]) == 2
-    said, errors = capsys.readouterr()
-    assert said == "" and errors.startswith("aerodrake: --lcm: expected udpm://")
+    output, errors = capsys.readouterr()
+    assert output == "" and errors.startswith("aerodrake: --lcm: expected udpm://")
     assert errors.count("\n") == 1 and not list(tmp_path.iterdir())
