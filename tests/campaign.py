@@ -1,10 +1,10 @@
-"""Flights in which anything fails, drawn from a seed, flown by the command line, and judged.
+"""Random flights with faults, drawn from a seed, flown by the command line, and checked.
 
     python -m tests.campaign --flights 500 --seed 0
 
-draws a scenario for each flight: a reference, a world that may be noisy, late, windy and
-off its model, and one to four faults of any kind, at any time, for any time. It prints what
-is wrong with each flight of which something is, and how the others ended.
+draws a scenario for each flight: a reference, possibly sensor noise and delay, wind, payload
+and model mismatch, and one to four faults of any kind, time and duration. It prints the
+problems of each flight, and how many flights ended with which exit reason.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from aerodrake.scenario.load import packaged_scenarios
 
 SETTLE_S, DURATION_S = 1.0, 8.0
 ENDINGS = {"completed", "hold", "descend", "landed", "stopped", "lost"}
-"""Of a flight that nobody interrupts."""
+"""Exit reasons of flights that are not interrupted."""
 
-MOST_S = 300.0
-"""Wall time after which a flight hangs."""
+TIMEOUT_S = 300.0
+"""Wall time after which a flight counts as hanging."""
 
 REFERENCES: tuple[dict[str, Any], ...] = (
     {"kind": "hover"},
@@ -50,11 +50,11 @@ SENSORS = {
     "joint_noise_rad": 0.0009,
 }
 LEARNING = "clover_position"
-"""The packaged scenario, with a network that learns, in which learners fail."""
+"""Packaged scenario with online learning, for learning faults."""
 
 
 def draw(seed: int) -> dict[str, Any]:
-    """The scenario of one flight, as YAML has it."""
+    """Returns the scenario of one flight as a YAML mapping."""
     rng = np.random.default_rng(seed)
     scenario: dict[str, Any] = {
         "name": f"campaign-{seed}",
@@ -76,13 +76,13 @@ def draw(seed: int) -> dict[str, Any]:
     scenario["faults"] = [draw_fault(rng) for _ in range(count)]
     if any(fault["kind"].startswith("learner") for fault in scenario["faults"]):
         learning = yaml.safe_load(packaged_scenarios()[LEARNING].read_text())
-        own = ("name", "seed", "duration", "settle_s", "faults")  # Its gains stand no noise.
+        own = ("name", "seed", "duration", "settle_s", "faults")  # Its gains do not tolerate noise.
         scenario = learning | {key: scenario[key] for key in own}
     return scenario
 
 
 def draw_fault(rng: np.random.Generator) -> dict[str, Any]:
-    """One fault, as YAML has it; most are short, a few last for good."""
+    """Returns one fault as a YAML mapping; most are short, a few last until the end."""
 
     def uniform(low: float, high: float) -> float:
         return round(rng.uniform(low, high), 4)
@@ -123,13 +123,13 @@ def draw_fault(rng: np.random.Generator) -> dict[str, Any]:
     return {"kind": kind, "start_s": uniform(-0.5, 6.0), "duration_s": lasting, **kinds[kind]}
 
 
-def is_ridden_out(scenario: dict[str, Any]) -> bool:
-    """Whether the flight is to be completed, by the table in `diagrams/faults.md`."""
+def must_complete(scenario: dict[str, Any]) -> bool:
+    """Returns True if the flight must complete, by the tables in `diagrams/faults.md`."""
     if len(scenario["faults"]) > 1:
         return False
     (fault,) = scenario["faults"]
     kind, lasts = fault["kind"], fault["duration_s"]
-    # What is held at the end of the flight is held, not lost.
+    # A flight that ends in HOLD is not completed.
     is_over = fault["start_s"] + lasts < DURATION_S - 1.0
     if kind.startswith("sample"):
         most = {"position": 1.0, "attitude": 0.3, "joints": 0.5, "all": 0.3}[fault["group"]]
@@ -152,74 +152,74 @@ def _is_near(fault: dict[str, Any]) -> bool:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """Of one flight.
+class FlightResult:
+    """Result of one flight.
 
     Attributes:
-        seed: Of its scenario.
-        ending: Its exit reason; empty where there is none.
-        wrong: What is wrong; empty where nothing is.
+        seed: Seed of its scenario.
+        ending: Exit reason; empty if there is none.
+        problems: Problems of the flight; empty if there are none.
     """
 
     seed: int
     ending: str
-    wrong: str
+    problems: str
 
 
 def in_a_process(arguments: list[str]) -> tuple[int, str]:
-    """Exit code of `aerodrake`, and what it said on stderr."""
+    """Returns the exit code and the stderr of `aerodrake`."""
     command = [sys.executable, "-m", "aerodrake", *arguments]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=MOST_S, check=False)
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S, check=False)
     return ran.returncode, ran.stderr
 
 
-def judge(
+def check_flight(
     seed: int, folder: Path, run: Callable[[list[str]], tuple[int, str]] = in_a_process
-) -> Verdict:
-    """Flies one scenario by the command line, in `folder`, and looks at all that it leaves."""
+) -> FlightResult:
+    """Flies one scenario by the command line in `folder`, and checks all of its files."""
     scenario = draw(seed)
     path, out = folder / f"{seed}.yaml", folder / f"{seed}"
     path.write_text(yaml.safe_dump(scenario, sort_keys=False))
     try:
-        code, said = run(["run", str(path), "--out", str(out), "--quiet"])
+        code, stderr = run(["run", str(path), "--out", str(out), "--quiet"])
     except subprocess.TimeoutExpired:
-        return Verdict(seed, "", "hangs")
-    if code not in (0, 1) or said:
-        return Verdict(seed, "", f"exit code {code}: {said.strip()[-500:]}")
+        return FlightResult(seed, "", "hangs")
+    if code not in (0, 1) or stderr:
+        return FlightResult(seed, "", f"exit code {code}: {stderr.strip()[-500:]}")
     text = (out / "summary.json").read_text()
     summary = json.loads(text, parse_constant=lambda name: name)
     ending = summary["exit_reason"]
-    wrong = []
+    problems = []
     if "NaN" in text or "Infinity" in text:
-        wrong.append("summary.json has numbers that are none")
+        problems.append("summary.json contains NaN or infinite")
     with np.load(out / "log.npz", allow_pickle=False) as log:
-        broken = [
+        not_finite = [
             key for key in log if log[key].dtype.kind == "f" and not np.isfinite(log[key]).all()
         ]
-    if broken:
-        wrong.append(f"log.npz has numbers that are none: {', '.join(broken)}")
+    if not_finite:
+        problems.append(f"log.npz contains NaN or infinite: {', '.join(not_finite)}")
     if ending not in ENDINGS:
-        wrong.append(f"ends without a name: {ending}")
+        problems.append(f"unknown exit reason: {ending}")
     if (code == 0) != (ending == "completed"):
-        wrong.append(f"exit code {code} of a flight that is {ending}")
-    if is_ridden_out(scenario) and ending != "completed":
-        wrong.append(f"to be ridden out, but {ending}: {summary['exit_cause']}")
-    return Verdict(seed, ending, "; ".join(wrong))
+        problems.append(f"exit code {code} of a flight that ends as {ending}")
+    if must_complete(scenario) and ending != "completed":
+        problems.append(f"expected to complete, but {ending}: {summary['exit_cause']}")
+    return FlightResult(seed, ending, "; ".join(problems))
 
 
-def campaign(seeds: range, jobs: int, folder: Path) -> list[Verdict]:
-    """The verdicts on all flights, each told as it comes where something is wrong."""
-    verdicts = []
+def campaign(seeds: range, jobs: int, folder: Path) -> list[FlightResult]:
+    """Returns the results of all flights, and prints those with problems as they end."""
+    results = []
     with ThreadPoolExecutor(jobs) as pool:
-        for verdict in pool.map(lambda seed: judge(seed, folder), seeds):
-            verdicts.append(verdict)
-            if verdict.wrong:
-                print(f"seed {verdict.seed}: {verdict.wrong}\n    {draw(verdict.seed)['faults']}")
-    return verdicts
+        for result in pool.map(lambda seed: check_flight(seed, folder), seeds):
+            results.append(result)
+            if result.problems:
+                print(f"seed {result.seed}: {result.problems}\n    {draw(result.seed)['faults']}")
+    return results
 
 
 def main() -> int:
-    """Flies a campaign; 1 if something is wrong."""
+    """Flies a campaign; returns 1 if a flight has problems."""
     parser = argparse.ArgumentParser(description=main.__doc__)
     parser.add_argument("--flights", type=int, default=500)
     parser.add_argument("--seed", type=int, default=0, help="of the first flight")
@@ -227,12 +227,12 @@ def main() -> int:
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         seeds = range(arguments.seed, arguments.seed + arguments.flights)
-        verdicts = campaign(seeds, arguments.jobs, Path(folder))
-    endings = Counter(verdict.ending for verdict in verdicts)
-    wrong = sum(bool(verdict.wrong) for verdict in verdicts)
+        results = campaign(seeds, arguments.jobs, Path(folder))
+    endings = Counter(result.ending for result in results)
+    with_problems = sum(bool(result.problems) for result in results)
     ended = ", ".join(f"{count} {ending}" for ending, count in endings.most_common())
-    print(f"{len(verdicts)} flights, something wrong with {wrong}: {ended}")
-    return 1 if wrong else 0
+    print(f"{len(results)} flights, {with_problems} with problems: {ended}")
+    return 1 if with_problems else 0
 
 
 if __name__ == "__main__":

@@ -194,7 +194,7 @@ RUNS = {
     "orientation_zero": (["clover_pointing", "--set", "orientation.axis=[0,0,0]"],
                          "orientation.axis: expected a direction", "0.001 or more"),
     "orientation_behind": (["clover_pointing", "--set", "orientation.axis=[0,0,1]"],
-                           "orientation: expected a direction at first within 120 deg", "180.0"),
+                           "orientation: expected an initial direction within 120 deg", "180.0"),
     "orientation_kind": (["hover", "--set", "orientation.kind=up"],
                          "orientation.kind: unknown kind 'up'"),
     "orientation_no_file": (["hover", "--set", "orientation.kind=along"],

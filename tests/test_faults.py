@@ -1,4 +1,4 @@
-"""What is said of faults in `diagrams/faults.md`, row by row: flown, and looked at from outside."""
+"""Tests that fly each row of the tables in `diagrams/faults.md`."""
 
 import re
 import typing
@@ -21,15 +21,15 @@ from aerodrake.scenario.load import load_scenario
 PAGE = (Path(__file__).parents[1] / "diagrams" / "faults.md").read_text()
 SETTLE_S = 0.5
 RECOVERY_S, LANDING_S = 3.0, 14.0
-"""Flown after a fault is over; and where there is a landing."""
+"""s, flight time after a fault has ended, and of a flight that lands."""
 
-HELD_WITHIN_M = 0.005
-"""End-effector's error at the end of a flight that is completed."""
+FINAL_ERROR_M = 0.005
+"""Largest error of the end-effector at the end of a completed flight."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One fault, and what is said of it."""
+    """One row of a table: a fault, the exit reason, and the active conditions."""
 
     fault: str
     ends: str
@@ -37,21 +37,21 @@ class Row:
 
 
 def rows() -> list[Row]:
-    """Of all tables that have a fault in their first column."""
-    found = []
+    """Returns the rows with a fault of all tables."""
+    rows = []
     for line in PAGE.splitlines():
         cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
         if cells[0].startswith("`{kind:"):
             fault, _, _, ends, active = cells
-            found.append(Row(fault.strip("`"), ends, tuple(active.split())))
-    return found
+            rows.append(Row(fault.strip("`"), ends, tuple(active.split())))
+    return rows
 
 
 ROWS = rows()
 
 
 def scenario_of(row: Row) -> Scenario:
-    """A flight of that fault, long enough to see what comes of it."""
+    """Returns a flight with a row's fault, long enough for recovery or landing."""
     fault = yaml.safe_load(row.fault)
     end = fault["start_s"] + min(fault["duration_s"], 3.0)
     duration = LANDING_S if row.ends == "landed" else end + RECOVERY_S
@@ -68,27 +68,27 @@ def flown(request) -> tuple[Row, Scenario, FlightLog]:
 
 def test_each_row_of_the_table(flown):
     row, scenario, log = flown
-    found = {event["cause"] for event in events(scenario, log)}
-    assert (log.exit_reason, found) == (row.ends, set(row.conditions) | found & KNOWN)
+    active = {event["cause"] for event in events(scenario, log)}
+    assert (log.exit_reason, active) == (row.ends, set(row.conditions) | active & OPTIONAL)
     for key in log.signals:
         assert np.isfinite(log[key]).all(), key
     limits = SetpointLimits.make(scenario.mpc, VehicleModel.load(scenario))
     check_envelope(log, limits)
     if row.ends == "completed":
-        assert log.error_m[-1] < HELD_WITHIN_M + log_floor(scenario)
+        assert log.error_m[-1] < FINAL_ERROR_M + tracking_error_m(scenario)
 
 
-KNOWN = {"saturated"}
-"""Conditions that ask for nothing, and may come along."""
+OPTIONAL = {"saturated"}
+"""Conditions that may be active beside those of a row."""
 
 
-def log_floor(scenario: Scenario) -> float:
-    """m, what a flight of that scenario misses anyway: the paper's interface, a few millimetres."""
+def tracking_error_m(scenario: Scenario) -> float:
+    """Returns the tracking error without a fault: a few millimetres with the paper's interface."""
     return 0.005 if scenario.flight.interface == "position" else 0.0
 
 
 def check_envelope(log: FlightLog, limits: SetpointLimits) -> None:
-    """Setpoints never jump, nor leave their limits; joints stay within half a degree of theirs."""
+    """Asserts that setpoints keep their limits without jumps, and joints to half a degree."""
     p = np.hstack([log["p_Bd_m"], log["q_d_rad"]])
     v = np.hstack([log["v_Bd_m_s"], log["qdot_d_rad_s"]])
     dt = np.diff(log.time_s)[:, None]
@@ -100,13 +100,13 @@ def check_envelope(log: FlightLog, limits: SetpointLimits) -> None:
     assert np.all(log["q_rad"] >= limits.lower[3:] - half_a_degree)
 
 
-def test_every_kind_of_fault_stands_in_the_table():
+def test_every_kind_of_fault_is_in_a_table():
     kinds = {kind.kind for kind in typing.get_args(AnyFault)}
     assert {yaml.safe_load(row.fault)["kind"] for row in ROWS} == kinds
 
 
 def condition_row(condition: Condition) -> str:
-    """As it stands on the page."""
+    """Returns the row of a condition on the page."""
     clears = "never" if condition.clear_s == NEVER else f"<= {condition.clear:g}"
     if condition.clear_s not in (0, NEVER):
         clears += f" for {condition.clear_s:g} s"
@@ -118,11 +118,11 @@ def condition_row(condition: Condition) -> str:
 
 
 @pytest.mark.parametrize("condition", conditions(Scenario().supervisor), ids=lambda c: c.name)
-def test_every_condition_stands_on_the_page_as_it_is(condition):
+def test_every_condition_is_on_the_page_with_its_thresholds(condition):
     assert condition_row(condition) in PAGE
 
 
-def test_tests_that_the_page_names_are_there():
+def test_tests_named_on_the_page_exist():
     for path, name in re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", PAGE):
         source = (Path(__file__).parents[1] / path).read_text()
         assert re.search(rf"^def {name}\(", source, re.MULTILINE), f"{path}::{name}"

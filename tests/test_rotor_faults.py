@@ -1,4 +1,4 @@
-"""Rotors, joints and pushes that fail in flight, and landings, by the station and its loop."""
+"""Tests of rotor and joint faults, pushes and landings in the closed loop."""
 
 from dataclasses import replace
 
@@ -15,49 +15,49 @@ from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
 
 SETTLE_S, FAULT_S = 0.3, 0.5
-"""Reference time of the fault; the clover is on its way then."""
+"""s, settling time, and reference time of the fault, at which the clover has begun."""
 
 
 def fly(scenario: Scenario, ports: tuple[str, ...], until: float) -> dict[str, np.ndarray]:
-    """What ports show every 10 ms up to a reference time."""
+    """Returns the values of ports every 10 ms up to a reference time."""
     diagram = make_closed_loop(scenario)
     context = make_context(diagram, scenario.seed)
-    simulator, shown = Simulator(diagram, context), []
+    simulator, rows = Simulator(diagram, context), []
     for k in range(round((scenario.settle_s + until) / 0.01) + 1):
         simulator.AdvanceTo(k * 0.01 + 0.002)
-        shown.append([diagram.GetOutputPort(port).Eval(context).copy() for port in ports])
-    return {port: np.array([row[i] for row in shown]) for i, port in enumerate(ports)}
+        rows.append([diagram.GetOutputPort(port).Eval(context).copy() for port in ports])
+    return {port: np.array([row[i] for row in rows]) for i, port in enumerate(ports)}
 
 
-def broken(*faults, **changes) -> Scenario:
+def with_faults(*faults, **changes) -> Scenario:
     clover = Clover(start_s=0.2)
     return Scenario(settle_s=SETTLE_S, reference=clover, faults=faults, **changes)
 
 
 @pytest.mark.parametrize("rotor", [0, 3])
-def test_a_lost_rotor_is_told_in_time(rotor):
-    scenario = broken(RotorDegraded(FAULT_S, 10.0, rotor=rotor, remaining=0.0))
+def test_a_lost_rotor_is_isolated_within_80_ms(rotor):
+    scenario = with_faults(RotorDegraded(FAULT_S, 10.0, rotor=rotor, remaining=0.0))
     log = fly(scenario, ("rotor_effectiveness", "thrust", "thrust_command"), FAULT_S + 0.1)
-    start, told = round((SETTLE_S + FAULT_S) / 0.01), log["rotor_effectiveness"]
-    np.testing.assert_array_equal(told[:start], 1)
-    assert np.all(told[start + 8 :, rotor] < 0.4)
-    np.testing.assert_array_equal(np.delete(told, rotor, axis=1), 1)
+    start, estimate = round((SETTLE_S + FAULT_S) / 0.01), log["rotor_effectiveness"]
+    np.testing.assert_array_equal(estimate[:start], 1)
+    assert np.all(estimate[start + 8 :, rotor] < 0.4)
+    np.testing.assert_array_equal(np.delete(estimate, rotor, axis=1), 1)
     assert np.all(log["thrust"][:start] > 1) and np.all(log["thrust"][start:, rotor] == 0)
     assert np.all(log["thrust_command"][start:, rotor] > 1)
 
 
-def test_a_lost_rotor_is_told_in_a_world_that_is_not_clean():
+def test_a_lost_rotor_is_isolated_under_noise_wind_and_mismatch():
     realistic = load_scenario("clover_realistic")
     scenario = replace(realistic, faults=(RotorDegraded(1.0, 10.0, rotor=1, remaining=0.0),))
-    told = fly(scenario, ("rotor_effectiveness",), 1.2)["rotor_effectiveness"]
+    estimate = fly(scenario, ("rotor_effectiveness",), 1.2)["rotor_effectiveness"]
     start = round((scenario.settle_s + 1.0) / 0.01)
-    np.testing.assert_array_equal(told[:start], 1)
-    assert np.all(told[start + 20 :, 1] < 0.4)
-    np.testing.assert_array_equal(np.delete(told, 1, axis=1), 1)
+    np.testing.assert_array_equal(estimate[:start], 1)
+    assert np.all(estimate[start + 20 :, 1] < 0.4)
+    np.testing.assert_array_equal(np.delete(estimate, 1, axis=1), 1)
 
 
-def test_a_weak_rotor_is_ridden_out_and_told():
-    scenario = broken(RotorDegraded(FAULT_S, 10.0, rotor=2, remaining=0.8))
+def test_a_degraded_rotor_is_isolated_and_compensated():
+    scenario = with_faults(RotorDegraded(FAULT_S, 10.0, rotor=2, remaining=0.8))
     log = fly(scenario, ("rotor_effectiveness", "true_state", "base_setpoint"), FAULT_S + 3.0)
     assert 0.75 < log["rotor_effectiveness"][-1, 2] < 0.9
     assert log["rotor_effectiveness"].min() > 0.7
@@ -65,8 +65,8 @@ def test_a_weak_rotor_is_ridden_out_and_told():
     assert error.max() < 0.08 and error[-1] < 0.01
 
 
-def test_a_weak_joint_gives_what_it_is_left(vehicle):
-    scenario = broken(JointDegraded(FAULT_S, 10.0, joint=2, remaining=0.5))
+def test_a_degraded_joint_gives_its_remaining_torque(vehicle):
+    scenario = with_faults(JointDegraded(FAULT_S, 10.0, joint=2, remaining=0.5))
     torque = fly(scenario, ("joint_torque",), FAULT_S + 0.05)["joint_torque"]
     start = round((SETTLE_S + FAULT_S) / 0.01)
     before, at = torque[start - 1], torque[start]
@@ -74,10 +74,10 @@ def test_a_weak_joint_gives_what_it_is_left(vehicle):
     np.testing.assert_allclose(np.delete(at, 2), np.delete(before, 2), rtol=0.1, atol=0.02)
 
 
-def test_a_push_accelerates_the_whole_vehicle(vehicle):
-    """By force over mass, while nobody has reacted yet."""
-    scenario = broken(Push(FAULT_S, 10.0, (0.0, 0.0, -6.0)))
-    undisturbed = broken()
+def test_a_push_accelerates_the_vehicle(vehicle):
+    """The acceleration is force over mass before the controllers react."""
+    scenario = with_faults(Push(FAULT_S, 10.0, (0.0, 0.0, -6.0)))
+    undisturbed = with_faults()
     after = SETTLE_S + FAULT_S + 0.01
     v = []
     for flown in (scenario, undisturbed):
@@ -85,28 +85,28 @@ def test_a_push_accelerates_the_whole_vehicle(vehicle):
         context = make_context(diagram, 0)
         Simulator(diagram, context).AdvanceTo(after)
         v.append(diagram.GetOutputPort("true_state").Eval(context)[16:19])
-    # The arm hangs at joints that give way at first.
+    # At first the arm does not follow rigidly: its joints yield.
     assert (v[0] - v[1])[2] == pytest.approx(-6.0 / vehicle.mass * 0.01, rel=0.25)
 
 
-def test_joints_keep_their_limits_when_a_motor_comes_back():
-    """It has hung limp meanwhile, and its setpoints are far away."""
-    scenario = broken(JointDegraded(FAULT_S, 0.6, joint=1, remaining=0.0))
+def test_joints_keep_their_limits_when_a_motor_recovers():
+    """The joint was without torque, and is far from its setpoint."""
+    scenario = with_faults(JointDegraded(FAULT_S, 0.6, joint=1, remaining=0.0))
     vehicle = VehicleModel.load(scenario)
     log = fly(scenario, ("true_state",), FAULT_S + 1.6)["true_state"]
     q, qdot = log[:, 7:13], log[:, 19:25]
-    back = round((SETTLE_S + FAULT_S + 0.7) / 0.01)
+    recovered = round((SETTLE_S + FAULT_S + 0.7) / 0.01)
     assert np.all(q < vehicle.upper + np.radians(0.5))
     assert np.all(q > vehicle.lower - np.radians(0.5))
-    assert np.all(np.abs(qdot[back:]) < 1.1 * vehicle.velocity)
+    assert np.all(np.abs(qdot[recovered:]) < 1.1 * vehicle.velocity)
 
 
 @pytest.mark.parametrize(("name", "rest_s"), [("hover", 3.0), ("clover_realistic", 0.5)])
 def test_it_lands_on_its_feet(name, rest_s):
-    """Down at 0.3 m/s with the arm tucked, until the setpoint is 0.3 m under ground, and after.
+    """Descends at 0.3 m/s with the arm tucked, until the setpoint is 0.3 m below ground, and rests.
 
-    In wind it is not left there for long: held by the ground and told to lift but little, it
-    would tilt ever more against what blows.
+    In wind the rest is short: on the ground with little thrust, the vehicle would tilt more and
+    more against the wind.
     """
     scenario = load_scenario(name)
     start = replace(scenario.vehicle, base_position_m=(0.0, 0.0, 1.0))

@@ -1,4 +1,4 @@
-"""Where the tool is to point over time: unit vectors in the world frame.
+"""Desired directions of the tool's axis over time, as unit vectors in the world frame.
 
 Times are reference times in s. Before 0 the direction is that at 0.
 """
@@ -26,28 +26,28 @@ COLUMNS = {
 """Unit and closed range of each column of a file of directions."""
 
 FARTHEST_RAD = math.radians(90)
-"""The most by which a path of directions may turn from one row to the next."""
+"""Largest angle between consecutive rows of a path of directions."""
 
 FARTHEST_START_RAD = math.radians(120)
-"""The most by which the tool may have to turn before it points where it is to point."""
+"""Largest angle between the tool's axis and its desired direction at reference time 0."""
 
 
 class Direction(ABC):
-    """The direction d that the tool is to have."""
+    """Desired direction d of the tool's axis over reference time."""
 
     def evaluate(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """d (T, 3) and d' (T, 3) in 1/s at reference times (T,) in s."""
+        """Returns d (T, 3) and d' (T, 3) in 1/s at reference times (T,) in s."""
         times = np.asarray(times, dtype=float)
         d, rate = self._turn(np.maximum(times, 0.0))
         return d, np.where(times[:, None] < 0.0, 0.0, rate)
 
     @abstractmethod
     def _turn(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """As `evaluate`, for times (T,) >= 0."""
+        """Implements `evaluate` for times (T,) >= 0."""
 
 
 class FixedDirection(Direction):
-    """Always the same."""
+    """Constant direction."""
 
     def __init__(self, config: FixedAxis):
         self._d = np.array(config.axis) / np.linalg.norm(config.axis)
@@ -57,14 +57,14 @@ class FixedDirection(Direction):
 
 
 class DirectionPath(Direction):
-    """The smooth path of directions through those of a file, at rest at both ends.
+    """Smooth path through the directions of a file, at rest at both ends.
 
-    Its rows, scaled to length 1, are joined as waypoints are, and what is between
-    them is scaled to length 1 again; outside its times the ends hold.
+    Its rows are scaled to length 1 and interpolated as waypoints are; interpolated vectors
+    are scaled to length 1 again. Outside the file's times the first or last row applies.
 
     Raises:
         BadInput: if the file cannot be used, has a row without a direction, or
-            two that follow each other more than `FARTHEST_RAD` apart.
+            consecutive rows more than `FARTHEST_RAD` apart.
     """
 
     def __init__(self, config: AxisAlong):
@@ -96,7 +96,7 @@ class DirectionPath(Direction):
 
 
 def make_direction(config: Orientation) -> Direction | None:
-    """The directions that a scenario's orientation section describes; None where it is off.
+    """Returns the directions of a scenario's orientation section; None if it is off.
 
     Raises:
         BadInput: if the section names a file that cannot be used.
@@ -107,12 +107,13 @@ def make_direction(config: Orientation) -> Direction | None:
 
 
 def check_start(direction: Direction, vehicle: VehicleModel) -> None:
-    """Refuses a direction that the tool, as it is in the working configuration, would not turn to.
+    """Raises ScenarioError if the initial direction is too far from the tool's axis.
 
-    Straight away from where it points, nothing tells it which way to turn.
+    Opposite to the tool's axis in the working configuration, the sense of rotation would be
+    undefined.
 
     Raises:
-        ScenarioError: if it is more than `FARTHEST_START_RAD` away at reference time 0.
+        ScenarioError: if they are more than `FARTHEST_START_RAD` apart at reference time 0.
     """
     d = direction.evaluate(np.zeros(1))[0][0]
     angle = math.acos(np.clip(vehicle.tool_axis @ d, -1.0, 1.0))
@@ -120,6 +121,6 @@ def check_start(direction: Direction, vehicle: VehicleModel) -> None:
         raise ScenarioError(
             vehicle.source,
             "orientation",
-            f"expected a direction at first within {math.degrees(FARTHEST_START_RAD):.0f} deg of "
-            f"the tool's in vehicle.working_rad, got {math.degrees(angle):.1f} deg",
+            f"expected an initial direction within {math.degrees(FARTHEST_START_RAD):.0f} deg of "
+            f"the tool's axis in vehicle.working_rad, got {math.degrees(angle):.1f} deg",
         )

@@ -1,4 +1,4 @@
-"""Waypoints: a CSV with the header `t,x,y,z`, and the smooth path through them."""
+"""Waypoint files, CSV with the header `t,x,y,z`, and the smooth path through waypoints."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from aerodrake.support.errors import BadInput
 from aerodrake.support.files import read_bounded
 
 MAX_FILE_BYTES = 20_000_000
-"""A waypoint file is never larger: a guard against hostile input."""
+"""Largest waypoint file that is read."""
 
 MIN_STEP_S = 1e-3
-"""Rows closer in time than this are taken for repeated ones."""
+"""Smallest step in time between rows."""
 
 Columns = Mapping[str, tuple[str, float, float]]
-"""Unit and closed range of each column, by its name; the first is time in s."""
+"""Unit and closed range of each column, by name; the first column is time in s."""
 
 COLUMNS: Columns = {
     "t": ("s", 0.0, 1e5),
@@ -29,23 +29,23 @@ COLUMNS: Columns = {
     "y": ("m", -1000.0, 1000.0),
     "z": ("m", -1000.0, 1000.0),
 }
-"""Of a waypoint file."""
+"""Columns of a waypoint file."""
 
 
 def read_waypoints(path: str | Path, columns: Columns = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
-    """Reads a waypoint file, or one with other `columns` than `t,x,y,z`.
+    """Reads a waypoint file, or a file with other `columns`.
 
-    The header is their names, in any case and spacing; a byte-order mark and
-    blank lines are skipped. Errors count rows as editors do: the header is row 1.
+    The header consists of their names, in any case and spacing; a byte-order mark and blank
+    lines are skipped. Errors number rows as editors do: the header is row 1.
 
     Returns:
         times: (M,) s, reference times, ascending from 0 or later; M >= 2.
-        points: (M, 3) m, in the world frame; or what the other columns are.
+        points: (M, 3) the other columns; of waypoints m, in the world frame.
 
     Raises:
-        BadInput: if the file is missing, too large, not UTF-8 text, or holds
-            anything but two or more rows of four plausible numbers each, at
-            least `MIN_STEP_S` apart in time.
+        BadInput: if the file is missing, too large or not UTF-8 text, or if it does not
+            consist of two or more rows of four numbers in their ranges, at least
+            `MIN_STEP_S` apart in time.
     """
     path, header = Path(path), ",".join(columns)
     content = read_bounded(path, MAX_FILE_BYTES)
@@ -60,12 +60,11 @@ def read_waypoints(path: str | Path, columns: Columns = COLUMNS) -> tuple[np.nda
 
 
 def interpolate_waypoints(times: np.ndarray, points: np.ndarray) -> PiecewisePolynomial:
-    """The path through the waypoints, at rest at both ends.
+    """Returns the path through waypoints, at rest at both ends.
 
-    Piecewise cubic and shape-preserving (Fritsch and Carlson 1980): velocity
-    is continuous, and each axis is monotonic from one waypoint to the next, so
-    that it neither overshoots nor moves between equal values. Outside `times`
-    the endpoints hold.
+    It is piecewise cubic and shape-preserving (Fritsch and Carlson 1980): velocity is
+    continuous, and each axis is monotonic between waypoints, so that it neither overshoots
+    nor moves between equal values. Outside `times` it stays at the first or last point.
 
     Args:
         times: (M,) s, ascending, M >= 2.
@@ -77,7 +76,7 @@ def interpolate_waypoints(times: np.ndarray, points: np.ndarray) -> PiecewisePol
 
 
 def _rows(file: Iterator[str], path: Path, columns: Columns) -> Iterator[list[float]]:
-    """Yields the numbers row by row, checked."""
+    """Yields the checked numbers of each row."""
     reader = csv.reader(file)
     header = ",".join(cell.strip().lower() for cell in next(reader, []))
     expected = ",".join(columns)
@@ -98,7 +97,7 @@ def _rows(file: Iterator[str], path: Path, columns: Columns) -> Iterator[list[fl
 
 
 def _numbers(cells: list[str], columns: Columns) -> list[float]:
-    """The numbers in one row's cells; raises ValueError where they are not as `columns` says."""
+    """Returns the numbers in one row's cells; raises ValueError if they do not fit `columns`."""
     if len(cells) != len(columns):
         raise ValueError(f"expected {len(columns)} cells, got {len(cells)}")
     row = []
@@ -110,7 +109,7 @@ def _numbers(cells: list[str], columns: Columns) -> list[float]:
             number = float(cell)
         except ValueError:
             raise problem from None
-        if not low <= number <= high:  # True of NaN, too.
+        if not low <= number <= high:  # Also true for NaN.
             raise problem
         row.append(number)
     return row
