@@ -71,14 +71,16 @@ def test_version_and_help(capsys):
 
 def test_train_takes_the_scenario_and_options_it_is_given(tmp_path, monkeypatch, capsys):
     from aerodrake.learning import train
+    from aerodrake.learning.collection_runs import CollectionRun, paper_runs, quick_runs
     from aerodrake.learning.evaluation import METHODS, Evaluation
-    from aerodrake.learning.stages import Stage, paper_stages, quick_stages
 
     asked = []
 
     def train_scenario(*arguments):
         asked.append(arguments)
-        return Evaluation([Stage("calm", "held_out", 1.0, 5.0, 0.0)], [dict.fromkeys(METHODS, 1.0)])
+        return Evaluation(
+            [CollectionRun("calm", "held_out", 1.0, 5.0, 0.0)], [dict.fromkeys(METHODS, 1.0)]
+        )
 
     monkeypatch.setattr(train, "train_scenario", train_scenario)
     monkeypatch.chdir(tmp_path)
@@ -86,13 +88,13 @@ def test_train_takes_the_scenario_and_options_it_is_given(tmp_path, monkeypatch,
     assert "train-clover_paper: network.pt" in capsys.readouterr().out
     assert main(["train", "clover", "--quick", "--quiet", "--out", "x"]) == 0
     assert capsys.readouterr().out == ""
-    (scenario, stages, _, folder, jobs, quiet), (other, fewer, _, out, _, silent) = asked
+    (scenario, runs, _, folder, jobs, quiet), (other, fewer, _, out, _, silent) = asked
     assert (scenario.name, scenario.seed, folder) == (
         *("clover_paper", 4),
         Path("runs/train-clover_paper"),
     )
-    assert (stages, jobs, quiet) == (paper_stages(), 3, False)
-    assert (other.name, fewer, out, silent) == ("clover", quick_stages(), Path("x"), True)
+    assert (runs, jobs, quiet) == (paper_runs(), 3, False)
+    assert (other.name, fewer, out, silent) == ("clover", quick_runs(), Path("x"), True)
 
 
 def test_what_has_nothing_to_be_trained_is_told_in_one_line(tmp_path, monkeypatch, capsys):

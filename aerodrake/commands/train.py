@@ -1,4 +1,4 @@
-"""`aerodrake train [SCENARIO]`."""
+"""Command `aerodrake train [SCENARIO]`."""
 
 from __future__ import annotations
 
@@ -11,35 +11,35 @@ HELP = "train the residual network"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Declares its arguments."""
+    """Declares the arguments of the command."""
     add_scenario(command, default="clover_paper")
     command.add_argument("--seed", metavar="N", help="overrides the scenario's seed")
-    command.add_argument("--quick", action="store_true", help="a few short stages")
+    command.add_argument("--quick", action="store_true", help="a few short collection runs")
     add_jobs(command)
-    add_output(command, "runs/train-SCENARIO or runs/train-quick-SCENARIO, where it goes on")
+    add_output(command, "runs/train-SCENARIO or runs/train-quick-SCENARIO, which it resumes")
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Collects data, trains the residual network and judges it on flights held out.
+    """Collects data, trains the residual network and evaluates it on held-out flights.
 
-    Run again, it goes on where it was interrupted.
+    An interrupted command resumes when it is run again.
     """
     from aerodrake.scenario.load import load_scenario
 
     scenario = load_scenario(arguments.scenario, overrides(arguments))
 
+    from aerodrake.learning.collection_runs import paper_runs, quick_runs
     from aerodrake.learning.report import training_table
-    from aerodrake.learning.stages import paper_stages, quick_stages
     from aerodrake.learning.train import train_scenario
-    from aerodrake.model.residual.training import Training
+    from aerodrake.model.residual.training import TrainingConfig
     from aerodrake.scenario.inputs import frozen
 
     kind = "train-quick" if arguments.quick else "train"
     target = arguments.out or Path("runs", f"{kind}-{scenario.name}")
-    stages = quick_stages() if arguments.quick else paper_stages()
+    runs = quick_runs() if arguments.quick else paper_runs()
     with frozen(scenario) as scenario:
         evaluation = train_scenario(
-            scenario, stages, Training(), target, arguments.jobs, arguments.quiet
+            scenario, runs, TrainingConfig(), target, arguments.jobs, arguments.quiet
         )
     if not arguments.quiet:
         print(training_table(evaluation))

@@ -1,4 +1,4 @@
-"""Data collection: stages flown in parallel, kept in files, and never flown twice."""
+"""Data collection: runs flown in parallel, stored in files and reused."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from aerodrake.learning.collection_runs import CollectionRun, fly_run
 from aerodrake.learning.dataset import load_samples, save_samples
-from aerodrake.learning.stages import Stage, fly_stage
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.features import feature_names
 from aerodrake.model.residual.samples import Samples, residual_samples
@@ -21,68 +21,68 @@ from aerodrake.support.errors import BadInput, ProcessDied
 from aerodrake.support.processes import run_parallel
 
 FORMAT = 2
-"""Version of the files and of how stages are flown."""
+"""Version of the files and of the flights; in it, a collection run is called a stage."""
 
 
 def collect(
     scenario: Scenario,
     model: EquivalentModel,
-    stages: Sequence[Stage],
+    runs: Sequence[CollectionRun],
     folder: Path,
     jobs: int,
-    progress: Callable[[Stage], None] = lambda stage: None,
+    progress: Callable[[CollectionRun], None] = lambda run: None,
 ) -> dict[str, Samples]:
-    """The samples of all stages, by name: read where there is a file, else flown.
+    """Returns the samples of all runs, by name: from a file if it exists, else from a flight.
 
-    A stage's file is named after the stage and a hash of all that determines it,
-    so that those of another scenario stay where they are and are not used.
+    A file is named after its run and a hash of all that determines the samples. Files of
+    another scenario are therefore neither used nor replaced.
 
     Args:
-        scenario: Whose station is flown.
-        model: Whose residual the targets are.
-        stages: With names of their own.
-        folder: Of the files; exists.
-        jobs: Stages flown at a time.
-        progress: Called with each stage when it is there.
+        scenario: The scenario whose station is flown.
+        model: The model whose residual the targets are.
+        runs: Runs with distinct names.
+        folder: Folder of the files; it exists.
+        jobs: Number of runs flown in parallel.
+        progress: Called with each run when its samples are available.
 
     Raises:
-        BadInput: if a file holds something else, which is left as it is; or if a
-            stage cannot be flown.
-        ProcessDied: if the process of a stage did; stages flown before stay.
+        BadInput: if a file has another content, which is not changed; or if a
+            run cannot be flown.
+        ProcessDied: if the process of a run died; the files of completed runs remain.
     """
     flights: dict[str, Samples] = {}
-    files = {stage.name: describe(scenario, stage) for stage in stages}
+    files = {run.name: describe(scenario, run) for run in runs}
     missing = []
-    for stage in stages:
-        metadata = files[stage.name]
-        path = place(folder, metadata)
+    for run in runs:
+        metadata = files[run.name]
+        path = dataset_path(folder, metadata)
         if path.exists():
-            samples = round(stage.duration_s / model.dt) - 1
+            samples = round(run.duration_s / model.dt) - 1
             size = (samples, len(feature_names(model.joints)))
-            flights[stage.name] = load_samples(path, metadata, size)
-            progress(stage)
+            flights[run.name] = load_samples(path, metadata, size)
+            progress(run)
         else:
-            missing.append(stage)
+            missing.append(run)
     for i, result in run_parallel(partial(_fly, scenario, model), missing, jobs):
-        stage = missing[i]
+        run = missing[i]
         if isinstance(result, BadInput):
             raise result
         if isinstance(result, ProcessDied):
-            raise ProcessDied(f"stage {stage.name}: {result}")
+            raise ProcessDied(f"collection run {run.name}: {result}")
         if isinstance(result, Exception):
             raise BadInput(
-                scenario.source, "", f"stage {stage.name} could not be flown: {result}"
+                scenario.source, "", f"collection run {run.name} could not be flown: {result}"
             ) from result
-        metadata = files[stage.name]
-        save_samples(place(folder, metadata), result, metadata)
-        flights[stage.name] = result
-        progress(stage)
-    return {stage.name: flights[stage.name] for stage in stages}
+        metadata = files[run.name]
+        save_samples(dataset_path(folder, metadata), result, metadata)
+        flights[run.name] = result
+        progress(run)
+    return {run.name: flights[run.name] for run in runs}
 
 
-def describe(scenario: Scenario, stage: Stage) -> dict[str, Any]:
-    """What a stage's file says of itself, down to all that determines its samples."""
-    motion = {f.name: getattr(stage, f.name) for f in dataclasses.fields(stage)}
+def describe(scenario: Scenario, run: CollectionRun) -> dict[str, Any]:
+    """Returns the metadata of a run's file: all that determines its samples."""
+    motion = {f.name: getattr(run, f.name) for f in dataclasses.fields(run)}
     joints = len(scenario.vehicle.working_rad)
     return {
         "format": FORMAT,
@@ -99,19 +99,10 @@ def describe(scenario: Scenario, stage: Stage) -> dict[str, Any]:
     }
 
 
-def place(folder: Path, metadata: dict[str, Any]) -> Path:
-    """The file of a stage: `folder`/NAME-HASH.npz."""
+def dataset_path(folder: Path, metadata: dict[str, Any]) -> Path:
+    """Returns the path of a run's file, `folder`/NAME-HASH.npz."""
     return folder / f"{metadata['stage']['name']}-{digest(metadata)}.npz"
 
 
-def _fly(scenario: Scenario, model: EquivalentModel, stage: Stage) -> Samples:
-    flown = fly_stage(scenario, stage)
-    return residual_samples(
-        model,
-        flown.state,
-        flown.base_setpoint,
-        flown.joint_setpoint,
-        flown.specific_thrust,
-        flown.external_acceleration,
-        flown.disturbance,
-    )
+def _fly(scenario: Scenario, model: EquivalentModel, run: CollectionRun) -> Samples:
+    return residual_samples(model, fly_run(scenario, run))

@@ -1,4 +1,4 @@
-"""Samples of the residual velocity in files: one `.npz` for each stage."""
+"""Files of samples of the residual velocity, one `.npz` for each collection run."""
 
 from __future__ import annotations
 
@@ -14,18 +14,19 @@ from aerodrake.support.errors import BadInput
 from aerodrake.support.files import is_stored_zip, read_bounded, write_atomically
 
 MAX_BYTES = 100_000_000
-"""No dataset is larger: a guard against hostile files."""
+"""Largest accepted file, as a guard against hostile files."""
 
 ARRAYS = ("features", "targets")
+"""Names of the arrays of a dataset, besides `metadata`."""
 
 
 def save_samples(path: Path, samples: Samples, metadata: dict[str, Any]) -> None:
-    """Writes a dataset: all of it, or nothing.
+    """Writes a dataset atomically.
 
     Args:
-        path: Of the `.npz`, in a folder that exists.
-        samples: Its features and targets.
-        metadata: What they are; stored as JSON in the array `metadata`.
+        path: Path of the `.npz`, in a folder that exists.
+        samples: Features and targets.
+        metadata: Description of the samples, stored as JSON in the array `metadata`.
 
     Raises:
         BadInput: if the file cannot be written.
@@ -41,17 +42,19 @@ def load_samples(path: Path, metadata: dict[str, Any], size: tuple[int, int]) ->
 
     Args:
         path: The file.
-        metadata: What it must say of itself.
-        size: Of its features, (T, 12 + 3 n).
+        metadata: Expected metadata.
+        size: Expected size of the features, (T, 12 + 3 n).
 
     Raises:
-        BadInput: if the file is missing, too large, not a dataset or not the one
-            that is expected, or holds arrays of the wrong shape or type or
-            numbers that are not finite.
+        BadInput: if the file is missing, too large, not a dataset or not the
+            expected one, or if its arrays have a wrong shape or type or NaN or
+            infinite entries.
     """
     arrays = _read(path)
     if arrays["metadata"] != metadata:
-        raise BadInput(path, "", "expected the dataset of this stage and scenario, got another")
+        raise BadInput(
+            path, "", "expected the dataset of this collection run and scenario, got another"
+        )
     for name, shape in zip(ARRAYS, (size, (size[0], 3)), strict=True):
         array = arrays[name]
         if array.shape != shape or array.dtype != np.float64:
@@ -63,7 +66,7 @@ def load_samples(path: Path, metadata: dict[str, Any], size: tuple[int, int]) ->
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """The arrays, and the metadata as JSON has it."""
+    """Reads the arrays, and the metadata from JSON."""
     content = read_bounded(path, MAX_BYTES)
     try:
         if not is_stored_zip(content):  # As numpy writes it.
@@ -73,5 +76,5 @@ def _read(path: Path) -> dict[str, Any]:
                 raise ValueError("other arrays")
             arrays = {name: file[name] for name in file.files}
         return {**arrays, "metadata": json.loads(arrays["metadata"].item())}
-    except Exception:  # What a malformed file raises is not documented.
+    except Exception:  # numpy does not document its errors on malformed files.
         raise BadInput(path, "", "expected a dataset of aerodrake") from None

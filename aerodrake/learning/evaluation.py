@@ -1,26 +1,53 @@
-"""How well base velocity is predicted on flights that nothing was trained on."""
+"""Prediction errors of the base velocity on held-out flights."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from aerodrake.learning.stages import Stage
+from aerodrake.learning.collection_runs import CollectionRun
 from aerodrake.model.residual.linear_residual import LinearResidual
 from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.model.residual.online_learner import OnlineLearner
 from aerodrake.model.residual.samples import Samples
-from aerodrake.scenario import Residual
 
 METHODS = ("none", "offline", "online", "linear", "ridge")
 """No residual, the network as trained, learning online, and the linear models."""
 
-ADDS_AT_LEAST = 0.1
-"""What wind or payload adds to the offline network's RMSE counts from this part of it."""
+MIN_ADDED = 0.1
+"""Smallest relative increase of the offline RMSE by wind or payload for `recovered`."""
+
+
+class Candidates(NamedTuple):
+    """Models of the residual to compare.
+
+    Attributes:
+        network: Network as trained offline.
+        learner: Learner that starts from the network's last layer.
+        linear, ridge: Linear models.
+    """
+
+    network: ResidualNetwork
+    learner: OnlineLearner
+    linear: LinearResidual
+    ridge: LinearResidual
+
+    def predict(self, samples: Samples) -> dict[str, np.ndarray]:
+        """Returns the predicted targets of a flight, (T, 3) m/s, for each of `METHODS`."""
+        features, targets = samples
+        gain, phi = self.learner.gain, self.network.phi(features)
+        saturated = np.zeros(len(phi), dtype=bool)  # No run saturates the flight controller.
+        return {
+            "none": np.zeros_like(targets),
+            "offline": gain * (phi @ self.network.last_layer().T),
+            "online": gain * self.learner.run(phi, targets, saturated),
+            "linear": self.linear.predict(features),
+            "ridge": self.ridge.predict(features),
+        }
 
 
 @dataclass(frozen=True)
@@ -28,95 +55,77 @@ class Evaluation:
     """RMS errors of the velocity predicted one period ahead, m/s.
 
     Attributes:
-        stages: The flights.
-        rmse: m/s, for each flight, by method.
+        runs: The held-out runs.
+        rmse: m/s, for each run, by method.
     """
 
-    stages: Sequence[Stage]
+    runs: Sequence[CollectionRun]
     rmse: Sequence[Mapping[str, float]]
 
     @property
     def removed(self) -> float:
-        """The smallest part of the residual's RMSE that the offline network removes in calm air."""
+        """Smallest fraction of the residual's RMSE that the offline network removes in calm air."""
         return min(
             1 - rmse["offline"] / rmse["none"]
-            for stage, rmse in zip(self.stages, self.rmse, strict=True)
-            if not stage.twin
+            for run, rmse in zip(self.runs, self.rmse, strict=True)
+            if not run.twin
         )
 
     @property
     def worst(self) -> float:
-        """The largest ratio of the offline network's RMSE to that without any."""
+        """Largest ratio of the offline network's RMSE to that without a network."""
         return max(rmse["offline"] / rmse["none"] for rmse in self.rmse)
 
     def recovered(self, index: int) -> float | None:
-        """The part of what wind or payload adds that learning online takes away again.
+        """Returns the fraction of the RMSE added by wind or payload that online learning removes.
 
         Args:
-            index: Of the flight.
+            index: Index of the run.
 
         Returns:
-            None in calm air, and where less than `ADDS_AT_LEAST` is added.
+            None in calm air, and if less than `MIN_ADDED` is added.
         """
-        twins = {s.name: rmse["offline"] for s, rmse in zip(self.stages, self.rmse, strict=True)}
-        calm = twins.get(self.stages[index].twin, math.inf)
+        twins = {run.name: rmse["offline"] for run, rmse in zip(self.runs, self.rmse, strict=True)}
+        calm = twins.get(self.runs[index].twin, math.inf)
         offline, online = (self.rmse[index][method] for method in ("offline", "online"))
-        if offline < (1 + ADDS_AT_LEAST) * calm:
+        if offline < (1 + MIN_ADDED) * calm:
             return None
         return (offline - online) / (offline - calm)
 
     @property
     def least_recovered(self) -> float | None:
-        """The smallest `recovered` of all flights; None where there is none."""
-        parts = (self.recovered(i) for i in range(len(self.stages)))
-        return min((part for part in parts if part is not None), default=None)
+        """Smallest `recovered` of all runs; None if no run has one."""
+        fractions = (self.recovered(i) for i in range(len(self.runs)))
+        return min((part for part in fractions if part is not None), default=None)
 
     def as_mapping(self) -> dict[str, Any]:
-        """For JSON."""
+        """Returns the evaluation for JSON."""
         return {
-            "rmse_m_s": {s.name: dict(r) for s, r in zip(self.stages, self.rmse, strict=True)},
+            "rmse_m_s": {r.name: dict(rmse) for r, rmse in zip(self.runs, self.rmse, strict=True)},
             "removed": self.removed,
-            "recovered": {s.name: self.recovered(i) for i, s in enumerate(self.stages) if s.twin},
+            "recovered": {r.name: self.recovered(i) for i, r in enumerate(self.runs) if r.twin},
             "worst_ratio": self.worst,
         }
 
 
 def evaluate(
-    stages: Sequence[Stage],
-    flights: Mapping[str, Samples],
-    network: ResidualNetwork,
-    gain: np.ndarray,
-    residual: Residual,
-    linear: LinearResidual,
-    ridge: LinearResidual,
+    runs: Sequence[CollectionRun], flights: Mapping[str, Samples], candidates: Candidates
 ) -> Evaluation:
-    """Predicts every flight with every method of `METHODS`.
+    """Predicts every held-out run with every method of `METHODS`.
 
     Args:
-        stages: The flights held out.
+        runs: The held-out runs.
         flights: Their samples, by name.
-        network: As trained offline.
-        gain: (3,) c, the diagonal of the model's C in the rows of p_B'.
-        residual: Learning rate, batch and guards of online learning.
-        linear, ridge: The linear models.
+        candidates: The models to compare.
     """
-    learner = OnlineLearner(residual, network.last_layer(), gain)
     rows = []
-    for stage in stages:
-        features, targets = flights[stage.name]
-        phi = network.phi(features)
-        never = np.zeros(len(phi), dtype=bool)  # No stage saturates the flight controller.
-        predicted = {
-            "none": np.zeros_like(targets),
-            "offline": gain * (phi @ network.last_layer().T),
-            "online": gain * learner.run(phi, targets, never),
-            "linear": linear.predict(features),
-            "ridge": ridge.predict(features),
-        }
+    for run in runs:
+        predicted = candidates.predict(flights[run.name])
+        _, targets = flights[run.name]
         rows.append({method: _rms(predicted[method] - targets) for method in METHODS})
-    return Evaluation(stages, rows)
+    return Evaluation(runs, rows)
 
 
 def _rms(error: np.ndarray) -> float:
-    """Root of the mean squared length of the rows."""
+    """Returns the root of the mean squared length of the rows."""
     return float(np.sqrt((error**2).sum(axis=1).mean()))

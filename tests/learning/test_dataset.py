@@ -1,3 +1,5 @@
+"""Files of samples, and defects that are refused."""
+
 import io
 import json
 import pickle
@@ -27,13 +29,13 @@ def path(tmp_path, samples):
     return path
 
 
-def test_what_is_saved_is_loaded_and_nothing_else_is_left(path, samples):
+def test_saved_samples_are_loaded_and_no_other_file_is_left(path, samples):
     features, targets = load_samples(path, METADATA, SIZE)
     assert np.array_equal(features, samples[0]) and np.array_equal(targets, samples[1])
     assert [p.name for p in path.parent.iterdir()] == ["x.npz"]
 
 
-def test_anyone_can_read_it(path):
+def test_numpy_and_json_read_a_dataset(path):
     with np.load(path) as file:
         assert json.loads(file["metadata"].item()) == METADATA
 
@@ -107,7 +109,7 @@ NAN = np.full(SIZE, np.nan)
 
 
 @pytest.mark.parametrize(
-    "spoil, message",
+    "defect, message",
     [
         (missing, "readable file"),
         (truncated, "dataset of aerodrake"),
@@ -117,7 +119,7 @@ NAN = np.full(SIZE, np.nan)
         (compressed, "dataset of aerodrake"),
         (other_arrays, "dataset of aerodrake"),
         (with_(metadata=np.array("{")), "dataset of aerodrake"),
-        (with_(metadata=np.array('{"format": 2}')), "of this stage and scenario"),
+        (with_(metadata=np.array('{"format": 2}')), "of this collection run and scenario"),
         (with_(features=np.zeros((50, 6))), r"features to be \[50, 7\]"),
         (with_(targets=np.zeros((49, 3))), r"targets to be \[50, 3\]"),
         (with_(features=np.zeros(SIZE, np.float32)), "float64"),
@@ -125,8 +127,8 @@ NAN = np.full(SIZE, np.nan)
         (with_(targets=np.full((50, 3), np.inf)), "targets to be finite"),
     ],
 )
-def test_anything_else_is_bad_input_in_one_line(path, samples, spoil, message):
-    spoil(path, samples)
+def test_any_other_file_is_bad_input_in_one_line(path, samples, defect, message):
+    defect(path, samples)
     before = path.read_bytes() if path.exists() else None
     with pytest.raises(BadInput, match=message) as error:
         load_samples(path, METADATA, SIZE)
@@ -134,12 +136,12 @@ def test_anything_else_is_bad_input_in_one_line(path, samples, spoil, message):
     assert (path.read_bytes() if path.exists() else None) == before
 
 
-def test_a_file_beyond_all_measure_is_not_read(path, monkeypatch):
+def test_a_file_above_the_limit_is_not_read(path, monkeypatch):
     monkeypatch.setattr(dataset, "MAX_BYTES", 100)
     with pytest.raises(BadInput, match="at most 100 bytes"):
         load_samples(path, METADATA, SIZE)
 
 
-def test_what_cannot_be_written_is_bad_input(tmp_path, samples):
+def test_a_path_that_cannot_be_written_is_bad_input(tmp_path, samples):
     with pytest.raises(BadInput, match="cannot be written"):
         save_samples(tmp_path / "none" / "x.npz", samples, METADATA)

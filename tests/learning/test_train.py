@@ -1,3 +1,5 @@
+"""Training in a folder: its files, and what refuses or resumes it."""
+
 import dataclasses
 import json
 import shutil
@@ -6,26 +8,26 @@ import numpy as np
 import pytest
 
 from aerodrake.learning import collection
+from aerodrake.learning.collection_runs import CollectionRun, circle, with_disturbances
 from aerodrake.learning.evaluation import METHODS
-from aerodrake.learning.stages import Stage, circle, weathers
 from aerodrake.learning.train import train_scenario
 from aerodrake.model.residual.checkpoint import load
-from aerodrake.model.residual.training import Training
+from aerodrake.model.residual.training import TrainingConfig
 from aerodrake.scenario import Model
 from aerodrake.scenario.load import load_scenario
 from aerodrake.support.errors import BadInput, ProcessDied
 from tests.in_this_process import in_this_process
 
-STAGES = [
-    Stage("one", "training", 3.0, 5.0, 0.0, circle(0.1, 0.1, 0.3), turn_s=6.0),
-    Stage("two", "validation", 3.0, 6.0, 0.5, circle(0.1, -0.12, 0.3), turn_s=6.0),
-    *weathers(Stage("three", "held_out", 2.0, 4.0, 0.2), 0.0, 1)[::3],
+RUNS = [
+    CollectionRun("one", "training", 3.0, 5.0, 0.0, circle(0.1, 0.1, 0.3), turn_s=6.0),
+    CollectionRun("two", "validation", 3.0, 6.0, 0.5, circle(0.1, -0.12, 0.3), turn_s=6.0),
+    *with_disturbances(CollectionRun("three", "held_out", 2.0, 4.0, 0.2), 0.0, 1)[::3],
 ]
-TRAINING = Training(epochs=4, batch=64)
+TRAINING = TrainingConfig(epochs=4, batch=64)
 
 
-def train(folder, scenario, stages=STAGES):
-    return train_scenario(scenario, stages, TRAINING, folder, jobs=2, quiet=True)
+def train(folder, scenario, runs=RUNS):
+    return train_scenario(scenario, runs, TRAINING, folder, jobs=2, quiet=True)
 
 
 @pytest.fixture(scope="module")
@@ -45,17 +47,17 @@ def content(folder):
 
 @pytest.fixture
 def grounded(monkeypatch):
-    """Nothing may be flown."""
+    """Replaces the flights: none takes place."""
     monkeypatch.setattr(collection, "run_parallel", lambda function, items, jobs: iter([]))
     return monkeypatch
 
 
-def test_everything_is_there(trained, scenario):
+def test_all_files_are_written(trained, scenario):
     folder, evaluation = trained
     assert {path.name for path in folder.iterdir()} == {
         *("network.pt", "training.json", "training.png", "stages")
     }
-    assert len(list((folder / "stages").iterdir())) == len(STAGES)
+    assert len(list((folder / "stages").iterdir())) == len(RUNS)
     network, provenance = load(folder / "network.pt", 6)
     assert provenance.flight_interface == "position"
     assert (folder / "network.pt").stat().st_size < 100_000
@@ -65,14 +67,14 @@ def test_everything_is_there(trained, scenario):
     assert log["rmse_m_s"]["three_payload"] == dict(evaluation.rmse[1])
 
 
-def test_a_finished_stage_is_never_flown_twice(trained, scenario, grounded):
+def test_a_completed_run_is_not_flown_again(trained, scenario, grounded):
     folder, _ = trained
     before = content(folder)
     train(folder, scenario)
     assert content(folder) == before  # Trained again from the same files: bit for bit.
 
 
-def test_another_scenario_uses_none_of_them(trained, scenario, grounded):
+def test_another_scenario_uses_none_of_the_samples(trained, scenario, grounded):
     other = dataclasses.replace(scenario, model=Model(kind="paper", k_b=(2.0, 2.0, 2.0)))
     flown = []
     grounded.setattr(
@@ -80,11 +82,11 @@ def test_another_scenario_uses_none_of_them(trained, scenario, grounded):
     )
     with pytest.raises(KeyError):  # Since nothing was flown.
         train(trained[0], other)
-    assert flown == STAGES
+    assert flown == RUNS
 
 
 @pytest.mark.parametrize("name", ["stages/one-*.npz", "network.pt"])
-def test_what_is_not_ours_is_refused_and_kept(trained, scenario, grounded, name):
+def test_invalid_files_are_refused_and_kept(trained, scenario, grounded, name):
     folder, _ = trained
     path = next(folder.glob(name))
     good = path.read_bytes()
@@ -98,7 +100,7 @@ def test_what_is_not_ours_is_refused_and_kept(trained, scenario, grounded, name)
         path.write_bytes(good)
 
 
-def test_a_folder_of_your_own_is_refused_and_left_as_it_is(tmp_path, scenario):
+def test_a_folder_with_other_files_is_refused_and_not_changed(tmp_path, scenario):
     (tmp_path / "thesis.tex").write_text("x")
     with pytest.raises(BadInput, match="not of an earlier training"):
         train(tmp_path, scenario)
@@ -107,17 +109,17 @@ def test_a_folder_of_your_own_is_refused_and_left_as_it_is(tmp_path, scenario):
         train(tmp_path / "thesis.tex", scenario)
 
 
-@pytest.mark.parametrize("left", [["network.pt"], ["network.pt", "training.json"]])
-def test_one_that_was_killed_while_it_wrote_goes_on(trained, scenario, grounded, tmp_path, left):
+@pytest.mark.parametrize("remaining", [["network.pt"], ["network.pt", "training.json"]])
+def test_a_training_killed_while_writing_resumes(trained, scenario, grounded, tmp_path, remaining):
     folder = tmp_path / "copy"
     shutil.copytree(trained[0], folder)
-    for name in {"network.pt", "training.json", "training.png"} - {*left}:
+    for name in {"network.pt", "training.json", "training.png"} - {*remaining}:
         (folder / name).unlink()
     train(folder, scenario)
     assert {path.name for path in folder.iterdir()} == {path.name for path in trained[0].iterdir()}
 
 
-def test_a_network_of_ones_own_is_not_replaced(trained, scenario, tmp_path, grounded):
+def test_another_network_is_not_replaced(trained, scenario, tmp_path, grounded):
     shutil.copy(trained[0] / "network.pt", tmp_path)
     with pytest.raises(BadInput, match="not of an earlier training"):
         train(tmp_path, scenario)
@@ -129,7 +131,7 @@ def test_a_process_that_died_is_named(tmp_path, scenario, grounded):
         "run_parallel",
         lambda function, items, jobs: iter([(1, ProcessDied("its process died of SIGKILL"))]),
     )
-    with pytest.raises(ProcessDied, match="^stage two: its process died of SIGKILL$"):
+    with pytest.raises(ProcessDied, match="^collection run two: its process died of SIGKILL$"):
         train(tmp_path, scenario)
 
 
@@ -139,28 +141,30 @@ def test_the_integral_model_has_no_residual(tmp_path, scenario):
         train(tmp_path, integral)
 
 
-def test_a_stage_that_cannot_be_flown_is_named_and_those_flown_are_kept(
+def test_a_run_that_cannot_be_flown_is_named_and_completed_runs_are_kept(
     tmp_path, scenario, monkeypatch
 ):
     monkeypatch.setattr(collection, "run_parallel", in_this_process)
-    wild = dataclasses.replace(STAGES[0], name="wild", lap_s=0.3)
-    with pytest.raises(BadInput, match="stage wild could not be flown: the joints' limits"):
-        train(tmp_path, scenario, [wild, *STAGES[:1]])
+    wild = dataclasses.replace(RUNS[0], name="wild", lap_s=0.3)
+    with pytest.raises(
+        BadInput, match="collection run wild could not be flown: the joints' limits"
+    ):
+        train(tmp_path, scenario, [wild, *RUNS[:1]])
     (path,) = (tmp_path / "stages").iterdir()
     with np.load(path) as file:
         assert set(file.files) == {"features", "targets", "metadata"}
 
 
-def test_samples_that_cannot_be_fitted_leave_the_network_that_was_there(
+def test_samples_that_cannot_be_fitted_keep_the_earlier_network(
     trained, scenario, tmp_path, grounded
 ):
     folder = tmp_path / "copy"
     shutil.copytree(trained[0], folder)
-    (stage,) = (folder / "stages").glob("one-*.npz")
-    with np.load(stage) as file:
+    (path,) = (folder / "stages").glob("one-*.npz")
+    with np.load(path) as file:
         arrays = dict(file)
     arrays["targets"][3, 0] = 1e300
-    with stage.open("wb") as file:
+    with path.open("wb") as file:
         np.savez(file, **arrays)
     before = content(folder)
     with (
@@ -171,7 +175,7 @@ def test_samples_that_cannot_be_fitted_leave_the_network_that_was_there(
     assert content(folder) == before
 
 
-def test_a_figure_of_ones_own_is_not_replaced(scenario, tmp_path, grounded):
+def test_another_figure_is_not_replaced(scenario, tmp_path, grounded):
     (tmp_path / "training.png").write_text("mine")
     with pytest.raises(BadInput, match="holds files that are not of an earlier training"):
         train(tmp_path, scenario)

@@ -1,4 +1,4 @@
-"""Checkpoints: a residual network in a file, with where it comes from."""
+"""Checkpoint files of a residual network, with its provenance."""
 
 from __future__ import annotations
 
@@ -15,21 +15,22 @@ from aerodrake.support.errors import BadInput
 from aerodrake.support.files import is_stored_zip, read_bounded, write_atomically
 
 FORMAT = 1
-"""Version of the checkpoint's layout."""
+"""Version of the file format."""
 
 MAX_BYTES = 1_000_000
-"""No checkpoint is larger: a guard against hostile files."""
+"""Largest accepted file, as a guard against hostile files."""
 
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a network comes from, and so where it is valid.
+    """Origin of a network, which limits its validity.
 
     Attributes:
-        version: Of aerodrake.
-        flight_interface: `trajectory` or `position`; a network serves one of them.
-        plant_hash: Of the vehicle it was trained on, its controllers and model (`fingerprint`).
-        scenario_hash: Of the scenario its data came from.
+        version: Version of aerodrake.
+        flight_interface: `trajectory` or `position`; a network is valid for one of them.
+        plant_hash: Hash of the vehicle it was trained on, with controllers and model
+            (`fingerprint`).
+        scenario_hash: Hash of the scenario of its training data.
     """
 
     version: str
@@ -38,10 +39,10 @@ class Provenance:
     scenario_hash: str
 
 
-def save(path: Path, network: ResidualNetwork, metadata: Provenance) -> None:
-    """Writes a checkpoint: all of it, or nothing.
+def save(path: Path, network: ResidualNetwork, provenance: Provenance) -> None:
+    """Writes a checkpoint atomically.
 
-    The same network and metadata give the same bytes.
+    The same network and provenance give the same bytes.
 
     Raises:
         BadInput: if the file cannot be written.
@@ -52,8 +53,8 @@ def save(path: Path, network: ResidualNetwork, metadata: Provenance) -> None:
             "format": FORMAT,
             "features": feature_names(network.joints),
             "hidden": list(HIDDEN),
-            "metadata": asdict(metadata),
-            "tensors": dict(network.state_dict()),  # The scaler is among them.
+            "metadata": asdict(provenance),
+            "tensors": dict(network.state_dict()),  # With the scaler.
         },
         content,
     )
@@ -65,27 +66,28 @@ def load(path: Path, joints: int) -> tuple[ResidualNetwork, Provenance]:
 
     Args:
         path: The file.
-        joints: n of the vehicle that is to fly with it.
+        joints: n of the vehicle that uses the network.
 
     Raises:
         BadInput: if the file is missing, too large, not a checkpoint or of
-            another format, for other features, or holds tensors of the wrong
-            shape or type or numbers that are not finite.
+            another format, for other features, or if its tensors have a wrong
+            shape or type or NaN or infinite entries.
     """
     path = Path(path)
     data = _read(path)
     if data["format"] != FORMAT:
         raise BadInput(path, "", f"expected a checkpoint of format {FORMAT}, got another format")
-    expected, found = feature_names(joints), data["features"]
-    if len(found) != len(expected):
+    expected, features = feature_names(joints), data["features"]
+    if len(features) != len(expected):
         raise BadInput(
             path,
             "",
-            f"expected the {len(expected)} features of an arm of {joints} joints, got {len(found)}",
+            f"expected the {len(expected)} features of an arm of {joints} joints, "
+            f"got {len(features)}",
         )
-    for ours, theirs in zip(expected, found, strict=True):
-        if ours != theirs:
-            raise BadInput(path, "", f"expected the feature {ours}, got {theirs!r:.40}")
+    for name, other in zip(expected, features, strict=True):
+        if other != name:
+            raise BadInput(path, "", f"expected the feature {name}, got {other!r:.40}")
     if data["hidden"] != list(HIDDEN):
         raise BadInput(path, "", f"expected hidden layers of {list(HIDDEN)} units")
 
@@ -96,14 +98,14 @@ def load(path: Path, joints: int) -> tuple[ResidualNetwork, Provenance]:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """The checkpoint's mapping, its keys and plain types checked."""
+    """Reads the checkpoint's mapping and checks its keys and plain types."""
     not_a_checkpoint = BadInput(path, "", "expected a checkpoint of aerodrake")
     content = read_bounded(path, MAX_BYTES)
     try:
         if not is_stored_zip(content):  # As torch writes it.
             raise ValueError("compressed")
         data = torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
-    except Exception:  # What torch.load raises on a malformed file is not documented.
+    except Exception:  # torch.load does not document its errors on malformed files.
         raise not_a_checkpoint from None
     if (
         not isinstance(data, dict)

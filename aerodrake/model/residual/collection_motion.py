@@ -1,4 +1,4 @@
-"""Motions of the setpoints while data is collected: curves in planes that turn slowly."""
+"""Setpoint motions for data collection: curves in slowly turning planes."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.vehicle import VehicleModel
 
 CORRECTION = 2.0
-"""1/s, with which the joints take out the tool's distance from its path."""
+"""1/s, gain of the joints' correction of the tool's path error."""
 
 CENTERING = 0.5
-"""1/s, with which motion that leaves the tool in place returns to the working configuration."""
+"""1/s, gain of the null-space motion towards the working configuration."""
 
 
 def turn_about(centre: np.ndarray, motion: Motion, times: np.ndarray, turn_s: float) -> Motion:
-    """The motion as it is when its frame turns about the vertical through `centre`.
+    """Returns a motion whose frame turns about the vertical through `centre`.
 
     Args:
         centre: (3,) m.
-        motion: In the frame that turns.
+        motion: Motion in the turning frame.
         times: (T,) s; negative before the frame begins to turn.
-        turn_s: s, in which it turns once.
+        turn_s: s, time of one turn.
     """
     p, v = motion
     rate = 2 * math.pi / turn_s
@@ -39,37 +39,37 @@ def turn_about(centre: np.ndarray, motion: Motion, times: np.ndarray, turn_s: fl
 
 
 def joint_motion(path: Motion, vehicle: VehicleModel, period: float) -> PiecewisePolynomial:
-    """q_d from the working configuration with which the tool follows a path in the base frame.
+    """Returns q_d, from the working configuration, that follows a tool path in the base frame.
 
-    Of all joint velocities that move the tool as asked, those nearest to a
-    return to the working configuration (Siciliano et al., Robotics, 2009,
-    section 3.5.1), so that the arm's redundant motion does not drift. A joint
-    counts by the inverse of the room that it has there to its nearer limit.
+    Among the joint velocities that follow the path, those nearest to a return to the
+    working configuration are used (Siciliano et al., Robotics, 2009, section 3.5.1),
+    so that the null-space motion does not drift. The weight of a joint is the inverse
+    of its distance to the nearer limit in the working configuration.
 
     Args:
         path: (T, 3) m and (T, 3) m/s at the times 0, period, ..., from p_O at rest.
-        vehicle: Whose arm it is.
+        vehicle: The vehicle with the arm.
         period: s.
 
     Returns:
         (n,) rad over [0, (T - 1) period].
 
     Raises:
-        ValueError: if that asks for more than the joints' limits.
+        ValueError: if the motion exceeds the joints' limits.
     """
     kinematics = Kinematics(vehicle.plant)
-    room = np.minimum(vehicle.upper - vehicle.working, vehicle.working - vehicle.lower)
-    scale = np.sqrt(room)
+    margin = np.minimum(vehicle.upper - vehicle.working, vehicle.working - vehicle.lower)
+    scale = np.sqrt(margin)
     q, qdot = vehicle.working, np.zeros(vehicle.joints)
     velocities = [qdot]
     for p, v in zip(path[0][:-1], path[1][1:], strict=True):
         p_EB, J_B = kinematics.arm(q)
         centering = CENTERING * (vehicle.working - q)
-        asked = v + CORRECTION * (p - p_EB)
-        missing = asked - J_B @ centering
-        following = centering + scale * (np.linalg.pinv(J_B * scale) @ missing)
-        q = q + (qdot + following) * (period / 2)
-        qdot = following
+        tool_velocity = v + CORRECTION * (p - p_EB)
+        missing = tool_velocity - J_B @ centering
+        next_qdot = centering + scale * (np.linalg.pinv(J_B * scale) @ missing)
+        q = q + (qdot + next_qdot) * (period / 2)
+        qdot = next_qdot
         velocities.append(qdot)
     motion = held_acceleration_motion(vehicle.working, np.array(velocities), period)
     _check_limits(motion, np.array(velocities), vehicle, period)
@@ -87,4 +87,4 @@ def _check_limits(
         or (np.abs(velocity) > vehicle.velocity).any()
         or (np.abs(acceleration) > vehicle.acceleration).any()
     ):
-        raise ValueError("the joints' limits do not let the tool follow its path")
+        raise ValueError("the joints' limits do not allow the tool's path")

@@ -1,4 +1,4 @@
-"""What the residual network sees of the vehicle."""
+"""Features of the residual network, and the sizes of its layers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PHI_SIZE = HIDDEN[-1] + 1
 
 
 def feature_names(joints: int) -> list[str]:
-    """Names of the 12 + 3 n features with their units, in the order of `features`."""
+    """Returns the names of the 12 + 3 n features with units, in the order of `features`."""
     arm = range(1, joints + 1)
     return [
         *("roll_rad", "pitch_rad", "yaw_rad"),
@@ -31,13 +31,13 @@ def feature_names(joints: int) -> list[str]:
 
 @compiled
 def features(x: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """What the network sees: [Theta_B, v_B, omega_B, q, q', u_{k-1}].
+    """Returns the features [Theta_B, v_B, omega_B, q, q', u_{k-1}].
 
-    The paper lists "control inputs". u_k is not known when Delta is inferred,
-    hence u_{k-1}, in training too.
+    The paper lists "control inputs". u_k depends on Delta_k, so that inference and
+    training use u_{k-1}.
 
     Args:
-        x: (13 + 2 n,), measured at t_k, as `VehicleState` has it.
+        x: (13 + 2 n,), `VehicleState` measured at t_k.
         u: (3 + n,) [p_B,d'', q_d''] in m/s^2 and rad/s^2, applied up to t_k.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Linear models of the residual velocity: what the network is measured against."""
+"""Linear models of the residual velocity, as baselines for the network."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy as np
 from aerodrake.model.residual.samples import Samples
 
 ALPHAS = tuple(10.0 ** np.arange(-6, 2))
-"""Ridge penalties that are tried, for standardised features."""
+"""Candidate ridge penalties, for standardised features."""
 
 
 @dataclass(frozen=True, eq=False)
 class LinearResidual:
-    """target = coefficients [(features - mean) / scale; 1].
+    """Model target = coefficients [(features - mean) / scale; 1].
 
     Attributes:
-        mean, scale: (m,) of the features.
+        mean, scale: (m,) mean and standard deviation of the features.
         coefficients: (3, m + 1) m/s, the intercept last.
-        alpha: Penalty it was fitted with.
+        alpha: Ridge penalty of the fit.
     """
 
     mean: np.ndarray
@@ -30,11 +30,11 @@ class LinearResidual:
 
     @classmethod
     def fit(cls, flights: Sequence[Samples], alpha: float) -> LinearResidual:
-        """Minimises mean squared error + alpha |coefficients|^2, the intercept left free.
+        """Minimises mean squared error + alpha |coefficients|^2, without penalty on the intercept.
 
         Args:
-            flights: Whose samples count alike.
-            alpha: 0 for least squares, of least norm where features do not vary.
+            flights: Their samples have equal weights.
+            alpha: Penalty; 0 for least squares, with least norm for constant features.
         """
         features, targets = (np.vstack(parts) for parts in zip(*flights, strict=True))
         mean, deviation = features.mean(axis=0), features.std(axis=0)
@@ -49,7 +49,7 @@ class LinearResidual:
 
     @classmethod
     def fit_ridge(cls, flights: Sequence[Samples], validation: Sequence[Samples]) -> LinearResidual:
-        """The fit whose penalty, of `ALPHAS`, errs least on the validation flights."""
+        """Returns the fit with the penalty of `ALPHAS` that minimises the validation error."""
         fits = [cls.fit(flights, alpha) for alpha in ALPHAS]
         return min(
             fits,
@@ -57,6 +57,6 @@ class LinearResidual:
         )
 
     def predict(self, features: np.ndarray) -> np.ndarray:
-        """(T, 3) m/s from features (T, m)."""
+        """Returns the predicted targets (T, 3) in m/s from features (T, m)."""
         scaled = (features - self.mean) / self.scale
         return scaled @ self.coefficients[:, :-1].T + self.coefficients[:, -1]

@@ -18,7 +18,7 @@ from aerodrake.model.residual.features import HIDDEN, PHI_SIZE, feature_names
 
 @dataclass(frozen=True, eq=False)
 class FeatureScaler:
-    """(features - mean) / scale, frozen with the network it was trained for.
+    """Map (features - mean) / scale, fixed before a network is trained.
 
     Attributes:
         mean: (12 + 3 n,) in the features' units.
@@ -36,7 +36,7 @@ class FeatureScaler:
 
     @classmethod
     def nominal(cls, joints: int) -> FeatureScaler:
-        """Spread expected in gentle flight: for a network that has seen no data."""
+        """Returns the ranges expected in slow flight, for a network without training data."""
         scale = np.concatenate(
             [
                 np.full(3, 0.1),  # rad, Theta_B
@@ -54,13 +54,13 @@ class FeatureScaler:
 class ResidualNetwork(torch.nn.Module):
     """Delta = theta [ELU(W_2 ELU(W_1 s + b_1) + b_2); 1], with s the scaled features.
 
-    The last layer starts at zero, so that Delta is exactly zero until something
-    is learned; the hidden layers start uniform in +-1/sqrt(inputs).
+    The last layer starts at zero, so that Delta is exactly zero until the
+    layer learns; the hidden layers start uniform in +-1/sqrt(inputs).
 
     Args:
         joints: n.
-        scaler: For the 12 + 3 n features; fixed from here on.
-        seed: Of the hidden layers; torch's global generator is left alone.
+        scaler: Scaler of the 12 + 3 n features; it is not trained.
+        seed: Seed of the hidden layers; torch's global generator is not used.
     """
 
     def __init__(self, joints: int, scaler: FeatureScaler, seed: int):
@@ -83,17 +83,17 @@ class ResidualNetwork(torch.nn.Module):
 
     @classmethod
     def untrained(cls, joints: int, seed: int) -> ResidualNetwork:
-        """A network with the nominal scaler; its Delta is zero until its last layer learns."""
+        """Returns a network with the nominal scaler and a last layer of zeros."""
         return cls(joints, FeatureScaler.nominal(joints), seed)
 
     def forward(self, features: torch.Tensor) -> torch.Tensor:
-        """Delta (..., 3) in m/s from unscaled features (..., 12 + 3 n)."""
+        """Returns Delta (..., 3) in m/s from unscaled features (..., 12 + 3 n)."""
         return self.last(self.hidden((features - self.mean) / self.scale))
 
     def phi(self, features: np.ndarray) -> np.ndarray:
-        """(..., 33) last hidden activations and a 1, from unscaled features (..., 12 + 3 n).
+        """Returns (..., 33), the last hidden activations and a 1, from features (..., 12 + 3 n).
 
-        Delta is `phi @ last_layer().T`.
+        The features are unscaled. Delta is `phi @ last_layer().T`.
         """
         with torch.inference_mode():
             scaled = (torch.from_numpy(features) - self.mean) / self.scale
@@ -103,7 +103,7 @@ class ResidualNetwork(torch.nn.Module):
         return phi
 
     def last_layer(self) -> np.ndarray:
-        """(3, 33) copy of theta, [weights, bias]: the paper's theta^l."""
+        """Returns a (3, 33) copy of theta, [weights, bias]: the paper's theta^l."""
         with torch.no_grad():
             return torch.column_stack([self.last.weight, self.last.bias]).numpy()
 

@@ -1,6 +1,6 @@
-"""The residual network that a scenario flies with.
+"""Residual network of a scenario.
 
-Torch, which takes a second to import, is imported where there is one.
+Torch takes a second to import, and is imported only for scenarios with a network.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 
 def network_for(scenario: Scenario, joints: int) -> ResidualNetwork | None:
-    """The network that a scenario names; an untrained one where it names none.
+    """Loads the scenario's checkpoint; without one, returns an untrained network.
 
-    None in the mode `off`, which needs none.
+    Returns None in the mode `off`.
 
     Raises:
-        ScenarioError: if the checkpoint cannot be used, or serves another flight interface.
+        ScenarioError: if the checkpoint cannot be used, or is for another flight interface.
     """
     if scenario.residual.mode == "off":
         return None
@@ -45,7 +45,7 @@ def network_for(scenario: Scenario, joints: int) -> ResidualNetwork | None:
 
 
 def provenance_notes(scenario: Scenario, joints: int) -> list[str]:
-    """What should be known of the network that a scenario flies with.
+    """Returns a note if the scenario's network was trained for another plant.
 
     Raises:
         ScenarioError: if the checkpoint cannot be used.
@@ -61,5 +61,5 @@ def provenance_notes(scenario: Scenario, joints: int) -> list[str]:
         return []
     return [
         "residual.checkpoint was trained for another vehicle, flight controller or model than "
-        "this scenario's; `aerodrake train` makes one for it"
+        "this scenario's; `aerodrake train` trains a network for it"
     ]

@@ -6,6 +6,7 @@ import copy
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -14,28 +15,28 @@ from aerodrake.model.residual.network import FeatureScaler, ResidualNetwork
 from aerodrake.model.residual.samples import Samples
 
 RMS_FLOOR = 1e-3
-"""m/s: flights whose residual is smaller than this count as if it were this large."""
+"""m/s, smallest RMS residual by which the weight of a flight is normalised."""
 
 WEIGHT_GAIN = 2.5
-"""Of the hidden layers' weights at the start of training (see `train`)."""
+"""Factor on the initial weights of the hidden layers (see `train`)."""
 
 BIAS = 2.6
-"""Of the second hidden layer's units at the start of training (see `train`)."""
+"""Initial bias added to the second hidden layer (see `train`)."""
 
 
 @dataclass(frozen=True)
-class Training:
-    """How a network is trained.
+class TrainingConfig:
+    """Settings of the optimiser, and noise on the features.
 
     Attributes:
-        learning_rate: Of Adam at first; it falls to zero along half a cosine.
-        epochs: The most passes through the training samples.
-        patience: Epochs without a better validation loss after which it stops.
-        batch: Samples in a step.
-        attitude_rad: Deviation of the noise on roll and pitch.
-        rate_rad_s: Deviation of the noise on the roll and pitch rates.
-        acceleration_ratio: Deviation of the noise on the base's commanded acceleration,
-            over that acceleration's RMS in the same flight.
+        learning_rate: Initial learning rate of Adam; it falls to zero along half a cosine.
+        epochs: Maximum number of passes through the training samples.
+        patience: Number of epochs without a lower validation loss after which training stops.
+        batch: Number of samples in a step.
+        attitude_rad: Standard deviation of the noise on roll and pitch.
+        rate_rad_s: Standard deviation of the noise on the roll and pitch rates.
+        acceleration_ratio: Standard deviation of the noise on the base's commanded
+            acceleration, relative to that acceleration's RMS in the same flight.
     """
 
     learning_rate: float = 0.01
@@ -48,15 +49,14 @@ class Training:
 
 
 @dataclass(frozen=True, eq=False)
-class Trained:
-    """What came of it.
+class TrainingResult:
+    """Trained network, and losses relative to the targets' mean square.
 
     Attributes:
-        network: With the lowest validation loss.
-        training_loss: (epochs,) part of the targets' mean square that is left, over
-            the epoch, noise on the features included.
-        validation_loss: (epochs,) the same of the validation flights, without noise.
-        best_epoch: Whose network it is, from 0.
+        network: Network with the lowest validation loss.
+        training_loss: (epochs,) mean over the epoch, with noise on the features.
+        validation_loss: (epochs,) loss on the validation flights, without noise.
+        best_epoch: Epoch of the network, from 0.
     """
 
     network: ResidualNetwork
@@ -65,46 +65,57 @@ class Trained:
     best_epoch: int
 
 
+class TrainingData(NamedTuple):
+    """Samples of a vehicle's flights.
+
+    Attributes:
+        training: Flights whose samples the network is fitted to.
+        validation: Other flights, by which the epoch is selected.
+        gain: (3,) c, the diagonal of the model's C in the rows of p_B'.
+        joints: n.
+    """
+
+    training: Sequence[Samples]
+    validation: Sequence[Samples]
+    gain: np.ndarray
+    joints: int
+
+
 def train(
-    flights: Sequence[Samples],
-    validation: Sequence[Samples],
-    gain: np.ndarray,
-    joints: int,
+    data: TrainingData,
     seed: int,
-    config: Training,
+    config: TrainingConfig,
     progress: Callable[[float, float], None] = lambda training, validation: None,
-) -> Trained:
-    """Fits Delta = target / gain.
+) -> TrainingResult:
+    """Trains a network to fit Delta = target / gain.
 
-    The loss is the mean over flights of the squared error over the flight's own
-    mean squared target: a gentle flight counts as much as a wild one.
+    The loss is the mean over flights of the squared error relative to the flight's own
+    mean squared target, so that slow and fast flights have equal weights.
 
-    Noise on roll, pitch and their rates keeps the network from reading
-    accelerations out of the attitude, which wind tilts without any
-    acceleration; so they are inferred from the setpoint and the velocity. Noise on
-    the commanded acceleration bounds how much Delta follows u: the MPC chooses u by
-    Delta, and the loop of the two chatters when it follows closely.
+    Noise on roll, pitch and their rates keeps the network from inferring accelerations
+    from the attitude: in wind the base tilts without accelerating. The network then
+    infers them from the setpoint and the velocity. Noise on the commanded acceleration
+    bounds the dependence of Delta on u: the MPC chooses u by Delta, and a strong
+    dependence makes the two oscillate.
 
     Online learning corrects Delta by a fraction 2 eta c^2 |phi|^2 of its error at
     every tick: with the small phi of an ordinary initialisation a constant error
     takes seconds to learn. The hidden layers therefore start with larger weights
-    and biases, and training, which is shown phi about its mean, keeps them there.
+    and biases; training on phi minus its mean preserves them.
 
     Args:
-        flights: To train on.
-        validation: To choose the epoch by; other flights.
-        gain: (3,) c, the diagonal of the model's C in the rows of p_B'.
-        joints: n.
-        seed: Of the hidden layers, the order of the samples and the noise.
-        config: How.
+        data: Training and validation flights.
+        seed: Seed of the hidden layers, the order of the samples and the noise.
+        config: Settings.
         progress: Called after each epoch with its two losses.
     """
-    features, targets, weights = _stack(flights, gain)
-    judged = _stack(validation, gain)
+    joints = data.joints
+    features, targets, weights = _stack(data.training, data.gain)
+    held_out = _stack(data.validation, data.gain)
     scale = np.maximum(features.std(dim=0).numpy(), FeatureScaler.nominal(joints).scale)
     network = ResidualNetwork(joints, FeatureScaler(features.mean(dim=0).numpy(), scale), seed)
     model = _Centred(network, features, float((targets**2).mean().sqrt()))
-    noise = torch.from_numpy(np.vstack([_noise(f, joints, config) for f, _ in flights]))
+    noise = torch.from_numpy(np.vstack([_noise(f, joints, config) for f, _ in data.training]))
 
     steps = math.ceil(len(features) / config.batch)
     optimizer = torch.optim.Adam(network.parameters(), lr=config.learning_rate)
@@ -116,31 +127,34 @@ def train(
         total = 0.0
         for rows in torch.randperm(len(features), generator=generator).split(config.batch):
             drawn = torch.randn(noise[rows].shape, generator=generator, dtype=torch.float64)
-            seen = features[rows] + noise[rows] * drawn
-            loss = _loss(model(seen), targets[rows], weights[rows])
+            noisy = features[rows] + noise[rows] * drawn
+            loss = _loss(model(noisy), targets[rows], weights[rows])
             optimizer.zero_grad()
             loss.backward()
             optimizer.step()
             schedule.step()
             total += len(rows) * loss.item()
         with torch.inference_mode():
-            judgement = _loss(model(judged[0]), *judged[1:]).item()
-        losses.append((total / len(features), judgement))
+            validation = _loss(model(held_out[0]), *held_out[1:]).item()
+        losses.append((total / len(features), validation))
         progress(*losses[-1])
-        if judgement < best[1]:
-            best = epoch, judgement, copy.deepcopy(network.state_dict())
+        if validation < best[1]:
+            best = epoch, validation, copy.deepcopy(network.state_dict())
         if epoch - best[0] >= config.patience:
             break
     network.load_state_dict(best[2])
     model.fold()
     training_loss, validation_loss = np.array(losses).T
-    return Trained(network, training_loss, validation_loss, best[0])
+    return TrainingResult(network, training_loss, validation_loss, best[0])
 
 
 def _stack(
     flights: Sequence[Samples], gain: np.ndarray
 ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-    """Features, Delta and weights (T, 1) of all flights; the weights' mean square Delta is 1."""
+    """Returns features, Delta and weights (T, 1) of all flights.
+
+    The weighted mean square of each flight's targets is 1, unless it is below `RMS_FLOOR`.
+    """
     weights = []
     for _, targets in flights:
         mean_square = (targets**2).sum(axis=1).mean()
@@ -153,10 +167,10 @@ def _stack(
     )
 
 
-def _noise(features: np.ndarray, joints: int, config: Training) -> np.ndarray:
-    """(T, 12 + 3 n) deviations of the noise on one flight's features."""
+def _noise(features: np.ndarray, joints: int, config: TrainingConfig) -> np.ndarray:
+    """Returns (T, 12 + 3 n), standard deviations of the noise on one flight's features."""
     noise = np.zeros_like(features)
-    acceleration = slice(-3 - joints, -joints)  # Places as in `feature_names`.
+    acceleration = slice(-3 - joints, -joints)  # Columns as in `feature_names`.
     noise[:, :2], noise[:, 6:8] = config.attitude_rad, config.rate_rad_s
     rms = np.sqrt((features[:, acceleration] ** 2).mean())
     noise[:, acceleration] = config.acceleration_ratio * rms
@@ -168,10 +182,10 @@ def _loss(delta: torch.Tensor, target: torch.Tensor, weight: torch.Tensor) -> to
 
 
 class _Centred:
-    """The network while it is trained: its last layer sees phi about its mean, and scaled.
+    """Network in training, whose last layer receives phi minus its mean, and is scaled.
 
-    That makes steps in phi's common part and in its variation equally easy,
-    however large either is. `fold` turns it into the plain network it stands for.
+    Steps along the mean of phi and along its variation then are equally well conditioned.
+    `fold` returns the parameters to those of the plain network.
     """
 
     def __init__(self, network: ResidualNetwork, features: torch.Tensor, rms: float):
@@ -189,6 +203,7 @@ class _Centred:
         return self._scale * self._network.last(self._phi(features) - self._centre)
 
     def fold(self) -> None:
+        """Converts the last layer to the plain network's."""
         last = self._network.last
         with torch.no_grad():
             last.weight *= self._scale
