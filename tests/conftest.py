@@ -1,11 +1,10 @@
-"""What all tests share: the default flight and its vehicle, repeatable properties, and `--long`.
+"""Shared fixtures, the option `--long` and reproducible property tests.
 
-Campaigns fly, kill or feed a small sample by default, and all of it by
+Campaigns run a small sample by default, and completely with
 
     pytest --long
 
-or `pytest --long tests/scenario/test_fuzz.py` for one of them. Each asks the
-fixture `long` which of the two it is.
+or `pytest --long tests/scenario/test_fuzz.py` for one of them. The fixture `long` is True then.
 """
 
 import gc
@@ -23,40 +22,40 @@ hypothesis.settings.load_profile("repeatable")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--long", action="store_true", help="all of each campaign, not a sample")
+    parser.addoption("--long", action="store_true", help="run campaigns completely")
 
 
 @pytest.fixture(scope="session")
 def long(request: pytest.FixtureRequest) -> bool:
-    """Whether all of a campaign is asked for."""
+    """True if campaigns run completely."""
     return request.config.getoption("--long")
 
 
 @pytest.fixture(scope="session", autouse=True)
 def _single_thread():
-    """Threads that wait for each other cost more than the small matrices here."""
+    """Limits BLAS to one thread, since synchronisation costs more than small matrices."""
     with threadpool_limits(limits=1):
         yield
 
 
 @pytest.fixture(scope="module", autouse=True)
 def _garbage():
-    """Diagrams with systems in Python are never collected: nobody is to look at them again."""
+    """Exempts diagrams with Python systems, which are never freed, from garbage collection."""
     yield
     gc.freeze()
 
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Commands in this process draw nothing, where nobody looks: it takes most of a short run.
+    """Makes commands in this process write empty figures and pages without pictures and replay.
 
-    Figures are empty files, and pages have no pictures and no replay.
+    Drawing takes most of the time of a short run.
     """
     for figure in (
         "reports.flight_folder.plot_tracking",
         "comparison.figure.plot_comparison",
     ):
-        monkeypatch.setattr(f"aerodrake.{figure}", lambda *given: given[-1].touch())
+        monkeypatch.setattr(f"aerodrake.{figure}", lambda *arguments: arguments[-1].touch())
     for pictures in ("reports.flight_page.flight_pictures", "comparison.page._pictures"):
         monkeypatch.setattr(f"aerodrake.{pictures}", lambda *_: [])
     for page in ("reports.replay", "comparison.page"):
@@ -65,7 +64,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def write(tmp_path):
-    """Writes a scenario file and returns its path."""
+    """Function that writes a scenario file and returns its path."""
 
     def write(content: str | bytes, name: str = "flight.yaml") -> str:
         path = tmp_path / name
@@ -88,7 +87,7 @@ def vehicle(scenario) -> VehicleModel:
 
 @pytest.fixture(scope="session")
 def short_flight():
-    """A scenario that has something of everything, and the log of its flight of 0.6 s."""
+    """A scenario with online learning, and the log of its flight of 0.6 s."""
     from aerodrake.flight.simulate import FlightSimulation
     from aerodrake.scenario import Clover, Residual, Scenario
 
@@ -104,8 +103,8 @@ def short_flight():
 
 @pytest.fixture(scope="module")
 def browser():
-    with chromium() as found:
-        yield found
+    with chromium() as browser:
+        yield browser
 
 
 @pytest.fixture(scope="module")
@@ -122,5 +121,5 @@ def phone(browser, path):
 
 @pytest.fixture(params=["desktop", "phone"])
 def visited(request):
-    """The page in a window of either size."""
+    """The page in a window of each size."""
     return request.getfixturevalue(request.param)

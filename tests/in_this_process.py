@@ -1,4 +1,4 @@
-"""Replaces `run_parallel` of `aerodrake.support.processes` where processes are not tested."""
+"""Replacement of `run_parallel` of `aerodrake.support.processes` without processes."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
@@ -7,7 +7,7 @@ from typing import Any
 def in_this_process(
     function: Callable[[Any], Any], items: Sequence[Any], jobs: int
 ) -> Iterator[tuple[int, Any]]:
-    """As there, the last item first."""
+    """Yields results as `run_parallel` does, the last item first."""
     for index in reversed(range(len(items))):
         try:
             yield index, function(items[index])

@@ -1,4 +1,4 @@
-"""Scenarios that cannot be used, and what is said of them."""
+"""Check that a scenario is refused."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from aerodrake.support.errors import ScenarioError
 
 
 def refuses(path: str, *overrides: tuple[str, str]) -> str:
-    """The message about a scenario that cannot be used."""
+    """Returns the message with which a scenario is refused."""
     with pytest.raises(ScenarioError) as caught:
         load_scenario(path, overrides)
     message = str(caught.value)

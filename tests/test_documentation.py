@@ -1,9 +1,8 @@
-"""README and the guides say what is so: their blocks run, their links lead somewhere.
+"""The blocks of README and the guides run, and their links are valid.
 
-A page's blocks run from top to bottom, as a reader would, in a folder that has
-`diagrams/`. Flights are cut to tenths of a second and draw nothing, and commands that take
-minutes are only checked: their options exist, their scenarios and keys are valid. `pytest
---long` runs all of them as they stand, but for those that need another process beside them.
+A page's blocks run in order in a folder with `diagrams/`. Flights are shortened to tenths of a
+second without figures. Commands that take minutes are only checked for valid options, scenarios
+and keys. `pytest --long` runs all commands as written, except for those that need a second process.
 """
 
 import re
@@ -23,35 +22,35 @@ ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
 PAGES = [README, *sorted((ROOT / "diagrams").glob("*.md"))]
 GENERATED = sorted((ROOT / "diagrams" / "graphs").glob("*.md"))
-"""Whose content is tested where it is made."""
+"""Pages whose content is tested with their generator."""
 
 SHORT = ["--set", "duration=0.2", "--set", "settle_s=0.1"]
 SLOW = {"compare", "identify", "train", "bench", "sweep"}
-"""Commands that take minutes, each with tests of its own."""
+"""Commands that take minutes and have their own tests."""
 NOT_ALONE = {"coordinator", "--lcm", "--scheduler"}
-"""What needs another process beside it, and has tests with both."""
+"""Commands and options that need a second process; they have their own tests."""
 NOT_FLOWN = (".venv/", "python3 -m venv", ". .venv/", "pip ", "pytest", "dask ")
-"""How a machine is set up, and the tests: what runs before this."""
+"""Commands that set up the machine or run the tests."""
 
 pages = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.parent.name + "_" + page.stem)
 
 
 def blocks(page: Path) -> list[tuple[str, str]]:
-    """(language, text) of each fenced block."""
+    """Returns (language, text) of each fenced block."""
     return re.findall(r"^```(\w*)\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL)
 
 
 def lines(shell: str) -> Iterator[str]:
-    """Commands of a shell block, without comments, continued lines joined."""
+    """Yields the commands of a shell block without comments, with continued lines joined."""
     for line in shell.replace("\\\n", " ").splitlines():
         if command := re.sub(r"\s+#\s.*$", "", line).strip():
             yield command
 
 
-def test_there_is_something_to_check():
+def test_pages_and_blocks_are_found():
     assert len(PAGES) > 5 and len(GENERATED) > 20
     languages = {language for page in PAGES for language, _ in blocks(page)}
-    assert languages == {"sh", "python", "yaml", "mermaid", "text"}  # Each block has its language.
+    assert languages == {"sh", "python", "yaml", "mermaid", "text"}  # Each block has a language.
 
 
 @pages
@@ -60,7 +59,7 @@ def test_every_block_runs(page, tmp_path, monkeypatch, long, request):
         request.getfixturevalue("undrawn")
     shutil.copytree(ROOT / "diagrams", tmp_path / "diagrams")
     monkeypatch.chdir(tmp_path)
-    if not long:  # Of a training that is not run here.
+    if not long:  # The result of a training that is not run.
         network = Path("runs/train-mine/network.pt")
         network.parent.mkdir(parents=True)
         shutil.copy(ROOT / "aerodrake" / "networks" / "position.pt", network)
@@ -78,7 +77,7 @@ def test_every_block_runs(page, tmp_path, monkeypatch, long, request):
 
 
 def run(command: str, long: bool) -> None:
-    """A line of a shell block."""
+    """Runs a line of a shell block."""
     words = shlex.split(command)
     if words[0] == "aerodrake":
         arguments = words[1:] if long else shortened(words[1:])
@@ -108,7 +107,7 @@ def run_command(arguments: list[str]) -> int:
 
 
 def check(arguments: list[str]) -> None:
-    """Its options exist, and its scenario and keys are valid."""
+    """Checks that options, scenario and keys of a command are valid."""
     try:
         parsed = make_parser().parse_args(arguments)
     except SystemExit as stopped:
@@ -119,21 +118,23 @@ def check(arguments: list[str]) -> None:
         load_scenario(scenario, overrides(parsed))
 
 
-def test_the_graph_is_that_of_the_wiring():
+def test_readme_has_the_current_graph():
     graph = (ROOT / "diagrams" / "graphs" / "closed_loop.mmd").read_text()
     assert ("mermaid", graph) in blocks(README)
 
 
 def local_links() -> list[tuple[Path, str]]:
-    found = []
+    links_of_pages = []
     for page in [*PAGES, *GENERATED]:
         links = re.findall(r"\]\(([^)\s]+)\)|(?:src|href)=\"([^\"]+)\"", page.read_text())
         targets = {one or other for one, other in links}
-        found += [(page, t) for t in sorted(targets) if not re.match(r"https?:|mailto:", t)]
-    return found
+        links_of_pages += [
+            (page, t) for t in sorted(targets) if not re.match(r"https?:|mailto:", t)
+        ]
+    return links_of_pages
 
 
-def test_links_lead_somewhere():
+def test_links_are_valid():
     assert local_links()
     for page, link in local_links():
         path, _, anchor = link.partition("#")
@@ -145,7 +146,7 @@ def test_links_lead_somewhere():
             assert anchor in slugs, f"{page}: {link}"
 
 
-def test_every_script_and_page_has_its_place_in_the_gallery():
+def test_the_gallery_links_every_script_and_page():
     gallery = ROOT / "diagrams" / "README.md"
     links = {link.partition("#")[0] for page, link in local_links() if page == gallery}
     files = [*ROOT.glob("diagrams/*.py"), *ROOT.glob("diagrams/*.md"), *GENERATED]
@@ -157,7 +158,7 @@ def test_every_script_and_page_has_its_place_in_the_gallery():
 
 @pages
 def test_files_it_names_exist(page):
-    """Paths in code spans and shell blocks that can only be of this repository."""
+    """Checks paths in code spans and shell blocks that begin with a folder of the repository."""
     shell = " ".join(text for language, text in blocks(page) if language == "sh")
     words = re.findall(r"`([^`\n]+)`", page.read_text()) + shell.split()
     tops = ("aerodrake/", "diagrams/", "tests/", ".ci/", "pyproject.toml", "constraints.txt")

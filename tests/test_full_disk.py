@@ -1,4 +1,4 @@
-"""A disk that is full, at any file: one line, exit code 2, and earlier results as they were."""
+"""A full disk gives one line and exit code 2, and preserves earlier results."""
 
 from pathlib import Path
 
@@ -15,22 +15,22 @@ def content(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def flown(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("flown")
+def earlier(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("earlier")
     assert main([*ARGV, str(folder / "results")]) == 0
     return folder
 
 
 @pytest.mark.parametrize(
-    ("most_bytes", "what"),
+    ("most_bytes", "expected"),
     [(1000, "during the flight"), (100_000, "results"), (1_000_000, "results")],
     ids=["recording", "plot", "replay"],
 )
-def test_earlier_results_stay(flown, most_bytes, what, capsys):
-    before = content(flown)
+def test_earlier_results_are_preserved(earlier, most_bytes, expected, capsys):
+    before = content(earlier)
     with room_for(most_bytes):
-        assert main([*ARGV, str(flown / "results")]) == 2
-    said, error = capsys.readouterr()
-    assert said == "" and len(error.splitlines()) == 1
-    assert "File too large" in error and what in error
-    assert content(flown) == before and [p.name for p in flown.iterdir()] == ["results"]
+        assert main([*ARGV, str(earlier / "results")]) == 2
+    output, error = capsys.readouterr()
+    assert output == "" and len(error.splitlines()) == 1
+    assert "File too large" in error and expected in error
+    assert content(earlier) == before and [p.name for p in earlier.iterdir()] == ["results"]

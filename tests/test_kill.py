@@ -1,6 +1,6 @@
-"""Killed at any time: no corrupt file, nobody left behind, and the next call works.
+"""A killed command leaves no corrupt file and no process, and the next call succeeds.
 
-A few kills of `run` by default; 50 of all three by `pytest --long tests/test_kill.py`.
+A few kills of `run` by default; `pytest --long tests/test_kill.py` kills all commands 50 times.
 """
 
 import contextlib
@@ -28,25 +28,25 @@ COMMANDS = {
     "train": ["train", "--quick"],
 }
 KILLS = {"run": (2, 20), "compare": (0, 15), "train": (0, 15)}
-"""By default, and of all."""
+"""Number of kills by default, and with --long."""
 
 CALL_S, CHILDREN_S = 600, 60
-"""Nothing here takes as long."""
+"""Time limits of a call, and of its children after a kill."""
 
 
 def call(command: str, folder: Path) -> subprocess.Popen:
-    """In a group of its own, to which its children belong."""
+    """Starts a command in its own process group."""
     argv = [sys.executable, "-m", "aerodrake", *COMMANDS[command], "--quiet", "--out", "results"]
     pipe = subprocess.PIPE
     return subprocess.Popen(argv, cwd=folder, start_new_session=True, stdout=pipe, stderr=pipe)
 
 
 def finish(command: str, folder: Path) -> float:
-    """Calls it undisturbed; how long that took, in s. Nobody says a word, not even Drake."""
+    """Runs a command to its end, without output, and returns the time that it takes in s."""
     start = time.monotonic()
     process = call(command, folder)
-    said = process.communicate(timeout=CALL_S)
-    assert (process.returncode, *said) == (0, b"", b"")
+    output = process.communicate(timeout=CALL_S)
+    assert (process.returncode, *output) == (0, b"", b"")
     assert [path.name for path in folder.iterdir()] == ["results"]
     hidden = [path for path in folder.rglob("*") if path.name.startswith(".")]
     assert not hidden
@@ -63,24 +63,24 @@ def kill(command: str, folder: Path, after_s: float) -> None:
 
 
 def wait_for_children(group: int) -> None:
-    """Until all of a group have ended, which they are to do by themselves."""
+    """Waits until all processes of a group have ended by themselves."""
     deadline = time.monotonic() + CHILDREN_S
-    while any(members := [*living(group)]):
+    while any(members := [*running(group)]):
         assert time.monotonic() < deadline, f"left: {members}"
         time.sleep(0.05)
 
 
-def living(group: int) -> Iterator[int]:
-    """The processes of a group that are not dead, if perhaps not buried."""
-    for place in Path("/proc").glob("[0-9]*/stat"):
+def running(group: int) -> Iterator[int]:
+    """Yields the processes of a group that are not zombies."""
+    for path in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
-            state, _, its_group = place.read_text().rpartition(")")[2].split()[:3]
+            state, _, its_group = path.read_text().rpartition(")")[2].split()[:3]
             if int(its_group) == group and state != "Z":
-                yield int(place.parent.name)
+                yield int(path.parent.name)
 
 
 def check(folder: Path) -> None:
-    """Each file that has its own name can be read to its end."""
+    """Reads every file except those in hidden folders completely."""
     for path in folder.rglob("*"):
         if path.is_dir() or any(p.startswith(".") for p in path.relative_to(folder).parts):
             continue
@@ -107,9 +107,9 @@ def check(folder: Path) -> None:
 def test_killed_at_any_time(command, tmp_path, long):
     kills = KILLS[command][long]
     if not kills:
-        pytest.skip("by --long only")
+        pytest.skip("only with --long")
     rng = random.Random(command)
-    # An earlier run, to be replaced; and how long one takes.
+    # An earlier run to be replaced, and the duration of a run.
     whole_s = finish(command, tmp_path)
     for _ in range(kills):
         kill(command, tmp_path, rng.uniform(0.1, 1.05) * whole_s)
@@ -120,35 +120,35 @@ def test_killed_at_any_time(command, tmp_path, long):
 
 
 @pytest.mark.parametrize(("number", "times"), [(signal.SIGINT, 2), (signal.SIGTERM, 1)])
-def test_interrupted_in_flight_it_writes_what_it_has(number, times, tmp_path):
-    """However often it is asked to hurry: here twice at most, while it flies."""
+def test_an_interrupt_in_flight_writes_the_results(number, times, tmp_path):
+    """One or two interrupts during the flight end it, and the results are written."""
     argv = ["run", "hover", "--set", "settle_s=0", "--duration", "3000", "--out", "results"]
     code = f"import signal, sys\nsignal.signal({int(number)}, signal.default_int_handler)\n"
     code += "from aerodrake.cli import main\nsys.exit(main(sys.argv[1:]))"
     process = subprocess.Popen(
         [sys.executable, "-c", code, *argv], cwd=tmp_path, stderr=subprocess.PIPE, text=True
     )
-    said = ""
-    while not re.search(r"[1-9][0-9]*\.[0-9]/3000\.0 s", said):  # In flight for a second.
-        said += process.stderr.read(1)
+    output = ""
+    while not re.search(r"[1-9][0-9]*\.[0-9]/3000\.0 s", output):  # At least one second is flown.
+        output += process.stderr.read(1)
     for _ in range(times):
         process.send_signal(number)
         time.sleep(0.02)
-    _, said = process.communicate(timeout=CALL_S)
-    assert process.returncode == 1 and "Traceback" not in said
+    _, output = process.communicate(timeout=CALL_S)
+    assert process.returncode == 1 and "Traceback" not in output
     summary = json.loads((tmp_path / "results" / "summary.json").read_text())
     assert summary["exit_reason"] == "interrupted" and 1 <= summary["simulated_s"] < 3000
     check(tmp_path)
     assert len(list((tmp_path / "results").iterdir())) == 6
 
 
-def test_interrupted_a_comparison_leaves_nothing_and_nobody(tmp_path):
+def test_an_interrupted_comparison_leaves_no_file_and_no_process(tmp_path):
     process = call("compare", tmp_path)
-    while not list(tmp_path.glob(".aerodrake-*/new/results/*")):  # One is being flown.
+    while not list(tmp_path.glob(".aerodrake-*/new/results/*")):  # The first variant has begun.
         assert process.poll() is None
         time.sleep(0.01)
     process.send_signal(signal.SIGTERM)
-    _, said = process.communicate(timeout=CALL_S)
-    assert process.returncode == 130 and said == b"aerodrake: interrupted\n"
+    _, output = process.communicate(timeout=CALL_S)
+    assert process.returncode == 130 and output == b"aerodrake: interrupted\n"
     assert list(tmp_path.iterdir()) == []
     wait_for_children(process.pid)

@@ -1,4 +1,4 @@
-"""What every public thing says of itself: what it is, its shapes, its types."""
+"""Public classes and functions have docstrings, shapes of arrays and type hints."""
 
 import ast
 import inspect
@@ -11,7 +11,7 @@ from tests.modules import PACKAGE, dotted, everywhere
 
 
 def public(path: Path):
-    """The public classes, functions and methods of a file, with their dotted names."""
+    """Yields the public classes, functions and methods of a file with their dotted names."""
     tree = ast.parse(path.read_text())
     kinds = (ast.FunctionDef, ast.ClassDef)
     for node in tree.body:
@@ -23,7 +23,7 @@ def public(path: Path):
 
 
 def docstring(path: Path, name: str, node: ast.AST) -> str:
-    """Its own, or where a method has none that of the one it overrides."""
+    """Returns the docstring, for a method without one that of the overridden method."""
     own = ast.get_docstring(node)
     if own is None and isinstance(node, ast.FunctionDef) and "." in name:
         own = inspect.getdoc(attrgetter(name)(import_module(dotted(path))))
@@ -31,7 +31,7 @@ def docstring(path: Path, name: str, node: ast.AST) -> str:
 
 
 @everywhere
-def test_everything_public_says_what_it_is(path):
+def test_everything_public_has_a_docstring(path):
     tree = ast.parse(path.read_text())
     assert ast.get_docstring(tree) or path.name == "__main__.py"
     missing = [name for name, node in public(path) if not docstring(path, name, node)]
@@ -40,7 +40,7 @@ def test_everything_public_says_what_it_is(path):
 
 SIZE = r"(?:`\w+`|\.\.\.|\w{1,6}\+?(?:(?: | [+-] |-)(?:\w{1,2}|rows|steps)\b)*)"
 SHAPE = re.compile(rf"\((?:{SIZE}, )*{SIZE},(?: {SIZE})?\)")
-"""A shape as docstrings write it: (3,), (n, n), (13 + 2 n,), (T, ...), (`SIZE`,)."""
+"""Shape in a docstring: (3,), (n, n), (13 + 2 n,), (T, ...), (`SIZE`,)."""
 
 ARRAY = re.compile(r"ndarray|Tensor")
 
@@ -49,8 +49,8 @@ def is_array(annotation: ast.expr | None) -> bool:
     return annotation is not None and bool(ARRAY.search(ast.unparse(annotation)))
 
 
-def said_of(name: str, doc: str) -> str:
-    """Its entry of `Args` or `Attributes`; where it has none, all of the docstring."""
+def description(name: str, doc: str) -> str:
+    """Returns the entry in `Args` or `Attributes`, or without one the whole docstring."""
     entry = rf"^( *)(?:\w+, )*{name}(?:, \w+)*: (.*(?:\n\1 +.*)*)"
     if match := re.search(entry, doc, re.MULTILINE):
         return f"{name}: {match[2]}"
@@ -58,12 +58,12 @@ def said_of(name: str, doc: str) -> str:
 
 
 def has_shape(text: str) -> bool:
-    """Itself, or by naming what has it."""
+    """Returns True if the text has a shape, or refers to something that has one."""
     return bool(SHAPE.search(text) or re.search(r"\b[Aa]s\b.*(?:`|there)", text))
 
 
 def arrays(path: Path):
-    """Each public array: where, its own name ("" for a result), and the docstring to say it."""
+    """Yields each public array: its owner, its name ("" for a result), and the docstring."""
     for name, node in public(path):
         doc = docstring(path, name, node)
         if isinstance(node, ast.FunctionDef):
@@ -79,17 +79,17 @@ def arrays(path: Path):
             for field in fields:
                 if is_array(field.annotation) and not field.target.id.startswith("_"):
                     yield name, field.target.id, doc
-        for function, said in functions:
+        for function, doc in functions:
             for argument in [*function.args.args, *function.args.kwonlyargs]:
                 if is_array(argument.annotation):
-                    yield name, argument.arg, said
+                    yield name, argument.arg, doc
 
 
 def test_shapes_are_found():
     entries = "a, b: (3,) m,\n        and rad.\n    c: As `f` has it.\n    d: m."
-    said = f"Of x (3,) m.\n\nArgs:\n    {entries}"
-    assert said_of("b", said) == "b: (3,) m,\n        and rad."
-    have = [has_shape(said_of(name, said)) for name in "abcxde"]
+    doc = f"Position x (3,) m.\n\nArgs:\n    {entries}"
+    assert description("b", doc) == "b: (3,) m,\n        and rad."
+    have = [has_shape(description(name, doc)) for name in "abcxde"]
     assert have == [True, True, True, True, False, False]
     for shape in ("(T, ...)", "(`SIZE`,)", "(35 + 4 k + k steps,)", "(m N, m N)", "(3+,)"):
         assert has_shape(shape)
@@ -99,11 +99,11 @@ def test_shapes_are_found():
 
 
 @everywhere
-def test_arrays_say_their_shapes(path):
+def test_arrays_have_shapes(path):
     missing = [
-        f"{where}: {name or 'its result'}"
+        f"{where}: {name or 'result'}"
         for where, name, doc in arrays(path)
-        if not has_shape(said_of(name, doc) if name else doc)
+        if not has_shape(description(name, doc) if name else doc)
     ]
     assert not missing
 

@@ -1,4 +1,4 @@
-"""Edits of scenario files: the numbers change, and nothing else does."""
+"""Edits of scenario files change only the numbers."""
 
 import os
 
@@ -26,7 +26,7 @@ LAYOUTS = {
         "[2.46,\n    3.0, # y\n    0.5,\n  ]",
     ),
     "windows": ("model:\r\n  k_b: [1, 2, 3]\r\n# ü\r\n", "k_b: [2.46, 3.0, 0.5]\r\n# ü\r\n"),
-    "wide signs before it": (
+    "wide characters before it": (
         "name: ü𝄞\nmodel:\n  k_b: [1, 2, 3]",
         "name: ü𝄞\nmodel:\n  k_b: [2.46",
     ),
@@ -44,7 +44,7 @@ def written(path) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize(("before", "expected"), LAYOUTS.values(), ids=LAYOUTS)
-def test_layout_and_comments_stay(before, expected, tmp_path):
+def test_layout_and_comments_are_preserved(before, expected, tmp_path):
     path = tmp_path / "a.yaml"
     path.write_bytes(before.encode())
     check_replaceable(path, KEY)
@@ -84,7 +84,7 @@ def test_packaged_files_differ_in_that_line_only(name, numbers, tmp_path_factory
     ],
 )
 @pytest.mark.parametrize("act", [lambda *a: replace_numbers(*a, NEW), check_replaceable])
-def test_a_file_without_the_key_is_left_alone(text, act, tmp_path):
+def test_a_file_without_the_key_is_unchanged(text, act, tmp_path):
     path = tmp_path / "a.yaml"
     path.write_text(text)
     with pytest.raises(BadInput, match="a.yaml: model.k_b: expected this key in the file"):
@@ -93,7 +93,7 @@ def test_a_file_without_the_key_is_left_alone(text, act, tmp_path):
 
 
 @pytest.mark.parametrize("failing", ["replace", "chmod"])
-def test_a_failing_disk_leaves_the_file_as_it_was(failing, tmp_path, monkeypatch):
+def test_a_failing_disk_leaves_the_file_unchanged(failing, tmp_path, monkeypatch):
     path = tmp_path / "a.yaml"
     path.write_text("model: {k_b: [1, 2, 3]}")
 
@@ -107,16 +107,16 @@ def test_a_failing_disk_leaves_the_file_as_it_was(failing, tmp_path, monkeypatch
 
 
 @pytest.mark.parametrize("protected", ["a.yaml", "."])
-def test_what_may_not_be_written_is_said_beforehand(protected, tmp_path, monkeypatch):
+def test_a_protected_file_is_refused_in_advance(protected, tmp_path, monkeypatch):
     path = tmp_path / "a.yaml"
     path.write_text("model: {k_b: [1, 2, 3]}")
-    forbidden = (tmp_path / protected).resolve()
-    monkeypatch.setattr(os, "access", lambda place, mode: place != forbidden)
+    read_only = (tmp_path / protected).resolve()
+    monkeypatch.setattr(os, "access", lambda path, mode: path != read_only)
     with pytest.raises(BadInput, match="cannot be written: Permission denied$"):
         check_replaceable(path, KEY)
 
 
-def test_a_link_goes_on_leading_to_the_file_and_permissions_stay(tmp_path):
+def test_links_and_permissions_are_preserved(tmp_path):
     path, link = tmp_path / "a.yaml", tmp_path / "link.yaml"
     path.write_text("model: {k_b: [1, 2, 3]}")
     path.chmod(0o640)

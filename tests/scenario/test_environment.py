@@ -1,4 +1,4 @@
-"""The station in a world that is not clean: noise, wind, another plant, a payload."""
+"""Flights of the station with noise, wind, model mismatch and a payload."""
 
 from dataclasses import replace
 
@@ -17,15 +17,15 @@ from tests.trim import hovering
 
 
 def test_noise_does_not_lift_the_base():
-    """Rotors that rise faster than they fall give more thrust than a noisy command asks for."""
+    """Rotors accelerate faster than they slow down, so that noise increases the mean thrust."""
     noisy = Sensors(attitude_noise_rad=0.005)
     log = FlightSimulation(Scenario(settle_s=0.0, duration=8.0, sensors=noisy)).fly()
     offset = log["p_B_m"][300:, 2] - log["p_Bd_m"][300:, 2]
     assert abs(offset.mean()) < 0.003
 
 
-def test_a_steady_wind_is_leant_into(scenario, vehicle):
-    """The thrust is what gravity and drag leave to hold, and the base's z axis is along it."""
+def test_the_base_tilts_into_a_steady_wind(scenario, vehicle):
+    """The thrust balances gravity and drag, and the base's z axis is parallel to it."""
     wind = Wind(velocity_m_s=(3.0, -4.0, 1.0))
     speed = np.sqrt(26.0)
     drag = (0.25 * speed + 0.15) * np.array(wind.velocity_m_s)
@@ -39,16 +39,16 @@ def test_a_steady_wind_is_leant_into(scenario, vehicle):
     def output(port):
         return station.GetOutputPort(port).Eval(context)
 
-    held = -drag - [0, 0, -9.81 * vehicle.mass]
+    balance = -drag - [0, 0, -9.81 * vehicle.mass]
     state = split_state(output("true_state"))
     np.testing.assert_allclose(output("wind_force"), drag, atol=1e-4)
-    assert output("thrust").sum() == pytest.approx(np.linalg.norm(held), abs=1e-4)
-    np.testing.assert_allclose(state.R_B[:, 2], held / np.linalg.norm(held), atol=1e-5)
+    assert output("thrust").sum() == pytest.approx(np.linalg.norm(balance), abs=1e-4)
+    np.testing.assert_allclose(state.R_B[:, 2], balance / np.linalg.norm(balance), atol=1e-5)
     np.testing.assert_allclose(output("disturbance")[:3], drag / vehicle.mass, atol=1e-4)
     np.testing.assert_allclose(state.p_B, base[:3], atol=1e-4)
 
 
-def test_the_sensors_noise_is_the_same_in_any_wind(scenario):
+def test_the_sensor_noise_does_not_depend_on_the_wind(scenario):
     noisy = replace(scenario, sensors=Sensors(position_noise_m=0.01))
     draws = []
     for wind in (Wind(), Wind(velocity_m_s=(2.0, 0.0, 0.0), gust_m_s=(1.0, 1.0, 1.0))):
@@ -59,14 +59,14 @@ def test_the_sensors_noise_is_the_same_in_any_wind(scenario):
     np.testing.assert_array_equal(*draws)
 
 
-def test_the_plant_of_a_default_context_is_off_by_the_mismatch(scenario, vehicle):
+def test_the_plant_of_a_default_context_has_the_mismatch(scenario, vehicle):
     station = make_station(replace(scenario, mismatch=Mismatch(mass_scale=1.2)))
     plant = station.GetSubsystemByName("plant")
     context = plant.GetMyContextFromRoot(station.CreateDefaultContext())
     assert plant.CalcTotalMass(context) == pytest.approx(1.2 * vehicle.mass)
 
 
-def test_a_heavier_plant_is_lifted_and_the_controllers_call_it_a_disturbance(vehicle):
+def test_a_heavier_plant_is_estimated_as_a_disturbance(vehicle):
     heavy = Mismatch(mass_scale=1.05, inertia_scale=1.05, rotor_lag_scale=1.2, thrust_scale=1.1)
     log = FlightSimulation(Scenario(settle_s=0.0, duration=8.0, mismatch=heavy)).fly()
     assert log["thrust_n"][-1].sum() == pytest.approx(1.05 * vehicle.mass * 9.81, abs=1e-3)
@@ -78,7 +78,7 @@ def test_a_heavier_plant_is_lifted_and_the_controllers_call_it_a_disturbance(veh
 
 @pytest.fixture(scope="module")
 def loaded_hover():
-    """A payload of 0.2 kg from the first moment on, flown to rest by the closed loop."""
+    """A hover with a payload of 0.2 kg from the start, until the vehicle is at rest."""
     return FlightSimulation(
         Scenario(settle_s=0.0, duration=10.0, payload=Payload(mass_kg=0.2))
     ).fly()
@@ -92,8 +92,8 @@ def test_a_payload_is_lifted_and_the_tool_returns(loaded_hover, vehicle):
     assert log["disturbance_m_s2"][-1][2] == pytest.approx(-0.2 * 9.81 / vehicle.mass, abs=1e-3)
 
 
-def test_joints_hold_the_static_moment_of_arm_and_payload(loaded_hover, vehicle):
-    """Of the arm by Drake's gravity, of the payload by its weight and the tool's Jacobian."""
+def test_joint_torques_balance_arm_and_payload(loaded_hover, vehicle):
+    """Expected are Drake's gravity torque and the payload's weight times the tool's Jacobian."""
     plant = MultibodyPlant(0.0)
     add_robot(plant, vehicle.description)
     plant.Finalize()

@@ -22,12 +22,12 @@ from aerodrake.support.files import locate
 from aerodrake.wire.companion import Companion
 
 
-def test_the_name_is_no_part_of_a_scenario_and_all_else_is(scenario):
+def test_the_hash_is_of_all_keys_but_the_name(scenario):
     assert scenario_hash(scenario) == scenario_hash(dataclasses.replace(scenario, name="x"))
     assert scenario_hash(scenario) != scenario_hash(dataclasses.replace(scenario, seed=1))
 
 
-def test_a_plant_is_vehicle_controllers_and_model_but_neither_mpc_nor_weather(scenario):
+def test_the_plant_hash_is_of_vehicle_controllers_and_model(scenario):
     same = dataclasses.replace(scenario, mpc=Mpc(horizon=7), wind=Wind((1.0, 0.0, 0.0)))
     assert plant_hash(scenario) == plant_hash(same)
     assert plant_hash(scenario) != plant_hash(
@@ -35,7 +35,7 @@ def test_a_plant_is_vehicle_controllers_and_model_but_neither_mpc_nor_weather(sc
     )
 
 
-def test_a_robot_is_what_its_file_says_wherever_it_lies(tmp_path, scenario):
+def test_the_plant_hash_is_of_the_content_of_the_robots_file(tmp_path, scenario):
     copy = tmp_path / "other.urdf"
     original = locate(scenario.vehicle.robot).read_bytes()
     copy.write_bytes(original)
@@ -47,8 +47,8 @@ def test_a_robot_is_what_its_file_says_wherever_it_lies(tmp_path, scenario):
     assert plant_hash(moved) != plant_hash(Scenario())
 
 
-class Watched:
-    """A scenario that knows what was read of it."""
+class RecordingScenario:
+    """A scenario that records which sections are read."""
 
     def __init__(self, scenario):
         self._scenario, self.read = scenario, set()
@@ -58,12 +58,14 @@ class Watched:
         return getattr(self._scenario, name)
 
 
-def test_coordinated_is_what_a_coordinator_reads(monkeypatch):
-    """Its seed is its own; and the file that it was read from is for messages alone."""
+def test_coordinated_are_the_sections_that_a_coordinator_reads(monkeypatch):
+    """Except for the seed of an untrained network and the source, which is for messages."""
     monkeypatch.setattr("aerodrake.wire.remote_coordinator.coordinated", lambda scenario: {})
     read = set()
     for controller in ("mpc", "clik"):
-        scenario = Watched(Scenario(controller=controller, residual=Residual(mode="online")))
+        scenario = RecordingScenario(
+            Scenario(controller=controller, residual=Residual(mode="online"))
+        )
         Companion(scenario, DrakeLcm("memq://"))
         read |= scenario.read
     assert read == {*COORDINATED, "seed", "source"}
@@ -81,14 +83,14 @@ def test_coordinated_is_what_a_coordinator_reads(monkeypatch):
         ({"faults": (ReferenceNan(start_s=1.0),)}, ["faults"]),
     ],
 )
-def test_what_differs_is_told_by_section(scenario, change, differing):
+def test_a_change_is_found_by_section(scenario, change, differing):
     own, other = coordinated(scenario), coordinated(dataclasses.replace(scenario, **change))
     assert tuple(own) == tuple(other) == COORDINATED
     assert [name for name in own if own[name] != other[name]] == differing
     assert all(float(number).is_integer() and 0 <= number < 2**48 for number in own.values())
 
 
-def test_files_are_what_they_say_wherever_they_lie(scenario, tmp_path):
+def test_hashes_are_of_the_content_of_files(scenario, tmp_path):
     content = locate(scenario.vehicle.robot).read_bytes()
     numbers = []
     for name in ("first", "second"):

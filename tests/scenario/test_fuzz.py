@@ -1,6 +1,6 @@
-"""Fuzz of the scenario loader: whatever it is fed, it takes or refuses, by key, within a second.
+"""Fuzzing of the scenario loader: it accepts or refuses any input, by key, within a second.
 
-A sample by default; 10,000 inputs by `pytest --long tests/scenario/test_fuzz.py`.
+A sample by default; `pytest --long tests/scenario/test_fuzz.py` tries 10,000 inputs.
 """
 
 import re
@@ -21,7 +21,7 @@ from aerodrake.support.errors import ScenarioError
 from aerodrake.support.files import locate
 
 MOST_S = 1.0
-"""Of processor time, for one input; with all else that this process holds, collected meanwhile."""
+"""Processor time for one input, including garbage collection of the whole process."""
 
 TEXTS = {name: path.read_text() for name, path in packaged_scenarios().items()}
 
@@ -37,7 +37,7 @@ PLAIN = [
     "[{kind: push}]", "[{kind: push, force_n: [.nan, 0, 0]}]", "[{kind: sample_nan, group: x}]",
     "[{kind: rotor_degraded, rotor: 15}, {kind: 3}]", "[{start_s: 1}]", "[[{kind: push}]]",
 ]  # fmt: skip
-"""Values that are YAML, right or wrong."""
+"""Values in plain YAML, valid and invalid."""
 
 HOSTILE = [
     "[" * 500, "{a: " * 500, "[" * 30 + "]" * 30, "&a [*a, *a]", "*a", "<<: {a: 1}", "!!int '3'",
@@ -47,11 +47,11 @@ HOSTILE = [
     "{3: 1}", "{~: 1}", "{a: 1, a: 2}", "&a [" + "x, " * 300 + "*a]", "\ufeff", "\u2028", "\x85",
     "9" * 90_000, "x" * 90_000, "[" + "1," * 40_000,
 ]  # fmt: skip
-"""Values that are no plain YAML, or too much of it."""
+"""Values that are not plain YAML, or too large."""
 
 
 def keys(data: dict, above: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    """The paths of all keys."""
+    """Returns the paths of all keys."""
     return [
         path
         for name, value in data.items()
@@ -73,7 +73,7 @@ paths = st.sampled_from(KEYS)
 
 
 def block(assignments: dict[tuple[str, ...], str]) -> str:
-    """YAML that has raw values at paths, in block style."""
+    """Returns YAML in block style with raw values at paths."""
     sections: dict[str, dict | str] = {}
     for path, value in assignments.items():
         node = sections
@@ -93,7 +93,7 @@ def block(assignments: dict[tuple[str, ...], str]) -> str:
 
 
 def campaign(strategy, examples: int):
-    """Runs a check on so many inputs, the same ones each time."""
+    """Returns a decorator that runs a check on a number of reproducible inputs."""
     slow = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.function_scoped_fixture]
     return lambda check: settings(max_examples=examples, suppress_health_check=slow)(
         given(strategy)(check)
@@ -101,14 +101,14 @@ def campaign(strategy, examples: int):
 
 
 def load(path: Path, overrides=()) -> ScenarioError | None:
-    """What the loader refuses the input with; nothing if it takes it, which it then can repeat."""
+    """Returns the error of loading a file, or None if the scenario survives a round trip."""
     start = time.thread_time()
     try:
         scenario = load_scenario(str(path), overrides)
     except ScenarioError as error:
         message = str(error)
         assert message.isprintable() and len(message) < 2000
-        # A key, or where no key is known the line, or what the whole file is.
+        # A key; or, if no key is known, the line or the type of the whole file.
         whole = r"line \d+|byte \d+|expected a mapping of scenario keys|expected dotted\.key=value"
         assert error.key or re.search(whole + r"|at most \d+ bytes", message), message
         return error
@@ -132,7 +132,7 @@ def test_values_of_any_kind_at_any_key(tmp_path, long):
     assert any(seen) and not all(seen)
 
 
-def test_what_is_no_plain_yaml_at_any_key(tmp_path, long):
+def test_hostile_values_at_any_key(tmp_path, long):
     path = tmp_path / "flight.yaml"
 
     @campaign(
@@ -160,7 +160,7 @@ def test_overrides_of_any_kind(tmp_path, long):
 
 
 def test_files_of_any_bytes(tmp_path, long):
-    """Random ones, and scenarios of which a part is lost, doubled or overwritten."""
+    """Random bytes, and scenarios of which a part is removed or overwritten."""
     path = tmp_path / "flight.yaml"
     spoilt = st.builds(
         lambda text, start, length, other: text[:start] + other + text[start + length :],
@@ -180,7 +180,7 @@ CSV = b"t,x,y,z\n0,0,0.2,1.2\n1,0,0.2,1.3\n2,0.1,0.2,1.3\n"
 
 
 def named(key: str, path: Path) -> Scenario:
-    """A scenario that names a file at a key."""
+    """Returns a scenario that names a file at a key."""
     scenarios = {
         "reference.file": Scenario(reference=Waypoints(file=str(path))),
         "orientation.file": Scenario(orientation=AxisAlong(file=str(path))),
@@ -218,7 +218,7 @@ def test_files_that_a_scenario_names(key, name, content, tmp_path, long):
     )
     scenario = named(key, path)
     path.write_bytes(content)
-    make_closed_loop(scenario)  # It can be flown, and all that is loaded once is loaded.
+    make_closed_loop(scenario)  # It is valid; and modules are imported before times are measured.
 
     @campaign(spoilt | st.binary(max_size=100), 125 if long else 15)
     def check(content):

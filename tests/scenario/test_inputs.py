@@ -1,4 +1,4 @@
-"""Files that a scenario names: what was read first is what is flown and saved."""
+"""Files that a scenario names are copied before the flight."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +19,7 @@ CSV = "t,x,y,z\n0,0,0.2,1.2\n1,0,0.2,1.3\n"
 
 @pytest.fixture
 def own(tmp_path) -> Scenario:
-    """A robot with a mesh beside it and, of the same name, a path and directions."""
+    """Scenario with its own robot and mesh, and two CSV files of the same name."""
     folder = tmp_path / "own"
     (folder / "looks").mkdir(parents=True)
     (folder / "looks" / "cube.obj").write_text("v 0 0 0\n")
@@ -43,7 +43,7 @@ def files(folder: Path) -> list[str]:
     return sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
 
 
-def test_files_named_alike_and_meshes_are_all_there(own, tmp_path):
+def test_meshes_and_files_of_the_same_name_are_copied(own, tmp_path):
     copies = copy_inputs(own, tmp_path / "copies")
     assert files(tmp_path / "copies") == [
         "a.csv", "mine-meshes/0/cube.mtl", "mine-meshes/0/cube.obj", "mine.urdf"
@@ -55,7 +55,7 @@ def test_files_named_alike_and_meshes_are_all_there(own, tmp_path):
     assert VehicleModel.load(copies).joint_names == VehicleModel.load(own).joint_names
 
 
-def test_what_is_saved_needs_nothing_else_and_is_the_same_again(own, tmp_path):
+def test_a_saved_scenario_is_self_contained(own, tmp_path):
     folders = [tmp_path / name for name in ("first", "second")]
     for folder in folders:
         folder.mkdir()
@@ -69,7 +69,7 @@ def test_what_is_saved_needs_nothing_else_and_is_the_same_again(own, tmp_path):
     VehicleModel.load(second)
 
 
-def test_changes_come_too_late(own):
+def test_later_changes_of_the_files_have_no_effect(own):
     with frozen(own) as flown:
         for file in (own.reference.file, own.vehicle.robot):
             Path(file).write_text("spoilt")
@@ -79,7 +79,7 @@ def test_changes_come_too_late(own):
     assert not home.exists()
 
 
-def test_errors_name_the_file_itself(own):
+def test_errors_name_the_original_file(own):
     Path(own.vehicle.robot).write_text("<robot name='x'><link name='base'/></robot>")
     with pytest.raises(ScenarioError) as caught, frozen(own) as flown:
         VehicleModel.load(flown)
@@ -87,8 +87,8 @@ def test_errors_name_the_file_itself(own):
     assert str(caught.value).startswith(f"flight.yaml: vehicle.robot: {own.vehicle.robot}: ")
 
 
-def test_what_cannot_be_read_stays_where_it_is(own, tmp_path):
-    """Somebody may never need it, and whoever does says so."""
+def test_an_unreadable_file_is_not_copied(own, tmp_path):
+    """A flight that does not use it succeeds."""
     missing = replace(own, residual=Residual(mode="off", checkpoint=str(tmp_path / "none.pt")))
     copies = copy_inputs(missing, tmp_path / "copies")
     assert copies.residual.checkpoint == str(tmp_path / "none.pt")
@@ -101,7 +101,7 @@ def test_packaged_files_are_not_copied(tmp_path):
     assert files(tmp_path) == []
 
 
-def test_no_room_for_copies(own, monkeypatch):
+def test_a_full_disk_is_reported(own, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 

@@ -1,4 +1,4 @@
-"""Scenario files: found, read and written; and files that are none."""
+"""Loading and saving of scenario files, and refusal of invalid ones."""
 
 import dataclasses
 import os
@@ -22,7 +22,7 @@ from tests.refusals import refuses
 
 
 @pytest.mark.parametrize("name", packaged_scenarios())
-def test_packaged_scenarios_are_valid_and_survive_their_mapping(name):
+def test_packaged_scenarios_survive_a_round_trip(name):
     scenario = load_scenario(name)
     assert scenario.name == name and scenario.source.endswith(f"{name}.yaml")
     rebuilt = build(Scenario, as_mapping(scenario), "f.yaml")
@@ -36,7 +36,7 @@ def test_packaged_waypoints_are_found_from_any_folder(tmp_path, monkeypatch):
     assert list(points[0]) == [0, 0.2, 1.2]
 
 
-def test_unknown_names_are_answered_with_the_nearest():
+def test_an_unknown_name_is_refused_with_the_nearest():
     assert refuses("clovr").startswith("clovr: no such scenario; did you mean 'clover'? (valid: ")
 
 
@@ -85,7 +85,7 @@ def test_a_bare_off_is_a_string(write):
         ("<<: {duration: 3}\n", "<<"),
     ],
 )
-def test_unusable_text_is_named_with_its_file(write, text, expected):
+def test_invalid_text_is_refused_with_its_file(write, text, expected):
     path = write(text)
     message = refuses(path)
     assert message.startswith(f"{path}: ") and expected in message
@@ -94,12 +94,12 @@ def test_unusable_text_is_named_with_its_file(write, text, expected):
 @pytest.mark.parametrize(
     "content", [b"\x00\x01\x02\xff\xfe", b"\x89PNG\r\n\x1a\n", "duration: 3".encode("utf-16")]
 )
-def test_binary_is_no_scenario(write, content):
+def test_a_binary_file_is_refused(write, content):
     path = write(content)
     assert refuses(path).startswith(f"{path}: expected ")
 
 
-def test_files_that_are_not_there(tmp_path):
+def test_missing_files_are_refused(tmp_path):
     missing = str(tmp_path / "missing.yaml")
     assert refuses(missing) == f"{missing}: expected a readable file: No such file or directory"
     folder = tmp_path / "folder.yaml"
@@ -108,7 +108,7 @@ def test_files_that_are_not_there(tmp_path):
     assert "File name too long" in refuses("x" * 300 + ".yaml")
 
 
-def test_what_may_never_end_is_not_read(tmp_path):
+def test_pipes_devices_and_loops_are_refused(tmp_path):
     os.mkfifo(tmp_path / "pipe.yaml")
     (tmp_path / "zero.yaml").symlink_to("/dev/zero")
     (tmp_path / "loop.yaml").symlink_to("loop.yaml")
@@ -121,7 +121,7 @@ def test_what_may_never_end_is_not_read(tmp_path):
 
 
 def nested(text: str, template: str, levels: int) -> str:
-    """A YAML bomb: level after level of nine references to the one before."""
+    """Returns a YAML bomb, in which each level has nine references to the level before."""
     lines = [f"a0: &a0 {text}"]
     for i in range(1, levels):
         lines.append(f"a{i}: &a{i} " + template.format(",".join([f"*a{i - 1}"] * 9)))
@@ -151,7 +151,7 @@ def test_hostile_files_are_refused_at_once(write, text):
     path = write(text)
     start = time.process_time()
     assert refuses(path).startswith(f"{path}: ")
-    assert time.process_time() - start < 10  # At once, but for what else this process does.
+    assert time.process_time() - start < 10  # Includes other work of this process.
 
 
 # Files beside the scenario.
@@ -164,8 +164,8 @@ def test_files_are_relative_to_the_scenario_file_or_the_working_directory(
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
     relative = os.path.relpath(path)
-    for asked in (path, relative):
-        assert load_scenario(asked).reference == Waypoints(str(tmp_path / "inside" / "points.csv"))
+    for given in (path, relative):
+        assert load_scenario(given).reference == Waypoints(str(tmp_path / "inside" / "points.csv"))
     overridden = load_scenario(path, [("--set", "reference.file=points.csv")])
     assert Path(overridden.reference.file).absolute() == tmp_path / "elsewhere" / "points.csv"
     absolute = write("reference: {kind: waypoints, file: /somewhere/points.csv}\n")
@@ -177,7 +177,7 @@ def test_files_are_relative_to_the_scenario_file_or_the_working_directory(
 
 
 @pytest.mark.parametrize("name", packaged_scenarios())
-def test_saved_scenarios_are_the_same_flight(name, tmp_path):
+def test_saved_scenarios_are_equal(name, tmp_path):
     first = load_scenario(name)
     second = load_scenario(str(save_scenario(first, tmp_path)))
     portable = {"reference": first.reference, "source": first.source}
@@ -188,7 +188,7 @@ def test_saved_scenarios_are_the_same_flight(name, tmp_path):
     assert text == (tmp_path / "scenario.yaml").read_text()
 
 
-def test_saved_scenarios_need_nothing_but_their_folder(write, tmp_path, monkeypatch):
+def test_saved_scenarios_are_self_contained(write, tmp_path, monkeypatch):
     path = write("reference: {kind: waypoints, file: points.csv}\n", "origin/flight.yaml")
     points = Path(write("t,x,y,z\n0,0,0.2,1.2\n5,0,0.3,1.2\n", "origin/points.csv"))
     before = read_waypoints(points)

@@ -1,4 +1,4 @@
-"""Keys of a scenario file, overridden one after another."""
+"""Overrides of keys of a scenario."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from aerodrake.scenario.load import load_scenario
 from tests.refusals import refuses
 
 
-def test_faults_are_overridden_by_their_place(write):
+def test_faults_are_overridden_by_index(write):
     path = write("faults: [{kind: push, start_s: 1}, {kind: mpc_missed}]")
     changes = ["faults[0].start_s=2", "faults[1].kind=sample_nan", "faults[1].group=joints"]
     scenario = load_scenario(str(path), [("--set", change) for change in changes])
@@ -34,7 +34,7 @@ def test_overrides_apply_in_order(write):
     assert scenario.model == Model(k_b=(4, 5, 6))
 
 
-def test_elements_of_lists_are_overridden_by_their_place(write):
+def test_elements_of_lists_are_overridden_by_index(write):
     path = write("wind: {velocity_m_s: [1, 2, 3]}\n")
     changes = ["wind.velocity_m_s[2]=0.5", "mpc.k_e[0]=7", "wind.velocity_m_s[0]=4"]
     scenario = load_scenario(path, [("--set", change) for change in changes])
@@ -43,7 +43,7 @@ def test_elements_of_lists_are_overridden_by_their_place(write):
 
 
 def test_overriding_a_choice_called_kind_keeps_its_section(write):
-    """Only another kind of reference has keys of its own."""
+    """Only kinds of references, orientations and faults have their own keys."""
     path = write("model: {kind: paper, k_b: [4, 5, 6]}\n")
     scenario = load_scenario(path, [("--set", "model.kind=exact")])
     assert scenario.model == Model(kind="exact", k_b=(4, 5, 6))
@@ -99,7 +99,7 @@ def test_naming_the_same_kind_again_keeps_its_keys(write):
     ],
 )
 def test_bad_overrides_name_the_option(write, assignment, expected):
-    """A contradiction between keys names the file as well, since either may be to blame."""
+    """An inconsistency between keys names the file as well as the option."""
     path = write("seed: 1\n")
     message = refuses(path, ("--set", assignment))
     both = f"{path} --set {assignment}: {expected}"

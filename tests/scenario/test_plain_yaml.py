@@ -1,4 +1,4 @@
-"""YAML as people read it: what is a number, what is text, and what is refused with its place."""
+"""Types of plain YAML values, and errors with their key."""
 
 import math
 
@@ -19,9 +19,9 @@ from aerodrake.support.errors import ScenarioError
         ("true", True), ("False", False), ("~", None), ("null", None), ("", None),
     ],
 )  # fmt: skip
-def test_plain_numbers_and_truth_values(text, value):
-    found = parse(text, "f.yaml")
-    assert found == value and type(found) is type(value)
+def test_plain_numbers_and_booleans(text, value):
+    parsed = parse(text, "f.yaml")
+    assert parsed == value and type(parsed) is type(value)
 
 
 @pytest.mark.parametrize(
@@ -29,12 +29,12 @@ def test_plain_numbers_and_truth_values(text, value):
     ["010", "08", "1:30", "1:30.5", "0x1F", "0b11", "0o17", "1_000", "off", "no", "Yes", "y",
      "2020-01-01", "2020-13-45", "=", "<<", "1 m", "1,5", "١٢", ".e3", "1e", "--1", "NaN", "inf"],
 )  # fmt: skip
-def test_what_yaml_1_1_would_make_something_of_is_text(text):
-    """So that a field that expects a number refuses it as it was written."""
+def test_other_types_of_yaml_1_1_are_strings(text):
+    """A field that expects a number then refuses the value as written."""
     assert parse(text, "f.yaml") == text
 
 
-def test_quotes_make_text():
+def test_quoted_values_are_strings():
     assert parse("['5', \"true\"]", "f.yaml") == ["5", "true"]
 
 
@@ -57,7 +57,7 @@ def test_quotes_make_text():
         ("a: [" + "1," * MAX_VALUES + "1]", f"a[{MAX_VALUES - 3}]", "more than 10000 val"),
     ],
 )  # fmt: skip
-def test_what_is_refused_is_refused_where_it_stands(text, key, problem):
+def test_errors_have_the_key(text, key, problem):
     with pytest.raises(ScenarioError) as caught:
         parse(text, "f.yaml")
     assert (caught.value.source, caught.value.key) == ("f.yaml", key)
@@ -76,7 +76,7 @@ values = st.recursive(
 
 
 @given(values)
-def test_what_is_written_is_read_again_by_either_version(value):
+def test_written_values_are_read_back_by_yaml_1_1_and_1_2(value):
     text = dump(value)
     assert parse(text, "f.yaml") == value
     assert yaml.safe_load(text) == value
@@ -87,14 +87,14 @@ words = st.text().filter(str.isprintable) | st.sampled_from(["off", "1e3", "0x1"
 
 
 @given(numbers | words | st.booleans() | st.lists(numbers))
-def test_a_value_on_one_line_is_read_again_to_the_last_bit(value):
-    """By itself, as with --set, and among others."""
+def test_a_value_on_one_line_is_read_back_exactly(value):
+    """The value is alone, as with --set, or in a list."""
     line = dump_line(value)
     assert "\n" not in line
     for again in (parse(line, "here"), parse(f"[{line}, 1]", "here")[0]):
         assert again == value and type(again) is type(value)
 
 
-def test_words_go_without_quotes_if_they_can():
+def test_words_have_quotes_only_if_necessary():
     assert dump_line("package://aerodrake/a.urdf") == "package://aerodrake/a.urdf"
     assert (dump_line("clik"), dump_line("true"), dump_line("a, b")) == ("clik", '"true"', '"a, b"')

@@ -20,13 +20,13 @@ def keys(data: dict, prefix: str = "") -> set[str]:
 
 def current_keys() -> set[str]:
     """Returns every dotted key of every kind of section."""
-    found = keys(as_mapping(Scenario()))
+    names = keys(as_mapping(Scenario()))
     for section, union in (
         ("reference", Reference), ("orientation", Orientation), ("faults", AnyFault)
     ):  # fmt: skip
         for kind in typing.get_args(union):
-            found |= keys(as_mapping(kind()), f"{section}.")
-    return found
+            names |= keys(as_mapping(kind()), f"{section}.")
+    return names
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""`build` and its reverse, on sections made up for the purpose."""
+"""`build` and `as_mapping` on example sections."""
 
 import math
 from dataclasses import dataclass, replace
@@ -61,7 +61,7 @@ def fails(data: object, expected: str) -> None:
     assert len(message) < 500
 
 
-def test_what_is_left_out_has_its_default():
+def test_missing_keys_have_their_defaults():
     assert build(Root, {}, "f.yaml") == Root()
 
 
@@ -159,12 +159,12 @@ def test_every_type_is_read():
         ({"quiet": "yes"}, "quiet: expected true or false, got 'yes'"),
     ],
 )
-def test_what_cannot_be_used_is_named(data, expected):
+def test_an_invalid_value_is_named(data, expected):
     fails(data, expected)
 
 
 @pytest.mark.parametrize("key", ["speed", "mode", "title", "inner", "path", "gains", "nonsense"])
-def test_messages_stay_short_whatever_was_in_the_file(key):
+def test_messages_are_short_for_any_input(key):
     nested: list = ["lol"] * 9
     for _ in range(30):
         nested = [nested] * 9
@@ -177,15 +177,15 @@ def test_messages_stay_short_whatever_was_in_the_file(key):
             assert key == "title" and isinstance(hostile, str)
 
 
-def test_a_whole_number_may_have_a_point():
+def test_a_whole_number_may_be_a_float():
     assert build(Root, {"count": 4.0}, "f.yaml").count == 4
 
 
-def test_a_truth_value_is_no_text():
+def test_a_boolean_is_not_a_string():
     fails({"title": False}, "title: expected a string, got False")
 
 
-def test_errors_name_the_key_they_are_told():
+def test_errors_start_with_the_given_key():
     with pytest.raises(ScenarioError, match=r"^--set: outer\.speed: expected a number"):
         build(Root, {"speed": 3}, "--set", "outer")
 
@@ -193,7 +193,7 @@ def test_errors_name_the_key_they_are_told():
 @pytest.mark.parametrize(
     "config", [Root(), Root(path=Line(table="a.csv"), angles=(0.5,), mode="on", source="f.yaml")]
 )
-def test_as_mapping_reverses_build(config):
+def test_as_mapping_is_the_inverse_of_build(config):
     mapping = as_mapping(config)
     assert mapping["path"]["kind"] == config.path.kind
     assert "source" not in mapping
@@ -201,7 +201,7 @@ def test_as_mapping_reverses_build(config):
     assert replace(build(Root, mapping, "g.yaml"), source=config.source) == config
 
 
-def test_map_files_changes_every_file_but_packaged_and_empty_ones():
+def test_map_files_skips_packaged_and_empty_files():
     config = Root(path=Line(table="a.csv"), data="b.npz", title="c.csv")
     moved = map_files(config, lambda path: Path("/there") / path)
     assert moved == Root(path=Line(table="/there/a.csv"), data="/there/b.npz", title="c.csv")

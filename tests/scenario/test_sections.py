@@ -1,4 +1,4 @@
-"""Every key of a scenario, by its declaration."""
+"""Every key of a scenario is checked as declared."""
 
 import dataclasses
 import math
@@ -15,7 +15,7 @@ ORIENTATIONS = [orientation() for orientation in typing.get_args(Orientation)]
 
 
 def nested(values: dict[str, object], reference: object = Hover()) -> dict:
-    """The mapping of a scenario that has values at dotted keys and a reference of some kind."""
+    """Returns the mapping of a scenario with values at dotted keys and a kind of reference."""
     data: dict = {"reference": {"kind": reference.kind}}
     for key, value in values.items():
         *parents, leaf = key.split(".")
@@ -27,7 +27,7 @@ def nested(values: dict[str, object], reference: object = Hover()) -> dict:
 
 
 def leaves(config: object, prefix: str = ""):
-    """Yields (dotted key, dataclass field, default) of every key that is no section."""
+    """Yields (dotted key, dataclass field, default) of every key that is not a section."""
     for field in dataclasses.fields(config):
         value, key = getattr(config, field.name), f"{prefix}{field.name}"
         if dataclasses.is_dataclass(value):
@@ -52,7 +52,7 @@ QUANTITIES = [leaf for leaf in LEAVES if "unit" in leaf[2].metadata]
 
 
 def refuses(reference: object, key: str, value: object) -> str:
-    """The message about one bad value, which must name the key."""
+    """Returns the message about an invalid value, after checking that it names the key."""
     with pytest.raises(BadInput) as caught:
         build(Scenario, nested({key: value}, reference), "f.yaml")
     message = str(caught.value)
@@ -85,7 +85,7 @@ def test_every_kind_of_fault(fault):
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.kind)
-def test_numbers_of_faults_are_named_with_their_place(fault):
+def test_numbers_of_faults_are_named_with_their_index(fault):
     for field in dataclasses.fields(fault):
         if "unit" not in field.metadata:
             continue
@@ -113,7 +113,7 @@ def test_numbers_of_faults_are_named_with_their_place(fault):
         ([{"kind": "push"}] * 1001, "faults: expected at most 1000 items, got 1001"),
     ],
 )
-def test_faults_that_are_none_are_named(faults, expected):
+def test_invalid_faults_are_named(faults, expected):
     with pytest.raises(BadInput, match=f"f.yaml: {expected}"):
         build(Scenario, {"faults": faults}, "f.yaml")
 
@@ -131,17 +131,17 @@ def test_a_fault_is_active_from_its_start_until_before_its_end():
         ("down", r"orientation.axis: expected a list of 3 numbers"),
     ],
 )
-def test_a_bad_axis_is_named(axis, expected):
+def test_an_invalid_axis_is_named(axis, expected):
     with pytest.raises(BadInput, match=expected):
         build(Scenario, {"orientation": {"kind": "fixed", "axis": axis}}, "f.yaml")
 
 
-def test_nothing_but_defaults(scenario):
+def test_an_empty_mapping_gives_the_defaults(scenario):
     assert scenario == build(Scenario, {}, "f.yaml")
 
 
 def test_every_key_is_declared():
-    """Numbers with unit and finite range, strings with their choices or as files, switches."""
+    """Numbers have a unit and a finite range; strings have choices or are files."""
     for _, key, field, value in LEAVES:
         if isinstance(value, str):
             assert key == "name" or field.metadata.keys() & {"options", "file"}, key

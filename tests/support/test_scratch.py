@@ -67,7 +67,7 @@ def test_links_are_not_followed(tmp_path):
 
 @pytest.mark.parametrize("is_new", [True, False])
 def test_an_unfinished_replacement_is_completed(is_new, tmp_path):
-    """The process was killed between the two renames; without the new folder the old is restored."""
+    """After a kill between the renames; without the new folder the old one is restored."""
     folder = abandoned(tmp_path)
     for parent, text in ((OLD, "old"), (NEW, "new"))[: 1 + is_new]:
         (folder / parent / "run").mkdir(parents=True)
