@@ -60,11 +60,7 @@ def scaling_figures(flown_s: float, passes: int, progress: Callable[[str], None]
         for n in JOINTS:
             robot = Path(folder, f"arm{n}.urdf")
             joints.append({"joints": n, **_times(with_joints(scenario, n, robot), passes)})
-    return {
-        "horizon": horizons,
-        "horizon_exponent": rounded(float(exponent)),
-        "joints": joints,
-    }
+    return {"horizon": horizons, "horizon_exponent": rounded(float(exponent)), "joints": joints}
 
 
 def _times(scenario: Scenario, passes: int) -> dict[str, Any]:

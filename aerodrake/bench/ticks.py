@@ -90,9 +90,7 @@ def record_ticks(scenario: Scenario) -> RecordedTicks:
 
 
 def replay(
-    recorded: RecordedTicks,
-    peers: Mapping[str, Callable[[np.ndarray], Peer]],
-    passes: int,
+    recorded: RecordedTicks, peers: Mapping[str, Callable[[np.ndarray], Peer]], passes: int
 ) -> Replay:
     """Solves recorded ticks anew, tick by tick with every solver, on one thread.
 

@@ -39,7 +39,6 @@ class ClikSystem(KinematicController):
         output.set_value(np.tile(self._last.read(context).u, 2))
 
     def solve_tick(self, context: Context, tick: MpcInputs) -> ClikCommand:
-        """Computes the command of one tick. A `TickTimer` measures its wall time."""
         return self._inverse.command(tick)
 
     def _apply(

@@ -17,15 +17,7 @@ from aerodrake.systems.named_state import NamedState
 
 
 class ControllerState(NamedTuple):
-    """Discrete state of a `KinematicController`: its outputs at the last tick.
-
-    Attributes:
-        u: (3 + n,) m/s^2 and rad/s^2.
-        prediction: (N + 1, 3) m.
-        status: (3,), a `TickStatus`.
-        weights: (5,), `AllocatedWeights`.
-        delta: (3,) m/s.
-    """
+    """Outputs u, prediction, status, weights, delta of a tick, as in `KinematicController`."""
 
     u: np.ndarray
     prediction: np.ndarray

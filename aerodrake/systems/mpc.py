@@ -18,12 +18,7 @@ from aerodrake.systems.named_state import NamedState
 
 
 class PlanState(NamedTuple):
-    """Discrete state of an `MpcSystem`, beside that of a `KinematicController`.
-
-    Attributes:
-        plan: (T, 3 + n) m/s^2 and rad/s^2, planned inputs at the T ticks of the horizon.
-        active: (nz + rows,), the last active set, as in `QpResult`.
-    """
+    """Further discrete state of an `MpcSystem`: plan (T, 3 + n) and active (nz + rows,)."""
 
     plan: np.ndarray
     active: np.ndarray
@@ -44,8 +39,8 @@ class MpcSystem(KinematicController):
         in `pointing` (abstract): `Pointing`; unconnected without an orientation task.
     State:
         that of `KinematicController`, `plan` (T (3 + n), m/s^2 and rad/s^2, planned inputs
-        at the T ticks of the horizon), and `active`, the last active set, from which the
-        next tick's solver starts.
+        at the T ticks of the horizon), and `active` (nz + rows), the last active set as in
+        `QpResult`, from which the solver starts at the next tick.
     Rate:
         period of the equivalent model.
 
@@ -72,14 +67,12 @@ class MpcSystem(KinematicController):
         self.DeclareStateOutputPort("plan", self._planned.groups["plan"])
 
     def tick_inputs(self, context: Context) -> MpcInputs:
-        """Returns the inputs of the tick at this Context."""
         tick = super().tick_inputs(context)
         if self._pointing.HasValue(context):
             tick = replace(tick, pointing=self._pointing.Eval(context))
         return tick
 
     def solve_tick(self, context: Context, tick: MpcInputs) -> SolvedProgram:
-        """Forms and solves the program of one tick. A `TickTimer` measures its wall time."""
         program = self._formulation.form(tick)
         return SolvedProgram(program, self._solve(context, program))
 

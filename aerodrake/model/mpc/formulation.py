@@ -102,11 +102,7 @@ class MpcFormulation:
     """
 
     def __init__(
-        self,
-        config: Mpc,
-        model: EquivalentModel,
-        limits: SetpointLimits,
-        vehicle: VehicleModel,
+        self, config: Mpc, model: EquivalentModel, limits: SetpointLimits, vehicle: VehicleModel
     ):
         self.config, self.model, self.limits = config, model, limits
         self.stage_ticks = ticks = stage_ticks(config)

@@ -96,11 +96,7 @@ class StageOutputs:
     """
 
     def __init__(
-        self,
-        model: EquivalentModel,
-        prediction: Prediction,
-        stage_s: np.ndarray,
-        scale: np.ndarray,
+        self, model: EquivalentModel, prediction: Prediction, stage_s: np.ndarray, scale: np.ndarray
     ):
         N, m = len(stage_s), len(scale)
         self.axis = np.concatenate([np.arange(m), np.arange(m), np.arange(3), np.arange(3)])

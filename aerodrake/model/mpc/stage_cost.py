@@ -44,11 +44,7 @@ class TrackingTask(NamedTuple):
 
 @compiled
 def posture_cost(
-    horizon: int,
-    W_2: np.ndarray,
-    W_4: np.ndarray,
-    J_B: np.ndarray,
-    offset: np.ndarray,
+    horizon: int, W_2: np.ndarray, W_4: np.ndarray, J_B: np.ndarray, offset: np.ndarray
 ) -> StageCost:
     """Returns the cost | s |^2 W_2 + | J_B (q - q_0) + offset |^2 W_4.
 

@@ -113,7 +113,7 @@ def solve_active_set(qp: FactorisedQp, guess: np.ndarray, max_exchanges: int) ->
 
     for _ in range(max_exchanges):
         z = _minimiser(active, k, qp.minimiser)
-        index, side, violation = _most_violated(z, rows_dot(qp.A, z), qp.lower, qp.upper)
+        index, side, violation = _most_violated(qp, z)
         if violation <= TOLERANCE:
             sides = np.zeros(len(guess), dtype=np.int64)
             for j in range(k):
@@ -280,10 +280,9 @@ def _violation(qp: FactorisedQp, index: int, side: int, z: np.ndarray) -> float:
 
 
 @compiled
-def _most_violated(
-    z: np.ndarray, Az: np.ndarray, lower: np.ndarray, upper: np.ndarray
-) -> tuple[int, int, float]:
-    """Returns (index, side, violation) of the most violated constraint, at z and A z."""
+def _most_violated(qp: FactorisedQp, z: np.ndarray) -> tuple[int, int, float]:
+    """Returns (index, side, violation) of the most violated constraint at z (nz,)."""
+    lower, upper, Az = qp.lower, qp.upper, rows_dot(qp.A, z)
     index, side, most = -1, 0, -np.inf
     for i in range(len(z)):
         if abs(z[i]) - 1.0 > most:

@@ -154,18 +154,11 @@ class CondensedQp:
         return result
 
     def solve_by_osqp(
-        self,
-        H: np.ndarray,
-        g: np.ndarray,
-        lower: np.ndarray,
-        upper: np.ndarray,
-        max_iterations: int,
+        self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray, iterations: int
     ) -> QpResult:
-        """Solves one program by OSQP alone, to its tolerances.
+        """Solves one program by OSQP alone, to its tolerances or for so many `iterations`.
 
-        Args:
-            H, g, lower, upper: As for `solve`.
-            max_iterations: Iteration limit of OSQP.
+        H, g, lower and upper are as for `solve`.
         """
         factor = _cholesky(H)
         if factor is None:
@@ -174,7 +167,7 @@ class CondensedQp:
         if (status := _invalid(minimiser, lower, upper)) is not None:
             return self._unsolved(status)
         lower, upper = without_redundant(lower, upper, self._reach)
-        return self._osqp(H, g, lower, upper, max_iterations)[0]
+        return self._osqp(H, g, lower, upper, iterations)[0]
 
     def accept_unconstrained(
         self, z: np.ndarray, lower: np.ndarray, upper: np.ndarray
@@ -190,14 +183,9 @@ class CondensedQp:
         return QpResult(z.clip(-1, 1), QpStatus.UNCONSTRAINED, 0, self._no_active)
 
     def _osqp(
-        self,
-        H: np.ndarray,
-        g: np.ndarray,
-        lower: np.ndarray,
-        upper: np.ndarray,
-        max_iterations: int,
+        self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray, iterations: int
     ) -> tuple[QpResult, np.ndarray | None]:
-        """Runs OSQP.
+        """Runs OSQP for up to so many iterations.
 
         Returns:
             OSQP's iterate, INACCURATE if its residuals are small, and its active set
@@ -206,7 +194,7 @@ class CondensedQp:
         scale = 1 / np.diag(H).mean()
         self._cost.evaluator().UpdateCoefficients(H * scale, g * scale, 0, True)
         self._rows.evaluator().set_bounds(lower, upper)
-        result = self._solver.Solve(self._program, None, self._options(max_iterations))
+        result = self._solver.Solve(self._program, None, self._options(iterations))
         details, z = result.get_solver_details(), result.get_x_val()
         if result.get_solution_result() is SolutionResult.kInfeasibleConstraints:
             return self._unsolved(QpStatus.INFEASIBLE, details.iter), None
