@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.scenario import MovingTarget, Rates, Wind
-from aerodrake.station import make_closed_loop, make_context
+from aerodrake.scenario import Filter, MovingTarget, Rates, Sensors, Wind
+from aerodrake.station import RATES, make_closed_loop, make_context
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.mpc import MpcSystem
@@ -17,6 +17,8 @@ from aerodrake.systems.sensors import SensorSystem
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.systems.wind_force import WindForce
+from aerodrake.wiring.diagrams import leaf_systems
+from aerodrake.wiring.rates import Rate
 
 UPDATES = {
     FlightController: "_update",
@@ -87,22 +89,57 @@ def second(scenario) -> Recorder:
     return recorder
 
 
+NAMES = {
+    FlightController: "flight_controller",
+    ArmController: "arm_controller",
+    MpcSystem: "mpc",
+    ResidualEstimator: "residual_estimator",
+    WeightAllocator: "weight_allocator",
+    SetpointIntegrator: "setpoint_integrator",
+    SensorSystem: "sampler",
+    WindForce: "wind_force",
+}
+
+
+def rate_of(name: str) -> Rate:
+    """Returns the row of the table of rates that lists a system."""
+    (rate,) = (rate for rate in RATES if name in rate.systems)
+    return rate
+
+
+def timing(rate: Rate, rates: Rates) -> tuple[float, float]:
+    """Returns the period and the time of the first event in s."""
+    period, offset = getattr(rates, rate.period), rate.offset_steps * rates.plant_step_s
+    return period, offset % period
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_events_of_a_second(second, scenario, kind):
+    """The first event is at its offset; the event at t = 1 s is not included."""
+    period, offset = timing(rate_of(NAMES[kind]), scenario.rates)
+    expected = offset + period * np.arange(round(1 / period))
+    np.testing.assert_allclose(second.times[kind], expected, atol=1e-9)
+
+
 @pytest.mark.parametrize(
-    ("kind", "rate", "offset"),
-    [
-        (FlightController, 100, 0.0005),
-        (ArmController, 200, 0.0005),
-        (MpcSystem, 50, 0),
-        (WeightAllocator, 50, 0),
-        (ResidualEstimator, 50, 0),
-        (SetpointIntegrator, 50, 0),
-        (SensorSystem, 100, 0.00975),
-        (WindForce, 100, 0),
-    ],
+    "rates", [Rates(), Rates(0.0005, 0.004, 0.008, 0.002, 0.016)], ids=["default", "other"]
 )
-def test_events_of_a_second(second, kind, rate, offset):
-    """At t = 0 the first, at t = 1 s not yet. A sample is taken just before its instant."""
-    np.testing.assert_allclose(second.times[kind], offset + np.arange(rate) / rate, atol=1e-9)
+@pytest.mark.parametrize("controller", ["mpc", "clik"])
+def test_table_of_rates(scenario, rates, controller):
+    """Every periodic update of the closed loop is in the table, with period and offset."""
+    changed = {"sensors": Sensors(base_delay_s=0.02), "filter": Filter(delay_s=0.02)}
+    flown = replace(scenario, rates=rates, controller=controller, wind=BREEZE, **changed)
+    systems = {system.get_name(): system for system in leaf_systems(make_closed_loop(flown))}
+    listed = {name for rate in RATES for name in rate.systems}
+    assert listed - systems.keys() == {"mpc", "clik"} - {controller}
+    for name, system in systems.items():
+        attribute = system.GetUniquePeriodicDiscreteUpdateAttribute()
+        if attribute is None:
+            assert name not in listed or rate_of(name).kind == "unrestricted"
+            continue
+        assert rate_of(name).kind == "discrete"
+        measured = attribute.period_sec(), attribute.offset_sec()
+        assert measured == pytest.approx(timing(rate_of(name), rates), abs=1e-12), name
 
 
 def test_plant_and_rotors_step_every_millisecond(scenario):

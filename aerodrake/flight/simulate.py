@@ -14,7 +14,7 @@ from pydrake.systems.primitives import LogVectorOutput, Multiplexer
 from aerodrake.flight.log import PORTS, FlightLog, key_columns, rotate
 from aerodrake.flight.monitor import MONITOR_PERIOD_S, Monitor
 from aerodrake.flight.recording import Recording
-from aerodrake.model.setpoint.integration import integrate
+from aerodrake.model.setpoint.integration import integrate, split_segment
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.rotation import rotation_matrix
@@ -183,10 +183,9 @@ class FlightSimulation:
         times, samples = log.sample_times()[fresh], log.data()[:, fresh]
         recording.fill(samples)
         # Setpoints in the place of the polynomials that they follow.
-        segment = samples[self._segment]
-        m = len(segment) // 3
-        p, v, u = segment[:-1].reshape(3, m, -1)
-        segment[: 2 * m] = np.vstack(integrate(p, v, u, times - segment[-1]))
+        rows = samples[self._segment]
+        p, v, u, tick_s = split_segment(rows)
+        rows[: 2 * len(p)] = np.vstack(integrate(p, v, u, times - tick_s))
         recording.append(times, samples)
         log.Clear()
 

@@ -1,6 +1,8 @@
-"""The state of the equivalent model as a system."""
+"""Initial state of the equivalent model at each tick."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
@@ -8,29 +10,41 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 from aerodrake.model.equivalent.initial_state import Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.systems.named_state import NamedState
+
+
+class LastTick(NamedTuple):
+    """Discrete state of `EquivalentState`.
+
+    Attributes:
+        x_0: (nx,), x_0 of the last tick.
+        is_valid: False before the first tick, and if x_0 has NaN or infinite entries.
+    """
+
+    x_0: np.ndarray
+    is_valid: bool
 
 
 class EquivalentState(LeafSystem):
-    """x_0 of the equivalent model, from measurement, command and the tick before.
+    """Initial state x_0 of the equivalent model, from measurement, setpoints and the last tick.
 
     Ports:
         in `state` (13 + 2 n): measured `VehicleState`.
         in `base_setpoint` (9): [p_d, v_d, a_d] in m, m/s, m/s^2, world frame.
         in `joint_setpoint` (3 n): [q_d, q_d', q_d''] in rad, rad/s, rad/s^2. The
-            accelerations of both are those held up to a tick.
+            accelerations of both are those up to the tick.
         in `external_acceleration` (3): m/s^2, of the sensors.
         in `disturbance` (6): of the flight controller, m/s^2 first.
         in `specific_thrust` (1): m/s^2, of the flight controller.
-        out `x_0` (nx). It feeds through, so that whoever samples it at a tick
-            has it without delay; between ticks it means nothing.
+        out `x_0` (nx). It is direct feedthrough, so that systems that sample it at a tick
+            have no delay; between ticks it has no meaning.
     State:
-        `last` (nx), x_0 of the tick before, and whether there was one (0 or 1).
-        One that was not finite does not count.
+        groups of a `LastTick`.
     Rate:
         the model's period.
 
     Args:
-        model: Whose state it is.
+        model: The equivalent model.
     """
 
     def __init__(self, model: EquivalentModel):
@@ -43,8 +57,7 @@ class EquivalentState(LeafSystem):
         self._external_acceleration = self.DeclareVectorInputPort("external_acceleration", 3)
         self._disturbance = self.DeclareVectorInputPort("disturbance", 6)
         self._specific_thrust = self.DeclareVectorInputPort("specific_thrust", 1)
-        self._last = self.DeclareDiscreteState(np.zeros(nx))
-        self._known = self.DeclareDiscreteState(np.zeros(1))
+        self._last = NamedState(self, LastTick(np.zeros(nx), False))
         prerequisites = {self.all_input_ports_ticket(), self.xd_ticket()}
         self._x_0 = self.DeclareVectorOutputPort("x_0", nx, self._calc_x_0, prerequisites)
         self.DeclarePeriodicDiscreteUpdateEvent(model.dt, 0.0, self._update)
@@ -57,7 +70,7 @@ class EquivalentState(LeafSystem):
             self._external_acceleration.Eval(context),
             self._disturbance.Eval(context),
         )
-        is_known = context.get_discrete_state(self._known).value()[0] > 0.5
+        last = self._last.read(context)
         output.SetFromVector(
             self._model.initial_state(
                 state.p_B,
@@ -65,11 +78,10 @@ class EquivalentState(LeafSystem):
                 self._base_setpoint.Eval(context),
                 self._joint_setpoint.Eval(context),
                 thrust,
-                context.get_discrete_state(self._last).value() if is_known else None,
+                last.x_0 if last.is_valid else None,
             )
         )
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         x_0 = self._x_0.Eval(context)
-        discrete.set_value(self._last, x_0)
-        discrete.set_value(self._known, [np.isfinite(x_0).all()])
+        self._last.write(discrete, LastTick(x_0, bool(np.isfinite(x_0).all())))

@@ -1,4 +1,4 @@
-"""Kinematics of the end-effector as a system, evaluated once for all who ask."""
+"""Kinematics of the end-effector as a system, evaluated once for all its consumers."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from aerodrake.model.vehicle.state import VehicleState, split_state
 
 
 class KinematicsSystem(LeafSystem):
-    """Where the end-effector is, how it moves, and how far it is from where it should be.
+    """Kinematics of the end-effector, and its distances from the target and the learning space.
 
     Ports:
         in `state` (13 + 2 n): measured state.
         in `reference` (6): p_Ed, p_Ed' in m, m/s.
         out `end_effector` (abstract): `EndEffector`.
-        out `distances` (2): d_e, from its target, and d_o, from the centre of
-            the learning space, in m.
+        out `distances` (2): distances in m of the end-effector, d_e from its target and d_o
+            from the centre of the learning space.
     State, rate:
         none; cached until `state` or `reference` changes.
 
     Args:
-        kinematics: Of the robot.
-        joints: n.
+        kinematics: Kinematics of the robot.
+        joints: Number n of joints.
         p_O: (3,) m, centre of the learning space in the base frame.
     """
 

@@ -1,36 +1,60 @@
-"""From the MPC's accelerations to the setpoints of base and arm."""
+"""Setpoint integrator: setpoints of base and arm from accelerations."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.setpoint.integration import SetpointLimits, advanced, evaluate, segment
-from aerodrake.model.supervision.safe_mode import SafeMotion, safe_acceleration
+from aerodrake.model.setpoint.integration import (
+    Segment,
+    SetpointLimits,
+    admissible,
+    evaluate,
+    integrate,
+    split_segment,
+)
+from aerodrake.model.supervision.safe_mode import SafeMode, SafeMotion, safe_acceleration
+from aerodrake.systems.named_state import NamedState
+
+
+class SetpointState(NamedTuple):
+    """Discrete state of the setpoint integrator.
+
+    Attributes:
+        position: (3 + n,) m and rad, setpoints at the last tick.
+        velocity: (3 + n,) m/s and rad/s.
+        time_s: s, time of that tick.
+        mode: The `SafeMode` since then.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    time_s: float
+    mode: float
 
 
 class SetpointIntegrator(LeafSystem):
-    """Exact double integration of u, within limits; in a safe mode, of what that asks for.
+    """Exact double integrator of u within limits; in safe modes, of accelerations of its own.
 
     Ports:
-        in `u` (3 + n): accelerations, m/s^2 and rad/s^2, held between ticks.
-        in `mode` (1): a `SafeMode`, heeded from tick to tick.
-        in `followed` (3 (3 + n) + 1): the segment that setpoints are on, where somebody else
-            has the last word on it; unconnected where it is this system's own.
+        in `u` (3 + n): accelerations in m/s^2 and rad/s^2, constant between ticks.
+        in `mode` (1): a `SafeMode`, sampled at each tick.
+        in `followed` (3 (3 + n) + 1): the `Segment` that the vehicle follows, if another
+            integrator decides it; unconnected otherwise.
         out `base_setpoint` (9): p_d, v_d, a_d.
         out `joint_setpoint` (3 n): q_d, q_d', q_d''.
-        out `segment` (3 (3 + n) + 1): the polynomials that they follow until the next
-            tick: positions and velocities at the last one, accelerations, and its time.
+        out `segment` (3 (3 + n) + 1): the `Segment` until the next tick.
     State:
-        positions and velocities (3 + n each) of the setpoints at the last tick,
-        and its time; the mode since then.
+        groups of a `SetpointState`.
     Rate:
-        `period`; between ticks the outputs are the exact polynomials in time.
+        `period`; between ticks the outputs are exact polynomials in time.
 
     Args:
-        limits: Of setpoints, (3 + n).
-        motion: Of setpoints in safe modes.
-        position: (3 + n,) setpoints at the start: p_B and q in trim.
+        limits: Limits of the setpoints, (3 + n).
+        motion: Motion in safe modes.
+        position: (3 + n,) initial setpoints: p_B and q in trim.
         period: s.
     """
 
@@ -43,22 +67,22 @@ class SetpointIntegrator(LeafSystem):
         m = self._axes = len(position)
         self._u = self.DeclareVectorInputPort("u", m)
         self._mode = self.DeclareVectorInputPort("mode", 1)
-        self._followed = self.DeclareVectorInputPort("followed", 3 * m + 1)
-        self._x = self.DeclareDiscreteState(np.concatenate([position, np.zeros(m + 1)]))
-        self._x_mode = self.DeclareDiscreteState(1)
-        # Does not change with time: between ticks only polynomials are evaluated.
+        self._followed = self.DeclareVectorInputPort("followed", Segment.size(m))
+        initial = SetpointState(position, np.zeros(m), 0.0, float(SafeMode.NOMINAL))
+        self._x = NamedState(self, initial)
+        # Independent of time, so that between ticks only polynomials are evaluated.
         self._segment = self.DeclareVectorOutputPort(
-            "segment", 3 * m + 1, self._calc_segment, {self.xd_ticket(), self._u.ticket()}
+            "segment", Segment.size(m), self._calc_segment, {self.xd_ticket(), self._u.ticket()}
         )
         self.DeclareVectorOutputPort("base_setpoint", 9, self._calc_base)
         self.DeclareVectorOutputPort("joint_setpoint", 3 * (m - 3), self._calc_joints)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
     def _calc_segment(self, context: Context, output: BasicVector) -> None:
-        state = context.get_discrete_state()
-        x, mode = state.value(self._x), state.value(self._x_mode)[0]
-        u = safe_acceleration(self._motion, mode, x, self._u.Eval(context))
-        output.set_value(segment(self._limits, x, u, self._period))
+        p, v, time_s, mode = self._x.read(context)
+        u = safe_acceleration(self._motion, mode, p, v, self._u.Eval(context))
+        u = admissible(self._limits, p, v, u, self._period)
+        output.set_value(Segment(p, v, u, time_s).to_vector())
 
     def _calc_base(self, context: Context, output: BasicVector) -> None:
         output.set_value(evaluate(self._segment.Eval(context), context.get_time(), 0, 3))
@@ -68,7 +92,8 @@ class SetpointIntegrator(LeafSystem):
         output.set_value(evaluate(segment, time, 3, self._axes))
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        followed = self._followed if self._followed.HasValue(context) else self._segment
-        x = advanced(followed.Eval(context), context.get_time())
-        discrete.set_value(self._x, x)
-        discrete.set_value(self._x_mode, self._mode.Eval(context))
+        port = self._followed if self._followed.HasValue(context) else self._segment
+        p, v, u, tick_s = split_segment(port.Eval(context))
+        time = context.get_time()
+        p, v = integrate(p, v, u, time - tick_s)
+        self._x.write(discrete, SetpointState(p, v, time, self._mode.Eval(context)[0]))

@@ -1,4 +1,4 @@
-"""The force of the wind on the base, as the plant takes it."""
+"""Force of the wind on the base."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from aerodrake.scenario import Wind
 
 
 class WindForce(LeafSystem):
-    """Samples the drag on the base and holds it: none, ever, where the air cannot move.
+    """Drag on the base, sampled and held.
 
     Ports:
         in `true_state` (13 + 2 n): the plant's state.
         in `air_velocity` (3): m/s, wind and gust, in the world.
         out `wind_force` (3): N, in the world, at the base's origin.
-        out `generalized_force` (6 + n): the same on the plant's velocities [omega_W, v_B, q'],
-            of which a force at the base's origin moves v_B alone.
+        out `generalized_force` (6 + n): the same force for the plant's velocities
+            [omega_W, v_B, q']; at the base's origin it acts on v_B alone.
     State:
-        the last force.
+        the force (3) N.
     Rate:
-        `period`, by a discrete update: it sees the velocities of its instant,
-        and the plant feels the force from its next step on. Without any event
-        if the air cannot move. Both outputs change with the state alone, so that
-        the plant's own steps call no Python.
+        `period`, by a discrete update: it samples the velocities of its instant,
+        and the force acts on the plant from its next step on. No events in still
+        air. Both outputs depend on the state alone, so that steps of the plant call
+        no Python.
 
     Args:
-        config: Drag.
-        joints: n.
+        config: Drag coefficients.
+        joints: Number n of joints.
         period: s.
-        moves: Whether the air may.
+        is_windy: False for still air, where the force is always zero.
     """
 
-    def __init__(self, config: Wind, joints: int, period: float, moves: bool):
+    def __init__(self, config: Wind, joints: int, period: float, is_windy: bool):
         super().__init__()
         self._drag = config.quadratic_drag_n_s2_m2, config.linear_drag_n_s_m
         self._true_state = self.DeclareVectorInputPort("true_state", VehicleState.size(joints))
@@ -47,7 +47,7 @@ class WindForce(LeafSystem):
             self._calc_generalized_force,
             {self.discrete_state_ticket(self._force)},
         )
-        if moves:
+        if is_windy:
             self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:

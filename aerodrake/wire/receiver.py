@@ -14,6 +14,7 @@ from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.reference.envelope import ReferenceVerdict
 from aerodrake.model.residual.gate import GateCause
 from aerodrake.model.sensing.sample_check import MAX_MAGNITUDE
+from aerodrake.model.setpoint.integration import Segment
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.systems.named_state import NamedState
 from aerodrake.wire.link import Link
@@ -80,7 +81,7 @@ class WireReceiver(LeafSystem):
         super().__init__()
         self._link, self._period, self._stages = link, period, stages_s
         sizes = link.incoming.sizes
-        self._axes = sizes["segment"] // 3
+        self._axes = Segment.axes(sizes["segment"])
         zeros = np.zeros(3)
         trim = {
             "horizon": np.concatenate([vehicle.p_E, zeros]),

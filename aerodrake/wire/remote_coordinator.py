@@ -22,6 +22,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from aerodrake.coordinator import make_coordinator, make_setpoint_integrator, make_supervisor
 from aerodrake.model.mpc.horizon import stage_times
+from aerodrake.model.setpoint.integration import Segment
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.fingerprint import coordinated
@@ -64,7 +65,7 @@ def make_layouts(coordinator: Diagram, scenario: Scenario) -> tuple[Layout, Layo
     inputs = [coordinator.GetInputPort(name) for name in (*STATION_INTERFACE, "followed")]
     outputs = map(coordinator.get_output_port, range(coordinator.num_output_ports()))
     sizes = {p.get_name(): p.size() for p in outputs if p.get_name() not in OWN}
-    ticks, axes = scenario.supervisor.plan_ticks + 2, sizes["segment"] // 3
+    ticks, axes = scenario.supervisor.plan_ticks + 2, Segment.axes(sizes["segment"])
     sizes["plan"] = min(sizes["plan"], ticks * axes)
     for name in HORIZONS.keys() & sizes.keys():
         sizes[name] = min(sizes[name], 6 * (ticks + 1))

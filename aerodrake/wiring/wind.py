@@ -1,4 +1,4 @@
-"""The wind as a diagram: noise, moving air, and the force on the base."""
+"""Wiring of the wind: noise, moving air, and the force on the base."""
 
 from __future__ import annotations
 
@@ -11,28 +11,39 @@ from aerodrake.model.vehicle.wind import discrete_gusts, is_at_rest
 from aerodrake.scenario import Wind
 from aerodrake.systems.wind_force import WindForce
 from aerodrake.wiring.replacements import Replacements
+from aerodrake.wiring.table import Wiring
+
+WIRING = Wiring(
+    connections=(
+        ("gust_noise", "output", "air", "u0"),
+        ("air", "y0", "wind_force", "air_velocity"),
+    ),
+    inputs=(("true_state", "wind_force", "true_state"),),
+    outputs=(
+        ("wind_force", "wind_force", "wind_force"),
+        ("wind_force", "generalized_force", "generalized_force"),
+    ),
+)
 
 
 def make_wind(
     config: Wind, joints: int, period: float, replacements: Replacements | None = None
 ) -> Diagram:
-    """Air that moves past the base. At rest it is the same diagram, and exerts no force.
+    """Makes the wind; in still air it is the same diagram and exerts no force.
 
     Input: `true_state` (13 + 2 n).
-    Outputs: `wind_force` (3) N in the world, and `generalized_force` (6 + n), the same for
-    a plant.
+    Outputs: `wind_force` (3) N in the world, and `generalized_force` (6 + n), the same force
+    for a plant.
 
     Args:
         config: Wind, gusts and drag.
-        joints: n.
+        joints: Number n of joints.
         period: s, of gusts and force.
-        replacements: Of systems in it.
+        replacements: Replacements of its systems; None for none.
     """
     a, b = discrete_gusts(config, period)
     builder = (replacements or Replacements()).builder()
-    gust_noise = builder.AddNamedSystem(
-        "gust_noise", RandomSource(RandomDistribution.kGaussian, len(b), period)
-    )
+    builder.AddNamedSystem("gust_noise", RandomSource(RandomDistribution.kGaussian, len(b), period))
     gusts = AffineSystem(
         A=a * np.eye(len(b)),
         B=np.diag(b),
@@ -40,15 +51,8 @@ def make_wind(
         y0=np.array(config.velocity_m_s),
         time_period=period,
     )
-    gusts.configure_random_state(np.diag(np.square(config.gust_m_s)))  # They have always blown.
+    gusts.configure_random_state(np.diag(np.square(config.gust_m_s)))  # Stationary from the start.
     air = builder.AddNamedSystem("air", gusts)
-    moves = air is not gusts or not is_at_rest(config)  # Of another's air nothing is known.
-    wind_force = builder.AddNamedSystem("wind_force", WindForce(config, joints, period, moves))
-    builder.Connect(gust_noise.get_output_port(), air.get_input_port())
-    builder.Connect(air.get_output_port(), wind_force.GetInputPort("air_velocity"))
-    builder.ExportInput(wind_force.GetInputPort("true_state"), "true_state")
-    for port in ("wind_force", "generalized_force"):
-        builder.ExportOutput(wind_force.GetOutputPort(port), port)
-    diagram = builder.Build()
-    diagram.set_name("wind")
-    return diagram
+    is_windy = air is not gusts or not is_at_rest(config)  # A replacement may always blow.
+    builder.AddNamedSystem("wind_force", WindForce(config, joints, period, is_windy))
+    return WIRING.build(builder, "wind")

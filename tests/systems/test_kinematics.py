@@ -22,7 +22,7 @@ class Counting(Kinematics):
 
 @pytest.fixture(scope="module")
 def kinematics(vehicle) -> Counting:
-    return Counting(vehicle.robot)
+    return Counting(vehicle.plant)
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The setpoint integrator in time: polynomials, limits, and no jumps."""
+"""Setpoint integrator over time: polynomials, limits, and continuity."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.setpoint.integration import Segment, SetpointLimits
 from aerodrake.model.supervision.safe_mode import BRAKING_1_S, SafeMode, SafeMotion
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 
@@ -25,7 +25,7 @@ MOTION = SafeMotion(np.array([0.0, 0.0, -0.3, 0.0, 0.0]), TUCKED)
 
 
 class Driver:
-    """The integrator in a Simulator, from rest at `START`."""
+    """Setpoint integrator in a Simulator, from rest at `START`."""
 
     def __init__(self):
         self.system = SetpointIntegrator(LIMITS, MOTION, START, DT)
@@ -38,14 +38,14 @@ class Driver:
         self.system.GetInputPort("mode").FixValue(self.context, [float(mode)])
 
     def brake(self) -> None:
-        """Asks for rest at the next tick, to be called just after each."""
+        """Commands rest at the next tick; call it just after each tick."""
         self.command(-self.now[1] / DT)
 
     def command(self, u) -> None:
         self.system.GetInputPort("u").FixValue(self.context, u)
 
     def advance(self, time: float) -> np.ndarray:
-        """(3, 3 + n): position, velocity and acceleration at `time`."""
+        """Returns position, velocity and acceleration (3, 3 + n) at `time`."""
         self.simulator.AdvanceTo(time)
         return self.now
 
@@ -57,7 +57,7 @@ class Driver:
 
 
 def after_tick(k: int) -> float:
-    """s, just after the tick k and its update."""
+    """Returns a time in s just after tick k and its update."""
     return k * DT + 1e-9
 
 
@@ -88,7 +88,7 @@ def test_exact_from_tick_to_tick():
     p = START + DT**2 * ((len(us) - np.arange(len(us)) - 0.5)[:, None] * us).sum(axis=0)
     # At the instant of the tick itself, before its update: what the MPC's tick sees.
     np.testing.assert_allclose(driver.advance(len(us) * DT), [p, v, us[-1]], atol=1e-12)
-    # And after it: nothing jumps.
+    # And after it, without a jump.
     driver.advance(after_tick(len(us)))
     np.testing.assert_allclose(driver.now[:2], [p, v], atol=1e-7)
 
@@ -116,7 +116,7 @@ def test_hard_commands_come_to_rest_at_the_position_limits(side):
 
 
 def assert_smooth(track: np.ndarray, step: float) -> None:
-    """Over (T, 3, m) samples no position or velocity moves faster than its limits let it."""
+    """Asserts that samples (T, 3, m) change no faster than the limits allow."""
     p, v, _ = np.moveaxis(track, 1, 0)
     assert np.all(np.abs(np.diff(v, axis=0)) <= LIMITS.acceleration * step + 1e-7)
     mean = (v[1:] + v[:-1]) / 2
@@ -125,7 +125,7 @@ def assert_smooth(track: np.ndarray, step: float) -> None:
 
 
 def test_setpoints_never_jump():
-    """Whatever is asked for, and whenever; to rest, too."""
+    """For random commands, and for commands to rest."""
     driver, rng, track = Driver(), np.random.default_rng(1), []
     for k in range(2000):
         track.append(driver.advance(k * 0.001 + 1e-9))
@@ -140,7 +140,7 @@ def test_setpoints_never_jump():
     assert np.abs(track[1500:, 1]).max() > 0.1  # and moved again.
 
 
-def test_braking_takes_the_acceleration_limit_and_no_longer():
+def test_braking_takes_as_long_as_the_acceleration_limit_requires():
     driver = Driver()
     driver.command([4.0, 0.0, -3.0, 15.0, 0.0])
     _, v, _ = driver.advance(after_tick(5))
@@ -153,7 +153,7 @@ def test_braking_takes_the_acceleration_limit_and_no_longer():
 
 @given(st.floats(0.0, 0.02), st.integers(1, 40))
 def test_braking_keeps_the_position_limits(slack, ticks):
-    """Wherever full speed towards a limit is interrupted, the stop is within it."""
+    """If full speed towards a limit is interrupted anywhere, the stop is within it."""
     driver = Driver()
     driver.command(np.array([0.0, 0.0, 0.0, 15.0, 10.0]) - slack * 100)
     driver.advance(after_tick(ticks))
@@ -165,8 +165,8 @@ def test_braking_keeps_the_position_limits(slack, ticks):
         assert np.all(p <= LIMITS.upper + 1e-9)
 
 
-def test_safe_modes_change_nothing_at_once_and_never_jump():
-    """Whenever they are entered and left: from tick to tick, within limits, to rest."""
+def test_safe_modes_start_at_the_next_tick_without_a_jump():
+    """On entry and on exit, within limits."""
     driver, rng, track = Driver(), np.random.default_rng(2), []
     modes = {300: SafeMode.HOLD, 1507: SafeMode.NOMINAL, 1801: SafeMode.DESCEND}
     for k in range(6000):
@@ -186,7 +186,7 @@ def test_safe_modes_change_nothing_at_once_and_never_jump():
     np.testing.assert_allclose(track[-1, 0, 3:], TUCKED, atol=0.02)
 
 
-def test_a_mode_is_heeded_from_the_next_tick_on():
+def test_a_mode_acts_from_the_next_tick_on():
     driver = Driver()
     driver.command(np.ones(SIZE))
     driver.advance(after_tick(3))
@@ -198,7 +198,7 @@ def test_a_mode_is_heeded_from_the_next_tick_on():
 
 
 def test_a_command_that_changes_between_ticks_counts_from_the_last_tick():
-    """The contract is that u is held; what comes of a change is still within the limits."""
+    """u should be constant between ticks; after a change the setpoints still keep the limits."""
     driver = Driver()
     driver.command(np.ones(SIZE))
     driver.advance(after_tick(1))
@@ -213,31 +213,31 @@ def test_a_command_that_changes_between_ticks_counts_from_the_last_tick():
     np.testing.assert_allclose(driver.advance(2 * DT), expected, atol=1e-7)
 
 
-def test_between_ticks_limits_are_not_looked_at(monkeypatch):
-    """Once after each tick, and once before the first, however often outputs are asked for."""
-    looked, calc = [], SetpointIntegrator._calc_segment
+def test_between_ticks_limits_are_not_evaluated(monkeypatch):
+    """They are evaluated once after each tick, and once before the first."""
+    times, calc = [], SetpointIntegrator._calc_segment
 
     def count(system, context, output):
-        looked.append(context.get_time())
+        times.append(context.get_time())
         calc(system, context, output)
 
     monkeypatch.setattr(SetpointIntegrator, "_calc_segment", count)
     driver = Driver()
     for k in range(100):
         driver.advance(k * 0.001 + 1e-9)
-    np.testing.assert_allclose(looked, DT * np.array([0, 0, 1, 2, 3, 4]), atol=1e-8)
+    np.testing.assert_allclose(times, DT * np.array([0, 0, 1, 2, 3, 4]), atol=1e-8)
 
 
-def test_who_follows_another_begins_each_tick_where_that_is():
+def test_an_integrator_that_follows_another_starts_each_tick_from_its_segment():
     driver = Driver()
     driver.command(np.full(SIZE, 0.5))
     driver.advance(after_tick(1))
-    followed = np.concatenate([START + 0.2, np.full(SIZE, 0.1), np.full(SIZE, -0.3), [DT]])
-    driver.system.GetInputPort("followed").FixValue(driver.context, followed)
-    mine = driver.now.copy()
+    followed = Segment(START + 0.2, np.full(SIZE, 0.1), np.full(SIZE, -0.3), DT)
+    driver.system.GetInputPort("followed").FixValue(driver.context, followed.to_vector())
+    before = driver.now.copy()
     driver.command(np.zeros(SIZE))
     p, v, _ = driver.advance(2 * DT - 1e-6)  # Only at the tick.
-    np.testing.assert_allclose(p, mine[0] + DT * mine[1], atol=1e-6)
+    np.testing.assert_allclose(p, before[0] + DT * before[1], atol=1e-6)
     p, v, u = driver.advance(after_tick(2))
     np.testing.assert_allclose(p, START + 0.2 + 0.1 * DT - 0.3 * DT**2 / 2, atol=1e-8)
     np.testing.assert_allclose(v, 0.1 - 0.3 * DT, atol=1e-8)

@@ -13,7 +13,7 @@ BREEZE = Wind(velocity_m_s=(2.0, 0.0, 0.0))
 
 def make_simulator(config: Wind, vehicle, air, v_B) -> tuple[WindForce, Simulator]:
     """Its inputs fixed: the air's velocity, and a base in trim that moves."""
-    system = WindForce(config, JOINTS, PERIOD, moves=True)
+    system = WindForce(config, JOINTS, PERIOD, is_windy=True)
     simulator = Simulator(system)
     context = simulator.get_context()
     state = vehicle.trim_state
@@ -60,12 +60,12 @@ def test_it_is_held_between_samples(vehicle):
 
 
 def test_no_feedthrough():
-    assert not WindForce(BREEZE, JOINTS, PERIOD, moves=True).HasAnyDirectFeedthrough()
+    assert not WindForce(BREEZE, JOINTS, PERIOD, is_windy=True).HasAnyDirectFeedthrough()
 
 
 def test_air_that_cannot_move_is_silent_and_looks_at_nothing(vehicle):
     """Its inputs are not even connected."""
-    system = WindForce(Wind(), JOINTS, PERIOD, moves=False)
+    system = WindForce(Wind(), JOINTS, PERIOD, is_windy=False)
     simulator = Simulator(system)
     simulator.AdvanceTo(1.0)
     assert simulator.get_num_discrete_updates() == 0

@@ -1,1 +1,1 @@
-"""The equivalent model x+ = A x + B u + C Delta (paper, section II-B), and fitting K_B."""
+"""Equivalent kinematic models of base and arm: states, prediction, identification."""

@@ -1,4 +1,4 @@
-"""How one axis of the base answers its setpoint: x+ = A x + B u + C Delta.
+"""Models of one axis of the base, the response to its setpoint: x+ = A x + B u + C Delta.
 
 The states of an axis begin with position, velocity, and those of the setpoint,
 [p, p', p_d, p_d']; u is the acceleration of the setpoint.
@@ -13,19 +13,19 @@ from typing import NamedTuple
 import numpy as np
 
 STATES = ("p", "v", "p_d", "v_d")
-"""Of an axis, in m and m/s: where it is, how fast, and the same of its setpoint."""
+"""Position and velocity of an axis and of its setpoint, in m and m/s."""
 
 
 class AxisModel(NamedTuple):
-    """One axis with m states.
+    """Linear model of one axis with m states.
 
     Attributes:
         A: (m, m).
         B: (m,).
-        C: (m,), for a residual velocity.
-        states: Their m names, `STATES` first.
-        acceleration: (m,), how the acceleration that tilts the base follows from
-            them; zero where the model has none.
+        C: (m,), for the residual velocity.
+        states: Names of the m states, `STATES` first.
+        acceleration: (m,), maps the states to the acceleration that tilts the base; zero in
+            models without.
     """
 
     A: np.ndarray
@@ -36,10 +36,10 @@ class AxisModel(NamedTuple):
 
 
 def paper_axis(k: float, dt: float) -> AxisModel:
-    """p' = k (p_d - p) + Delta by semi-implicit Euler, as the paper prints it; k in 1/s, dt in s.
+    """Returns p' = k (p_d - p) + Delta by semi-implicit Euler, as printed; k in 1/s, dt in s.
 
-    Its A_1 has `k delta^2` for k delta_t squared. The second column of A is
-    zero: measured velocity does not propagate and acts through Delta alone.
+    The paper's A_1 has `k delta^2` for k delta_t squared. The second column of A is
+    zero: measured velocity does not propagate and acts only through Delta.
     """
     A = np.array(
         [
@@ -54,7 +54,10 @@ def paper_axis(k: float, dt: float) -> AxisModel:
 
 
 def exact_axis(k: float, dt: float) -> AxisModel:
-    """p' = k (p_d - p) + Delta (paper, eq. 3), exact for u and Delta held over dt s; k in 1/s."""
+    """Returns p' = k (p_d - p) + Delta (paper, eq. 3), exact for u and Delta constant over dt.
+
+    k in 1/s, dt in s.
+    """
     E = math.exp(-k * dt)
     g = (1 - E) / k
     setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
@@ -66,9 +69,9 @@ def exact_axis(k: float, dt: float) -> AxisModel:
 
 
 def velocity_aware_axis(k: float, dt: float) -> AxisModel:
-    """p' = v_d + k (p_d - p) + Delta, exact for u and Delta held over dt s; k in 1/s.
+    """Returns p' = v_d + k (p_d - p) + Delta, exact for u and Delta constant over dt.
 
-    The base of a flight controller that is told p_d, v_d and a_d.
+    It models a flight controller with the inputs p_d, v_d and a_d. k in 1/s, dt in s.
     """
     E = math.exp(-k * dt)
     setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
@@ -79,14 +82,14 @@ def velocity_aware_axis(k: float, dt: float) -> AxisModel:
 
 
 def integral_axis(k: float, dt: float) -> AxisModel:
-    """The baseline that believes the command: the base is where it was sent; dt in s, k unused."""
+    """Returns the baseline model: the base is at its setpoint; dt in s, k unused."""
     setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
     A, B = np.vstack([setpoint, setpoint]), np.array([*input_, *input_])
     return AxisModel(A, B, np.zeros(4), STATES, np.zeros(4))
 
 
 def _first_order(k: float, A: np.ndarray, B: np.ndarray, C: np.ndarray) -> AxisModel:
-    """With its own acceleration, p'' = k (p_d' - p')."""
+    """Returns the axis with its own acceleration, p'' = k (p_d' - p')."""
     return AxisModel(A, B, C, STATES, np.array([0, -k, 0, k]))
 
 
@@ -96,4 +99,4 @@ AXIS_MODELS: dict[str, Callable[[float, float], AxisModel]] = {
     "velocity_aware": velocity_aware_axis,
     "integral": integral_axis,
 }
-"""By the scenario's `model.kind`: from k [1/s] and dt [s]."""
+"""Models by the scenario's `model.kind`, functions of k [1/s] and dt [s]."""

@@ -1,4 +1,4 @@
-"""Identification of K_B: a gain by least squares, and how far it can be trusted."""
+"""Identification of K_B: a gain by least squares, with its confidence interval."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 from scipy.stats import t as student
 
 LEVEL = 0.95
-"""Of the confidence interval."""
+"""Level of the confidence interval."""
 
 
 @dataclass(frozen=True)
 class GainFit:
-    """v = k (p_d - p) + constant of one axis, as fitted.
+    """Fit of v = k (p_d - p) + constant to one axis.
 
     Attributes:
         gain: k, 1/s.
-        interval: 1/s, where k lies at the confidence `LEVEL`.
-        r2: The part of the velocity's variance that the fit explains.
+        interval: 1/s, confidence interval of k at `LEVEL`.
+        r2: Fraction of the velocity's variance that the fit explains.
     """
 
     gain: float
@@ -30,19 +30,19 @@ class GainFit:
 def fit_gain(error: Sequence[np.ndarray], velocity: Sequence[np.ndarray], block: int) -> GainFit:
     """Fits one gain to several records, each with a constant of its own.
 
-    Samples of one flight hang together, so that the usual standard error is far
-    too small. This one is the jackknife's over blocks of time (H. R. Kuensch, "The
+    Samples of one flight are correlated, so that the usual standard error is far too small.
+    The interval is that of the jackknife over blocks of time (H. R. Kuensch, "The
     jackknife and the bootstrap for general stationary observations", 1989), with
-    Student's t. A block is left out of all records at once, since they may have
-    their excitation in common, and so their errors. It covers noise, and also how
-    the gain itself varies from block to block, as over the frequencies of a chirp.
-    White noise on p makes the gain smaller, by its variance over that of p_d - p.
+    Student's t. A block is left out of all records at once, since records with a common
+    excitation have common errors. It covers noise, and the variation of the gain from
+    block to block, as over the frequencies of a chirp. White noise on p reduces the gain
+    by the ratio of its variance to that of p_d - p.
 
     Args:
-        error: Of each record, (T,) m, p_d - p.
-        velocity: Of each record, (T,) m/s, or v - v_d where the base is told v_d.
-        block: Samples a block, longer than the residual's correlation; each record
-            has two blocks or more, and what is left over joins its last.
+        error: (T,) m of each record, p_d - p.
+        velocity: (T,) m/s of each record, v, or v - v_d if the flight controller receives v_d.
+        block: Samples per block, more than the correlation length of the residual. Each record
+            has at least two blocks; remaining samples belong to its last.
     """
     count = min(map(len, error)) // block
     blocks = []

@@ -1,4 +1,4 @@
-"""The state of the equivalent model at a tick, from measurement, command and the tick before."""
+"""Initial state x_0 of the equivalent model, from measurement, setpoints and the last tick."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from aerodrake.support.compiled import compiled
 
 
 class Thrust(NamedTuple):
-    """What accelerates the base.
+    """Accelerations of the base by cause.
 
     Attributes:
         b: (3,) m/s^2, by thrust along the measured attitude, and gravity.
-        r: (3,) m/s^3, how fast b turns with the base; none along z, where it
-            changes with the size of thrust.
-        d: (3,) m/s^2, by all else.
-        h: (3,) m/s^2, what the flight controller takes d for.
+        r: (3,) m/s^3, rate of b due to rotation of the base; its z component, which
+            follows the magnitude of thrust, is 0.
+        d: (3,) m/s^2, by all other forces.
+        h: (3,) m/s^2, the flight controller's estimate of d.
     """
 
     b: np.ndarray
@@ -36,10 +36,10 @@ class Thrust(NamedTuple):
         external_acceleration: np.ndarray,
         disturbance: np.ndarray,
     ) -> Thrust:
-        """From the measured state and what the flight controller tells.
+        """Makes it from the measured state and outputs of filter and flight controller.
 
         Args:
-            state: Attitude and rates.
+            state: Measured attitude and angular velocity.
             specific_thrust: m/s^2, collective thrust over mass.
             external_acceleration: (3,) m/s^2, d.
             disturbance: (3+,) m/s^2, h first.
@@ -49,19 +49,36 @@ class Thrust(NamedTuple):
 
 
 NO_THRUST = Thrust(np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
-"""Where nobody tells of any."""
+"""Accelerations of zero, for models without thrust states."""
 
 
-class Places(NamedTuple):
-    """Where each quantity stands in x.
+class Signals(NamedTuple):
+    """Signals at a tick from which x_0 follows.
 
     Attributes:
-        base: (4, 3), p_B, p_B', p_B,d and p_B,d'.
-        thrust: (4, 3), those of a `Thrust`; (0, 3) in models that have none.
-        joints: (2, n), q and q'.
-        hidden: (k,), what nobody measures.
-        A, B: (k, nx) and (k, 3 + n), their rows of the model.
-        believes_command: Whether the base is where it is commanded.
+        p_B, v_B: (3,) m and m/s, measured.
+        base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2.
+        joint_setpoint: (3 n,) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2.
+        thrust: Accelerations of the base.
+    """
+
+    p_B: np.ndarray
+    v_B: np.ndarray
+    base_setpoint: np.ndarray
+    joint_setpoint: np.ndarray
+    thrust: Thrust
+
+
+class StateLayout(NamedTuple):
+    """Indices of the quantities in x.
+
+    Attributes:
+        base: (4, 3), indices of p_B, p_B', p_B,d and p_B,d'.
+        thrust: (4, 3), indices of the fields of a `Thrust`; (0, 3) in models without.
+        joints: (2, n), indices of q and q'.
+        hidden: (k,), indices of the states that are not measured.
+        A, B: (k, nx) and (k, 3 + n), rows of the model for the hidden states.
+        base_is_commanded: True if x_0 takes the base from its setpoint.
     """
 
     base: np.ndarray
@@ -70,18 +87,18 @@ class Places(NamedTuple):
     hidden: np.ndarray
     A: np.ndarray
     B: np.ndarray
-    believes_command: bool
+    base_is_commanded: bool
 
 
 @compiled
 def thrust_along(
     quaternion: np.ndarray, omega_W: np.ndarray, specific_thrust: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(b, r) of a `Thrust` along the base's axis, (3,) m/s^2 and (3,) m/s^3.
+    """Returns b (3,) m/s^2 and r (3,) m/s^3 of a `Thrust` along the base's axis.
 
     Args:
-        quaternion: (4,), of the base.
-        omega_W: (3,) rad/s, its rates in the world.
+        quaternion: (4,), attitude of the base.
+        omega_W: (3,) rad/s, its angular velocity in the world.
         specific_thrust: m/s^2, collective thrust over mass.
     """
     R_B = rotation_matrix(quaternion)
@@ -94,38 +111,33 @@ def thrust_along(
 
 @compiled
 def initial_state(
-    places: Places,
-    p_B: np.ndarray,
-    v_B: np.ndarray,
-    base_setpoint: np.ndarray,
-    joint_setpoint: np.ndarray,
-    thrust: Thrust,
-    last: np.ndarray,
-    is_known: bool,
+    layout: StateLayout, signals: Signals, last: np.ndarray, has_last: bool
 ) -> np.ndarray:
-    """(nx,), x_0: see `EquivalentModel.initial_state`.
+    """Returns x_0 (nx,): see `EquivalentModel.initial_state`.
 
     Args:
-        places: Of the model.
-        p_B, v_B, base_setpoint, joint_setpoint, thrust: As there.
-        last: (nx,), x_0 of the tick before, if
-        is_known: there was one; else hidden states are zero.
+        layout: Layout of the model's state.
+        signals: Signals at this tick.
+        last: (nx,), x_0 of the last tick.
+        has_last: False without a last tick; then hidden states are zero.
     """
-    n = places.joints.shape[1]
+    base, joint = signals.base_setpoint, signals.joint_setpoint
+    n = layout.joints.shape[1]
     x = np.zeros(len(last))
     for i in range(3):
-        p_d, v_d = base_setpoint[i], base_setpoint[3 + i]
-        x[places.base[0, i]] = p_d if places.believes_command else p_B[i]
-        x[places.base[1, i]] = v_d if places.believes_command else v_B[i]
-        x[places.base[2, i]], x[places.base[3, i]] = p_d, v_d
-        if len(places.thrust):
-            x[places.thrust[0, i]], x[places.thrust[1, i]] = thrust.b[i], thrust.r[i]
-            x[places.thrust[2, i]], x[places.thrust[3, i]] = thrust.d[i], thrust.h[i]
+        p_d, v_d = base[i], base[3 + i]
+        x[layout.base[0, i]] = p_d if layout.base_is_commanded else signals.p_B[i]
+        x[layout.base[1, i]] = v_d if layout.base_is_commanded else signals.v_B[i]
+        x[layout.base[2, i]], x[layout.base[3, i]] = p_d, v_d
+        if len(layout.thrust):
+            b, r, d, h = signals.thrust
+            x[layout.thrust[0, i]], x[layout.thrust[1, i]] = b[i], r[i]
+            x[layout.thrust[2, i]], x[layout.thrust[3, i]] = d[i], h[i]
     for j in range(n):
-        x[places.joints[0, j]], x[places.joints[1, j]] = joint_setpoint[j], joint_setpoint[n + j]
-    if is_known:
-        u = np.concatenate((base_setpoint[6:], joint_setpoint[2 * n :]))
-        hidden = places.A @ last + places.B @ u
-        for k in range(len(places.hidden)):
-            x[places.hidden[k]] = hidden[k]
+        x[layout.joints[0, j]], x[layout.joints[1, j]] = joint[j], joint[n + j]
+    if has_last:
+        u = np.concatenate((base[6:], joint[2 * n :]))
+        hidden = layout.A @ last + layout.B @ u
+        for k in range(len(layout.hidden)):
+            x[layout.hidden[k]] = hidden[k]
     return x

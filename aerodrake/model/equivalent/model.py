@@ -6,8 +6,8 @@ One linear, time-invariant model x+ = A x + B u + C Delta (paper, eq. 5), with
     u = [p_Bx,d'', p_By,d'', p_Bz,d'', q_1'', ..., q_n''],
 
 and Delta the residual velocity of the base. The joints are double integrators
-of the command; the kinds differ in how an axis of the base answers its setpoint,
-and in the states this takes.
+of the command. The kinds of model differ in the response of the base's axes to their setpoint,
+and in the states of that response.
 """
 
 from __future__ import annotations
@@ -20,13 +20,19 @@ from scipy.linalg import block_diag
 
 from aerodrake.model.equivalent.axis_models import AXIS_MODELS, AxisModel
 from aerodrake.model.equivalent.flight_axis import HIDDEN_STATES, flight_axis
-from aerodrake.model.equivalent.initial_state import NO_THRUST, Places, Thrust, initial_state
+from aerodrake.model.equivalent.initial_state import (
+    NO_THRUST,
+    Signals,
+    StateLayout,
+    Thrust,
+    initial_state,
+)
 from aerodrake.scenario import Scenario
 
 
 @dataclass(frozen=True)
 class EquivalentModel:
-    """x+ = A x + B u + C Delta, and where each quantity stands in x.
+    """x+ = A x + B u + C Delta, and the indices of the quantities in x.
 
     Attributes:
         A: (nx, nx), nx = 3 m + 2 n for m states per axis of the base.
@@ -34,8 +40,8 @@ class EquivalentModel:
         C: (nx, 3), the paper's C restricted to its non-zero columns.
         dt: s, period.
         axis_states: Names of the m states of an axis.
-        acceleration: (3, nx), the acceleration that tilts the base, by x.
-        believes_command: whether x_0 takes the base from the setpoint.
+        acceleration: (3, nx), maps x to the acceleration that tilts the base.
+        base_is_commanded: True if x_0 takes the base from its setpoint.
     """
 
     A: np.ndarray
@@ -44,11 +50,11 @@ class EquivalentModel:
     dt: float
     axis_states: tuple[str, ...]
     acceleration: np.ndarray
-    believes_command: bool
+    base_is_commanded: bool
 
     @classmethod
     def of(cls, scenario: Scenario, joints: int) -> EquivalentModel:
-        """The model that the scenario names, at its MPC's rate, for n `joints`."""
+        """Returns the scenario's model at the rate of its MPC, for n `joints`."""
         config, rates = scenario.model, scenario.rates
         if config.kind != "flight":
             return cls.make(config.kind, np.array(config.k_b), rates.mpc_period_s, joints)
@@ -57,11 +63,11 @@ class EquivalentModel:
             flight_axis(axis, scenario.flight, rotor, period, rates.mpc_period_s)
             for axis in range(3)
         ]
-        return cls._assemble(axes, rates.mpc_period_s, joints, believes_command=False)
+        return cls._assemble(axes, rates.mpc_period_s, joints, base_is_commanded=False)
 
     @classmethod
     def make(cls, kind: str, k_b: np.ndarray, dt: float, joints: int) -> EquivalentModel:
-        """One of the models with K_B alone.
+        """Returns one of the models that have K_B as their only parameter.
 
         Args:
             kind: A key of `AXIS_MODELS`.
@@ -70,11 +76,11 @@ class EquivalentModel:
             joints: n.
         """
         axes = [AXIS_MODELS[kind](k, dt) for k in k_b]
-        return cls._assemble(axes, dt, joints, believes_command=kind == "integral")
+        return cls._assemble(axes, dt, joints, base_is_commanded=kind == "integral")
 
     @classmethod
     def _assemble(
-        cls, axes: list[AxisModel], dt: float, joints: int, believes_command: bool
+        cls, axes: list[AxisModel], dt: float, joints: int, base_is_commanded: bool
     ) -> EquivalentModel:
         joint = np.array([[1, dt], [0, 1]]), np.array([[dt**2 / 2], [dt]])
         A = block_diag(*(axis.A for axis in axes), *[joint[0]] * joints)
@@ -83,29 +89,29 @@ class EquivalentModel:
         base = 3 * len(axes[0].states)
         C[:base] = block_diag(*(axis.C[:, None] for axis in axes))
         acceleration[:, :base] = block_diag(*(axis.acceleration for axis in axes))
-        return cls(A, B, C, dt, axes[0].states, acceleration, believes_command)
+        return cls(A, B, C, dt, axes[0].states, acceleration, base_is_commanded)
 
     @cached_property
     def joints(self) -> int:
-        """n."""
+        """Number n of joints."""
         return self.B.shape[1] - 3
 
     @cached_property
-    def _places(self) -> Places:
+    def _layout(self) -> StateLayout:
         names = [name for name in Thrust._fields if name in self.axis_states]
         setpoint = self.setpoint_position, self.setpoint_velocity
-        return Places(
+        return StateLayout(
             np.array([self.base_position, self.base_velocity, *setpoint]),
             np.array([self.base_state(name) for name in names], dtype=int).reshape(-1, 3),
             np.array([self.joint_position, self.joint_velocity]),
             self.hidden,
             self.A[self.hidden],
             self.B[self.hidden],
-            self.believes_command,
+            self.base_is_commanded,
         )
 
     def base_state(self, name: str) -> np.ndarray:
-        """(3,) indices in x of a state that each axis of the base has."""
+        """Returns the indices (3,) in x of a state of the base's axes, by its name."""
         m = len(self.axis_states)
         return m * np.arange(3) + self.axis_states.index(name)
 
@@ -141,7 +147,7 @@ class EquivalentModel:
 
     @cached_property
     def hidden(self) -> np.ndarray:
-        """(k,) indices in x of what nobody measures; k = 0 in the models with K_B alone."""
+        """(k,) indices in x of states that are not measured; k = 0 in models with K_B alone."""
         names = [name for name in HIDDEN_STATES if name in self.axis_states]
         return np.array([i for name in names for i in self.base_state(name)], dtype=int)
 
@@ -154,45 +160,38 @@ class EquivalentModel:
         thrust: Thrust | None = None,
         last: np.ndarray | None = None,
     ) -> np.ndarray:
-        """x_0 from measurement and command.
+        """Returns x_0 (nx,) from measurement and command.
 
-        The arm is where it is commanded (paper, section II-B), and so is the
-        base of the integral model. Hidden states are where the last x leads
-        under the acceleration that was commanded since.
+        The arm's state is its setpoint (paper, section II-B), and so is the base's in the
+        integral model. Hidden states are predicted from the last x_0 and the acceleration
+        that was commanded since.
 
         Args:
             p_B: (3,) m, measured.
             v_B: (3,) m/s, measured.
-            base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2, or (6,) of them
-                where there is no `last`.
-            joint_setpoint: (3 n,) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2, or
-                (2 n,) alike.
-            thrust: Where the model has states of it; without, they are zero.
-            last: (nx,) x_0 of the tick before; without, hidden states are zero.
+            base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2; (6,) suffices
+                without `last`.
+            joint_setpoint: (3 n,) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2; (2 n,)
+                suffices without `last`.
+            thrust: Accelerations of the base; None for zeros.
+            last: (nx,) x_0 of the last tick; None for hidden states of zero.
         """
-        is_known = last is not None and len(self.hidden) > 0
-        return initial_state(
-            self._places,
-            p_B,
-            v_B,
-            base_setpoint,
-            joint_setpoint,
-            NO_THRUST if thrust is None else thrust,
-            last if is_known else self._unknown,
-            is_known,
-        )
+        thrust = NO_THRUST if thrust is None else thrust
+        signals = Signals(p_B, v_B, base_setpoint, joint_setpoint, thrust)
+        has_last = last is not None and len(self.hidden) > 0
+        return initial_state(self._layout, signals, last if has_last else self._zeros, has_last)
 
     @cached_property
-    def _unknown(self) -> np.ndarray:
+    def _zeros(self) -> np.ndarray:
         return np.zeros(len(self.A))
 
     @cached_property
     def _velocity_rows(self) -> tuple[np.ndarray, np.ndarray]:
-        """A and B of the base's velocity."""
+        """Rows of A and B for the base's velocity."""
         return self.A[self.base_velocity], self.B[self.base_velocity]
 
     def next_velocity(self, x: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """(3,) m/s, the base's velocity one period later without Delta.
+        """Returns the base's velocity (3,) m/s one period later, with a Delta of zero.
 
         Args:
             x: (nx,) the state.
@@ -202,7 +201,7 @@ class EquivalentModel:
         return A @ x + B @ u
 
     def predict(self, x: np.ndarray, u: np.ndarray, delta: np.ndarray) -> np.ndarray:
-        """(nx,) the state one period later.
+        """Returns the state (nx,) one period later.
 
         Args:
             x: (nx,) the state.

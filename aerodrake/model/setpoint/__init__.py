@@ -1,1 +1,1 @@
-"""Setpoints from u by double integration."""
+"""Setpoints: double integration of u, braking, and prescribed motions."""

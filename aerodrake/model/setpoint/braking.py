@@ -1,4 +1,4 @@
-"""Setpoints brought to rest as fast as their limits let them."""
+"""Fastest braking of setpoints."""
 
 from __future__ import annotations
 
@@ -9,19 +9,21 @@ from aerodrake.support.compiled import compiled
 
 @compiled
 def braking(v: np.ndarray, most: np.ndarray, stages_s: np.ndarray) -> np.ndarray:
-    """(m N,) inputs over their limits, axis by axis, that brake from v and then rest.
+    """Returns the inputs (m N,) over a horizon that brake from v and then rest, axis by axis.
+
+    Each is divided by its limit.
 
     Args:
-        v: (m,) m/s and rad/s, velocities now.
-        most: (m,) m/s^2 and rad/s^2, the limits of their changes.
-        stages_s: (N,) s, how long each input is held.
+        v: (m,) m/s and rad/s, current velocities.
+        most: (m,) m/s^2 and rad/s^2, limits of the accelerations.
+        stages_s: (N,) s, durations of the stages.
     """
     m, N = len(v), len(stages_s)
     z = np.empty(m * N)
     for i in range(m):
-        left = v[i]
+        speed = v[i]
         for k in range(N):
-            u = min(max(-left / stages_s[k], -most[i]), most[i])
-            left += u * stages_s[k]
+            u = min(max(-speed / stages_s[k], -most[i]), most[i])
+            speed += u * stages_s[k]
             z[i * N + k] = u / most[i]
     return z

@@ -1,4 +1,4 @@
-"""Double integration of the commanded accelerations, within limits."""
+"""Setpoints by double integration of commanded accelerations, within limits."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from aerodrake.support.compiled import compiled
 
 
 class SetpointLimits(NamedTuple):
-    """Limits of a vector of setpoints; infinite where there is none.
+    """Limits of the setpoints of m axes; infinite for axes without.
 
     Attributes:
-        lower, upper: (m,) of position, m or rad.
-        velocity: (m,) of its magnitude, m/s or rad/s.
-        acceleration: (m,) of its magnitude, m/s^2 or rad/s^2.
+        lower, upper: (m,) bounds of the position, m or rad.
+        velocity: (m,) largest speed, m/s or rad/s.
+        acceleration: (m,) largest magnitude of the acceleration, m/s^2 or rad/s^2.
     """
 
     lower: np.ndarray
@@ -27,7 +27,7 @@ class SetpointLimits(NamedTuple):
 
     @classmethod
     def make(cls, config: Mpc, vehicle: VehicleModel) -> SetpointLimits:
-        """For [p_B, q]: the base's from the scenario, the joints' from the URDF."""
+        """Returns the limits of [p_B, q]: base by the scenario, joints by the URDF."""
         unbounded = np.full(3, np.inf)
         return cls(
             lower=np.concatenate([-unbounded, vehicle.lower]),
@@ -37,64 +37,65 @@ class SetpointLimits(NamedTuple):
         )
 
 
-@compiled
-def segment(limits: SetpointLimits, x: np.ndarray, u: np.ndarray, dt: float) -> np.ndarray:
-    """The polynomials that setpoints follow from one tick to the next.
+class Segment(NamedTuple):
+    """Quadratic polynomials of the setpoints of m axes, from one tick to the next.
 
-    Args:
-        limits: That they keep, then and later.
-        x: (2 m + 1,) positions and velocities at a tick, and its time, s.
-        u: (m,) accelerations as commanded.
-        dt: s, from tick to tick.
-
-    Returns:
-        (3 m + 1,) positions and velocities as in x, accelerations as admissible, the time.
+    Attributes:
+        position: (m,) m and rad, at the tick.
+        velocity: (m,) m/s and rad/s, at the tick.
+        acceleration: (m,) m/s^2 and rad/s^2, constant.
+        time_s: s, time of the tick.
     """
-    m = len(u)
-    found = np.empty(3 * m + 1)
-    found[: 2 * m] = x[: 2 * m]
-    found[2 * m : 3 * m] = admissible(limits, x[:m], x[m : 2 * m], u, dt)
-    found[-1] = x[-1]
-    return found
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    time_s: float
+
+    @staticmethod
+    def size(axes: int) -> int:
+        """Returns the length of the vector of a segment."""
+        return 3 * axes + 1
+
+    @staticmethod
+    def axes(size: int) -> int:
+        """Returns the number of axes m of a segment whose vector has this length."""
+        return size // 3
+
+    def to_vector(self) -> np.ndarray:
+        """Returns the vector (3 m + 1,), the inverse of `split_segment`."""
+        return np.concatenate([self.position, self.velocity, self.acceleration, [self.time_s]])
 
 
 @compiled
-def evaluate(segment: np.ndarray, time: float, first: int, end: int) -> np.ndarray:
-    """(3 (end - first),) position, velocity and acceleration at a time, of axes first to end - 1.
+def split_segment(vector: np.ndarray) -> Segment:
+    """Returns the parts of a segment's vector (3 m + 1, ...) as views, not copies."""
+    m = len(vector) // 3
+    return Segment(vector[:m], vector[m : 2 * m], vector[2 * m : 3 * m], vector[-1])
+
+
+@compiled
+def evaluate(vector: np.ndarray, time: float, first: int, end: int) -> np.ndarray:
+    """Returns position, velocity and acceleration (3 (end - first),) of some axes at a time.
 
     Args:
-        segment: (3 m + 1,) as above.
+        vector: (3 m + 1,) a segment.
         time: s.
-        first, end: Of the m axes, as in a slice.
+        first, end: Range of the axes, as in a slice.
     """
-    m, t, k = len(segment) // 3, time - segment[-1], end - first
-    p, v, u = segment[first:end], segment[m + first : m + end], segment[2 * m + first : 2 * m + end]
-    found = np.empty(3 * k)
-    found[:k], found[k : 2 * k] = integrate(p, v, u, t)
-    found[2 * k :] = u
-    return found
-
-
-@compiled
-def advanced(segment: np.ndarray, time: float) -> np.ndarray:
-    """(2 m + 1,) positions and velocities at a time, and the time: the x of the next segment.
-
-    Args:
-        segment: (3 m + 1,) as above.
-        time: s.
-    """
-    m = len(segment) // 3
-    found = np.empty(2 * m + 1)
-    found[:-1] = evaluate(segment, time, 0, m)[: 2 * m]
-    found[-1] = time
-    return found
+    segment, k = split_segment(vector), end - first
+    p, v, u = segment.position[first:end], segment.velocity[first:end], segment.acceleration
+    setpoint = np.empty(3 * k)
+    setpoint[:k], setpoint[k : 2 * k] = integrate(p, v, u[first:end], time - segment.time_s)
+    setpoint[2 * k :] = u[first:end]
+    return setpoint
 
 
 @compiled
 def integrate(
     p: np.ndarray, v: np.ndarray, u: np.ndarray, t: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(p, v) a time t s later under a constant acceleration u: exact; p, v and u (m,)."""
+    """Returns p and v (m,) after t s of constant acceleration; p, v and u (m,)."""
     return p + v * t + u * (t * t / 2), v + u * t
 
 
@@ -102,47 +103,46 @@ def integrate(
 def admissible(
     limits: SetpointLimits, p: np.ndarray, v: np.ndarray, u: np.ndarray, dt: float
 ) -> np.ndarray:
-    """(m,) the acceleration nearest to u that keeps all limits.
+    """Returns the acceleration (m,) nearest to u that keeps all limits.
 
-    Held over dt from (p, v), it leaves velocity within its limit, and slow
-    enough that the acceleration limit can stop it before a position limit.
+    After dt of it from (p, v), the velocity is within its limit, and small enough for the
+    acceleration limit to stop it before a position limit.
 
     Args:
-        limits: That it keeps.
-        p, v, u: (m,) each, in the units of `limits`.
+        limits: The limits to keep.
+        p, v, u: (m,) position, velocity and commanded acceleration, in the units of `limits`.
         dt: s.
     """
-    found = np.empty(len(u))
+    allowed = np.empty(len(u))
     for i in range(len(u)):
         a = limits.acceleration[i]
         high = _fastest_approach(limits.upper[i] - p[i], v[i], a, dt)
         low = -_fastest_approach(p[i] - limits.lower[i], -v[i], a, dt)
         low, high = np.maximum(low, -limits.velocity[i]), np.minimum(high, limits.velocity[i])
-        found[i] = _clipped(_clipped(u[i], (low - v[i]) / dt, (high - v[i]) / dt), -a, a)
-    return found
+        allowed[i] = _clipped(_clipped(u[i], (low - v[i]) / dt, (high - v[i]) / dt), -a, a)
+    return allowed
 
 
 @compiled
 def _clipped(value: float, low: float, high: float) -> float:
-    """As `np.clip`; nan stays nan."""
+    """Returns `np.clip(value, low, high)`; NaN stays NaN."""
     return np.minimum(np.maximum(value, low), high)
 
 
 @compiled
 def _fastest_approach(distance: float, v: float, a: float, dt: float) -> float:
-    """The largest velocity w after dt from which whole ticks of braking stop within a distance.
+    """Returns the largest velocity w after dt from which braking stops within a distance.
 
-    Braking takes k a dt off w in k ticks and what is left in one more, so that
-    w (n + 1) dt - a dt^2 n (n + 1) / 2 <= room for every n >= 0; the n below
-    has the least to spare.
+    Braking lasts whole ticks. It reduces w by a dt in each, and by the rest in the last, so that
+    w (n + 1) dt - a dt^2 n (n + 1) / 2 <= room for every n >= 0. The n below is the tightest.
 
     Args:
-        distance: Now, to be covered at most.
-        v: Velocity now, towards there; between now and dt the mean of it and w.
+        distance: Largest distance to cover from now on.
+        v: Current velocity in this direction; until dt the mean velocity is (v + w) / 2.
         a: Largest deceleration.
-        dt: s, a tick.
+        dt: s, duration of a tick.
     """
     room = distance - v * dt / 2
     n = np.floor((np.sqrt(1 + 8 * np.maximum(room, 0.0) / (a * dt**2)) - 1) / 2)
-    n = np.minimum(n, 1e6)  # Finite where there is no limit.
+    n = np.minimum(n, 1e6)  # Finite without a limit.
     return room / ((n + 1) * dt) + a * dt * n / 2

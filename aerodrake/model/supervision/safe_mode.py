@@ -56,24 +56,23 @@ class SafeMotion(NamedTuple):
 
 
 @compiled
-def safe_acceleration(motion: SafeMotion, mode: float, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+def safe_acceleration(
+    motion: SafeMotion, mode: float, position: np.ndarray, velocity: np.ndarray, u: np.ndarray
+) -> np.ndarray:
     """Returns the accelerations (3 + n,) of the setpoints in m/s^2 and rad/s^2, before limits.
 
     Args:
         motion: Motion in DESCEND and STOP.
         mode: A `SafeMode`.
-        x: (7 + 2 n,) positions and velocities of the setpoints in m, rad, m/s and rad/s, and
-            the time, s.
+        position, velocity: (3 + n,) of the setpoints in m and rad, m/s and rad/s.
         u: (3 + n,) m/s^2 and rad/s^2, command of the MPC.
     """
     if mode == SafeMode.NOMINAL.value:
         return u
-    m = len(u)
-    position, velocity = x[:m], x[m : 2 * m]
     acceleration = -BRAKING_1_S * velocity
     if mode != SafeMode.HOLD.value:
         acceleration += BRAKING_1_S * motion.velocity
-        for i in range(3, m):
+        for i in range(3, len(u)):
             away = position[i] - motion.tucked[i - 3]
             acceleration[i] = -(TUCKING_RAD_S**2) * away - 2 * TUCKING_RAD_S * velocity[i]
     return acceleration

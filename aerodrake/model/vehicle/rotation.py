@@ -56,7 +56,7 @@ def rpy_rates(R: np.ndarray, omega: np.ndarray) -> np.ndarray:
 
 @compiled
 def quaternion_of(rpy: np.ndarray) -> np.ndarray:
-    """Returns the quaternion (4,) of roll, pitch and yaw (3,) rad: R = R_z R_y R_x."""
+    """Returns the quaternion (4,) of rpy (3,) rad, roll, pitch and yaw: R = R_z R_y R_x."""
     c, s = np.cos(rpy / 2), np.sin(rpy / 2)
     return np.array(
         [

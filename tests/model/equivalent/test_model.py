@@ -104,7 +104,7 @@ def test_kinds_by_k_b_are_made_at_the_mpcs_rate():
     for kind in AXIS_MODELS:
         scenario = Scenario(rates=rates, model=Model(kind=kind, k_b=tuple(K_B)))
         one, other = EquivalentModel.of(scenario, 4), EquivalentModel.make(kind, K_B, 0.04, 4)
-        for name in ("A", "B", "C", "acceleration", "axis_states", "believes_command", "dt"):
+        for name in ("A", "B", "C", "acceleration", "axis_states", "base_is_commanded", "dt"):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
         assert len(one.hidden) == 0
 

@@ -67,7 +67,7 @@ def prepared(ticks_of):
     def prepared(model: EquivalentModel) -> list[MpcInputs]:
         made = []
         for k, tick in enumerate(ticks_of(model)):
-            if model.believes_command:
+            if model.base_is_commanded:
                 tick.x_0[[0, 1, 4, 5, 8, 9]] = tick.x_0[[2, 3, 6, 7, 10, 11]]
             delta = 0.05 * np.random.default_rng(k).normal(size=3)
             made.append(dataclasses.replace(tick, delta=delta))

@@ -1,4 +1,4 @@
-"""Setpoints: exact integration, and limits that hold whatever is commanded."""
+"""Setpoints: exact integration, and limits for any command."""
 
 import numpy as np
 import pytest
@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from aerodrake.model.setpoint.integration import (
+    Segment,
     SetpointLimits,
     admissible,
-    advanced,
     evaluate,
     integrate,
-    segment,
+    split_segment,
 )
 from aerodrake.scenario import Mpc
 
@@ -27,23 +27,23 @@ TICKS = 200
 
 
 def assert_within_limits(p, v, commands):
-    """Flies the commands and looks at ends of ticks and, since both are polynomials, inside."""
+    """Integrates the commands, and checks the limits at the ticks and between them."""
     ticks = []
-    for wanted in commands:
-        u = admissible(LIMITS, p, v, wanted, DT)
+    for command in commands:
+        u = admissible(LIMITS, p, v, command, DT)
         ticks.append((p, v, u))
         p, v = integrate(p, v, u, DT)
     p, v, u = np.array(ticks).transpose(1, 0, 2)
     assert np.all(np.abs(u) <= LIMITS.acceleration)
     for t in np.linspace(0, DT, 5):
-        place, speed = p + v * t + u * t**2 / 2, v + u * t
-        assert np.all(place >= LIMITS.lower - 1e-9) and np.all(place <= LIMITS.upper + 1e-9)
-        assert np.all(np.abs(speed) <= LIMITS.velocity + 1e-9)
+        position, velocity = p + v * t + u * t**2 / 2, v + u * t
+        assert np.all(position >= LIMITS.lower - 1e-9) and np.all(position <= LIMITS.upper + 1e-9)
+        assert np.all(np.abs(velocity) <= LIMITS.velocity + 1e-9)
 
 
 @st.composite
 def command_sequences(draw):
-    """Each axis pushed, pulled, swung or shaken, at random and up to far beyond its limits."""
+    """Random commands to each axis, constant or noisy, up to far beyond its limits."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     scale = draw(st.sampled_from([1.0, 30.0, 1e4]))
     hold = draw(st.sampled_from([1, 7, 50, TICKS]))
@@ -63,39 +63,43 @@ def test_integrates_polynomials_exactly():
     arrays(float, 3, elements=st.floats(-30, 30)),
     st.floats(0, 1),
 )
-def test_a_segment_is_a_parabola_on_each_axis(start, u, share):
-    """From the tick on, with the acceleration that is admissible there."""
+def test_a_segment_is_a_parabola_on_each_axis(start, u, fraction):
     p, v = start
     tick = 7.0
-    found = segment(LIMITS, np.array([*p, *v, tick]), u, DT)
-    time = tick + share * DT
-    allowed = admissible(LIMITS, p, v, u, DT)
-    paths = [np.polynomial.Polynomial(c) for c in zip(p, v, allowed / 2, strict=True)]
+    vector = Segment(p, v, u, tick).to_vector()
+    time = tick + fraction * DT
+    paths = [np.polynomial.Polynomial(c) for c in zip(p, v, u / 2, strict=True)]
     expected = np.array([[path.deriv(k)(time - tick) for path in paths] for k in range(3)])
     for first, end in ((0, 3), (0, 1), (1, 3)):
-        now = evaluate(found, time, first, end).reshape(3, -1)
+        now = evaluate(vector, time, first, end).reshape(3, -1)
         np.testing.assert_allclose(now, expected[:, first:end], atol=1e-13)
-    np.testing.assert_allclose(advanced(found, time), [*expected[:2].ravel(), time], atol=1e-13)
+
+
+def test_segment_round_trip():
+    vector = np.arange(float(Segment.size(4)))
+    segment = split_segment(vector)
+    assert Segment.axes(len(vector)) == len(segment.position) == 4
+    np.testing.assert_array_equal(segment.to_vector(), vector)
 
 
 @given(command_sequences())
-def test_limits_hold_whatever_is_commanded(commands):
+def test_limits_hold_for_any_command(commands):
     assert_within_limits(np.zeros(3), np.zeros(3), commands)
 
 
 @given(command_sequences(), st.floats(0, 1), st.floats(0, 1), st.sampled_from([1, -1]))
-def test_limits_hold_from_any_state_that_can_stop(commands, speed, share, side):
+def test_limits_hold_from_any_state_that_can_stop(commands, speed, fraction, side):
     """Started between the middle and the last point from which it can stop, either way."""
     end = np.array([1e3, *(LIMITS.upper if side > 0 else -LIMITS.lower)[1:]])
     # The stop begins with up to one tick at full speed.
     a = LIMITS.acceleration
     v = speed * np.minimum(LIMITS.velocity, a * (np.sqrt(DT**2 + 2 * end / a) - DT))
-    p = share * (end - v * DT - v**2 / (2 * a))
+    p = fraction * (end - v * DT - v**2 / (2 * a))
     assert_within_limits(side * p, side * v, commands)
 
 
 @given(st.integers(0, 2**32))
-def test_what_needs_no_limiting_passes_unchanged(seed):
+def test_commands_within_limits_pass_unchanged(seed):
     """Far from every limit the command is the acceleration, to the last bit."""
     rng = np.random.default_rng(seed)
     p = rng.uniform(-0.05, 0.05, 3)
@@ -104,13 +108,13 @@ def test_what_needs_no_limiting_passes_unchanged(seed):
     np.testing.assert_array_equal(admissible(LIMITS, p, v, u, DT), u)
 
 
-def test_what_is_not_a_number_stays_visible():
+def test_nan_stays_nan():
     u = admissible(LIMITS, np.zeros(3), np.zeros(3), np.array([np.nan, 99.0, 0.0]), DT)
     np.testing.assert_array_equal(u, [np.nan, 15.0, 0.0])
 
 
-def test_braking_reaches_rest_as_fast_as_it_can():
-    """Asked for rest within a tick, it gives what the acceleration limit lets it."""
+def test_braking_uses_the_whole_acceleration_limit():
+    """Commanded to rest within one tick."""
     p, v = np.array([0.0, 1.5, 0.0]), np.array([1.0, -3.0, 0.001])
     for _ in range(int(np.ceil(np.max(np.abs(v) / LIMITS.acceleration) / DT))):
         u = admissible(LIMITS, p, v, -v / DT, DT)
@@ -122,7 +126,7 @@ def test_braking_reaches_rest_as_fast_as_it_can():
     np.testing.assert_allclose(v, 0, atol=1e-12)
 
 
-def test_pushed_against_a_limit_it_comes_to_rest_there():
+def test_it_comes_to_rest_at_a_position_limit():
     p, v, last = np.zeros(3), np.zeros(3), np.full(3, np.nan)
     for _ in range(TICKS):
         last = admissible(LIMITS, p, v, LIMITS.acceleration, DT)
