@@ -1,1 +1,1 @@
-"""Errors, files, processes, interrupts and compiled code, independent of scenarios."""
+"""Errors, files, processes, interrupts, timing and compiled code, independent of scenarios."""
