@@ -5,7 +5,7 @@ import sys
 
 
 def main(*options: str) -> None:
-    """Starts both processes with a scenario and the options `--set` and `--lcm`; default: clover."""
+    """Starts both processes with a scenario and options `--set` and `--lcm`; default: clover."""
     options = options or ("clover", "--lcm", "udpm://239.255.76.67:7667?ttl=0")
     aerodrake = (sys.executable, "-m", "aerodrake")
     coordinator = subprocess.Popen([*aerodrake, "coordinator", *options, "--quiet"])

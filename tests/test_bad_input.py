@@ -1,4 +1,4 @@
-"""Bad input to the commands: exit code 2, one line that names it, and nothing left behind."""
+"""Bad input to the commands: exit code 2, one line that names it, and no files."""
 
 import os
 import pickle
@@ -20,7 +20,7 @@ WEAK = (
         'lower="-1.57079632" upper="2.61799387" effort="0.1"',
     )
 )
-"""A robot whose shoulder cannot hold its arm."""
+"""A robot whose shoulder is too weak for its arm."""
 
 CONTENT = {
     "good.yaml": "duration: 0.1\n",
@@ -244,13 +244,16 @@ def content(tmp_path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("argv", "said"),
+    ("argv", "expected"),
     [
-        *(pytest.param(["run", *argv], said, id=name) for name, (argv, *said) in RUNS.items()),
-        *(pytest.param(argv, said, id=name) for name, (argv, *said) in COMMANDS.items()),
+        *(
+            pytest.param(["run", *argv], expected, id=name)
+            for name, (argv, *expected) in RUNS.items()
+        ),
+        *(pytest.param(argv, expected, id=name) for name, (argv, *expected) in COMMANDS.items()),
     ],
 )
-def test_bad_input_is_answered_in_one_line(content, monkeypatch, capfd, argv, said):
+def test_bad_input_prints_one_line_and_writes_nothing(content, monkeypatch, capfd, argv, expected):
     monkeypatch.chdir(content)
     try:
         code = main(argv)
@@ -260,15 +263,15 @@ def test_bad_input_is_answered_in_one_line(content, monkeypatch, capfd, argv, sa
     assert code == 2
     assert err.startswith("aerodrake") and err.endswith("\n")
     assert len(err.splitlines()) == 1 and "Traceback" not in err and "[Errno" not in err
-    for part in said:
+    for part in expected:
         assert part in err
     assert set(os.listdir()) == {*CONTENT, "folder"}
 
 
 @pytest.mark.parametrize("last", [[], ["--duration", "5"], ["--seed", "1"]])
-def test_contradictions_are_not_blamed_on_what_was_typed_last(last, capsys):
-    contradiction = set_("flight.interface=position", "model.kind=velocity_aware")
-    assert main(["run", *contradiction, *last]) == 2
+def test_an_inconsistency_does_not_name_the_last_option(last, capsys):
+    inconsistent = set_("flight.interface=position", "model.kind=velocity_aware")
+    assert main(["run", *inconsistent, *last]) == 2
     err = capsys.readouterr().err
     assert "model.kind: velocity_aware" in err
     assert not any(err.startswith(f"aerodrake: {option}:") for option in ("--duration", "--seed"))

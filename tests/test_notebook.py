@@ -1,4 +1,4 @@
-"""The notebook runs from top to bottom, and finds what it says."""
+"""The notebook runs, and its saved output is up to date."""
 
 import re
 import shutil
@@ -13,7 +13,7 @@ DIAGRAMS = Path(__file__).parents[1] / "diagrams"
 
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory) -> str:
-    """What its cells print, run in a copy of its folder."""
+    """Output of all cells, run in a copy of the folder."""
     folder = tmp_path_factory.mktemp("notebook") / "diagrams"
     shutil.copytree(DIAGRAMS, folder)
     notebook = nbformat.read(folder / "bring_your_own.ipynb", as_version=4)
@@ -25,14 +25,14 @@ def printed(tmp_path_factory) -> str:
     return "".join(output.get("text", "") for output in outputs)
 
 
-def test_flights_and_systems_are_what_it_says(printed):
+def test_flights_and_systems(printed):
     assert re.search(r"^completed 0\.0\d\d mm$", printed, re.MULTILINE)
     assert "6 rotors" in printed and "adjustment gamma" in printed
     without, own = map(float, re.findall(r"([\d.]+) mm$", printed, re.MULTILINE)[1:])
     assert own < 0.8 * without
 
 
-def test_it_is_shown_with_what_it_prints(printed):
+def test_the_saved_output_is_up_to_date(printed):
     notebook = nbformat.read(DIAGRAMS / "bring_your_own.ipynb", as_version=4)
-    shown = [output for cell in notebook.cells for output in cell.get("outputs", ())]
-    assert "".join(output.get("text", "") for output in shown) == printed
+    saved = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+    assert "".join(output.get("text", "") for output in saved) == printed

@@ -1,1 +1,1 @@
-"""Benchmarks: MPC tick, closed loop, scaling."""
+"""Benchmarks of the MPC tick, the closed loop, scaling, memory and start-up."""

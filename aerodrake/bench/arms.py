@@ -1,4 +1,4 @@
-"""The scenario's robot with other numbers of joints."""
+"""Variants of a robot with other numbers of joints."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from aerodrake.scenario import Scenario
 from aerodrake.support.files import locate
 
 LIGHT = "1e-6"
-"""kg m^2, inertia of links between repeated joints, of 5 g."""
+"""kg m^2, inertia of the 5 g links between repeated joints."""
 
 
 def with_joints(scenario: Scenario, joints: int, robot: Path) -> Scenario:
-    """The scenario with an arm of another number of joints, whose file this writes.
+    """Returns the scenario with an arm of another number of joints, and writes its URDF.
 
-    Fewer: those at the tip are fixed as in the working configuration. More: the last
-    joint is repeated in its own place, at right angles to the one before. Both leave the
-    end-effector where it is there.
+    With fewer joints, those at the tip are fixed at their working angles. With more, the last
+    joint is repeated at the same position, with its axis perpendicular to the one before. The
+    working position of the end-effector is unchanged.
 
     Args:
-        scenario: Whose robot is changed.
-        joints: 1 or more.
-        robot: Where the URDF goes.
+        scenario: Gives the robot.
+        joints: Number of joints, 1 or more.
+        robot: Path of the new URDF.
     """
     ElementTree.register_namespace("drake", "https://drake.mit.edu")
     tree = ElementTree.parse(locate(scenario.vehicle.robot))
@@ -48,7 +48,7 @@ def with_joints(scenario: Scenario, joints: int, robot: Path) -> Scenario:
 
 
 def _fix(joint: Element, angle: float) -> None:
-    """Makes a joint about one of its axes a rigid one, at an angle in rad."""
+    """Turns a revolute joint into a fixed one at an angle in rad."""
     axis = np.array(joint.find("axis").get("xyz").split(), dtype=float)
     joint.find("origin").set("rpy", " ".join(map(str, angle * axis)))
     joint.set("type", "fixed")
@@ -59,7 +59,7 @@ def _fix(joint: Element, angle: float) -> None:
 def _repeat(
     root: Element, last: Element, transmission: Element, name: str
 ) -> tuple[Element, Element]:
-    """Puts a light link and a joint between the last joint and its link."""
+    """Inserts a light link and a joint before the last link; returns joint and transmission."""
     between = f"{name}_link"
     inertial = ElementTree.SubElement(
         ElementTree.SubElement(root, "link", name=between), "inertial"

@@ -1,4 +1,4 @@
-"""The physics alone: what a closed loop is compared with in cost."""
+"""Plant without controllers, the reference for the cost of the closed loop."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ WIRING = Wiring(
 
 
 def make_bare_plant(scenario: Scenario) -> Diagram:
-    """The station's plant, scene graph, propellers and rotors, at the constant input of trim.
+    """Makes a diagram of plant, scene graph, propellers and rotors at the constant trim input.
 
-    Nothing in it is Python, and nothing holds the vehicle: it drifts off slowly, as
-    rounding has it. Outputs: `thrust` (k) N, `true_state` (13 + 2 n), `query_object`.
+    It has no Python systems and no controllers: the vehicle drifts slowly by rounding
+    errors. Outputs: `thrust` (k) N, `true_state` (13 + 2 n), `query_object`.
     """
     vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()

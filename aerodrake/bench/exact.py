@@ -1,4 +1,4 @@
-"""The exact minimiser of a condensed program, slowly, and the proof of it."""
+"""Exact minimiser of a condensed program, with its optimality residual."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 
 REFINEMENTS = 3
-"""Steps of iterative refinement of the equalities."""
+"""Number of iterative refinement steps of the equalities."""
 
 
 @dataclass(frozen=True)
@@ -18,26 +18,26 @@ class Optimum:
 
     Attributes:
         z: (nz,).
-        residual: Its largest violation of the conditions of optimality: of bounds, of
-            stationarity (by the mean diagonal of H), and of the multipliers' signs.
-        is_bounded: Whether a bound is active.
+        residual: Largest violation of the optimality conditions: bounds, stationarity
+            (relative to the mean diagonal of H), and signs of the multipliers.
+        is_constrained: True if a constraint is active.
     """
 
     z: np.ndarray
     residual: float
-    is_bounded: bool
+    is_constrained: bool
 
 
 def exact_minimiser(
     H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray, A: np.ndarray
 ) -> Optimum:
-    """The z with min z' H z / 2 + g' z, |z| <= 1 and lower <= A z <= upper.
+    """Returns z of min z' H z / 2 + g' z subject to |z| <= 1 and lower <= A z <= upper.
 
-    With H = L L' and y = L' z + L^-1 g this is the least |y| with G y <= h, solved
+    With H = L L' and y = L' z + L^-1 g this is the least |y| subject to G y <= h, solved
     as nonnegative least squares (Lawson and Hanson, Solving Least Squares Problems,
-    1974, chapter 23): of the multipliers u >= 0 and [G'; h'] u + [0; 1]. The bounds with
-    a multiplier are then met as equalities, with iterative refinement. It shares
-    nothing with the solvers that it judges.
+    1974, chapter 23): min |[G'; h'] u + [0; 1]| over the multipliers u >= 0. The active
+    constraints are then solved as equalities, with iterative refinement. The algorithm is
+    independent of the solvers that it is compared with.
 
     Args:
         H: (nz, nz), symmetric and positive definite.
@@ -46,7 +46,7 @@ def exact_minimiser(
         A: (rows, nz).
 
     Raises:
-        ValueError: if no z is within the bounds.
+        ValueError: if the program is infeasible.
     """
     identity = np.eye(len(g))
     rows = np.vstack([identity, A, -identity, -A])
@@ -57,14 +57,14 @@ def exact_minimiser(
     H, g = H / scale, g / scale
     h = bound - rows @ np.linalg.solve(H, -g)
     active = np.zeros(len(h), dtype=bool)
-    if (h < 0).any():  # Otherwise y = 0, the unconstrained minimiser, is within them.
+    if (h < 0).any():  # Otherwise y = 0, the unconstrained minimiser, is feasible.
         G = solve_triangular(np.linalg.cholesky(H), rows.T, lower=True).T
         target = np.append(np.zeros(len(g)), -1.0)
         u, distance = nnls(np.vstack([-G.T, h]), target, maxiter=50 * len(h))
         if distance < 1e-9:
-            raise ValueError("no z is within the bounds")
+            raise ValueError("infeasible: no z is within the bounds")
         active = u > 0
-    z, multipliers = _meet(H, g, rows[active], bound[active])
+    z, multipliers = _solve_equalities(H, g, rows[active], bound[active])
     stationarity = H @ z + g + rows[active].T @ multipliers
     residual = max(
         np.abs(stationarity).max(),
@@ -75,16 +75,16 @@ def exact_minimiser(
     return Optimum(z, float(residual), bool(active.any()))
 
 
-def _meet(
+def _solve_equalities(
     H: np.ndarray, g: np.ndarray, rows: np.ndarray, bound: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(z, multipliers) of the least z' H z / 2 + g' z with rows z = bound."""
+    """Returns z and the multipliers of min z' H z / 2 + g' z subject to rows z = bound."""
     n, m = len(g), len(bound)
     K = np.block([[H, rows.T], [rows, np.zeros((m, m))]])
     right = np.concatenate([-g, bound])
     solution = np.zeros(n + m)
     for _ in range(REFINEMENTS):
-        # Least squares: rows that others imply leave multipliers free.
+        # Least squares, since multipliers of linearly dependent rows are not unique.
         solution += (
             np.linalg.lstsq(K, right - K @ solution, rcond=1e-13)[0]
             if m

@@ -1,4 +1,4 @@
-"""What the closed loop costs beside its physics, and where that goes."""
+"""Cost of the closed loop relative to its plant, and cost of each system."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ MPC = "mpc"
 
 @dataclass(frozen=True)
 class Cost:
-    """Of simulating one diagram for some time.
+    """Cost of one simulation.
 
     Attributes:
-        wall_s: By the clock.
-        cpu_s: Of this process.
+        wall_s: Wall time.
+        cpu_s: CPU time of this process.
     """
 
     wall_s: float
@@ -41,31 +41,31 @@ class Cost:
 def loop_figures(
     simulated_s: float, repeats: int, progress: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Simulates the bare plant, the closed loop and the whole flight in turn.
+    """Simulates the bare plant, the closed loop and the whole flight alternately.
 
     Keys:
-        closed_loop_over_plant: Least wall time of the closed loop by that of the bare
-            plant; `closed_loop_over_plant_cpu` the same of processor time.
-        real_time_factor: Of the whole flight, with monitor and logs.
-        loop: ms of wall time a simulated second, of `plant`, `closed_loop` and
-            `flight`; the share that monitor and logs have of the flight; `systems`, each
-            Python system's, by the file that holds it, as measured by a stopwatch around
-            all its callbacks in simulations of their own, the MPC's in two parts; and
-            `framework`, what is left of these beside the bare plant: events, caches,
-            ports, the stopwatch, and systems in C++ that the plant alone does not have.
-        mpc_overhead_ms: Of one tick: its event beside forming and solving.
+        closed_loop_over_plant: Ratio of the least wall times of closed loop and bare plant;
+            `closed_loop_over_plant_cpu` is the same for CPU time.
+        real_time_factor: That of the whole flight, with monitor and logs.
+        loop: Wall time in ms per simulated second of `plant`, `closed_loop` and `flight`;
+            fraction of monitor and logs in the flight; `systems`, the time of each Python
+            system by its module, measured by a stopwatch around all its callbacks in
+            separate simulations, with the MPC in two parts; and `framework`, the rest of
+            these beyond the bare plant: events, caches, ports, the stopwatch, and C++
+            systems that the bare plant does not have.
+        mpc_overhead_ms: Time of one tick's event without forming and solving.
 
     Args:
-        simulated_s: Of each simulation.
-        repeats: Of each, in turn.
-        progress: Called with each step's name as it begins.
+        simulated_s: Duration of each simulation.
+        repeats: Number of simulations of each.
+        progress: Called with the name of each step at its start.
     """
     progress("closed loop beside bare plant")
     scenario = replace(load_scenario(SCENARIO), duration=simulated_s, settle_s=0.0)
     plant, closed_loop, flight = (
         make_bare_plant(scenario), make_closed_loop(scenario), FlightSimulation(scenario)
     )  # fmt: skip
-    flight.fly()  # What compiles, compiles here.
+    flight.fly()  # Compiles the equations.
     plants, loops, flights = [], [], []
     for _ in range(repeats):
         plants.append(_cost(plant, scenario))
@@ -93,7 +93,7 @@ def loop_figures(
 
 
 def _cost(diagram: Diagram, scenario: Scenario) -> Cost:
-    """Of simulating it from trim."""
+    """Returns the cost of a simulation from trim."""
     simulator = Simulator(diagram, make_context(diagram, scenario.seed))
     simulator.Initialize()
     with single_thread():
@@ -103,9 +103,11 @@ def _cost(diagram: Diagram, scenario: Scenario) -> Cost:
 
 
 def _by_system(scenario: Scenario, repeats: int) -> tuple[dict[str, float], float, float]:
-    """(ms a simulated second by system, the largest first; of the whole; ms of overhead a tick).
+    """Measures the time of each system in the fastest of the repeats.
 
-    All of the fastest of the repeats.
+    Returns:
+        ms per simulated second by system, the largest first; of the whole simulation; and
+        the MPC's overhead in ms per tick.
     """
     with timed_systems() as seconds:
         closed_loop = make_closed_loop(scenario)

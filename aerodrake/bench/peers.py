@@ -1,10 +1,9 @@
-"""Solvers from PyPI that the MPC's is measured against, each as it is fastest.
+"""Solvers from PyPI for comparison with the MPC's solver.
 
-Every one gets the same program in the same scaling: |z| <= 1, the rows of A of unit norm.
-What it does with it counts as its time: screening out the rows that no z in the box can
-violate, scaling the cost, updating and solving. The settings are the fastest
-of those tried that bring u_0 to within 1e-3 m/s^2 and rad/s^2 of the optimum on recorded
-ticks.
+All get the same programs in the same scaling: |z| <= 1, the rows of A of unit norm. Their
+times include removing redundant constraints, scaling the cost, updating and solving. The
+settings are the fastest of those tried that bring u_0 to within 1e-3 m/s^2 and rad/s^2 of
+the optimum on recorded ticks.
 """
 
 from __future__ import annotations
@@ -18,11 +17,11 @@ from scipy import sparse
 
 
 class Peer(ABC):
-    """A solver of the programs that share A (rows, nz).
+    """A solver of programs with a common A (rows, nz).
 
     Attributes:
-        package: What it is called at PyPI.
-        settings: All that is not its default, in words.
+        package: Name at PyPI.
+        settings: Description of all settings that are not defaults.
     """
 
     package: ClassVar[str]
@@ -37,13 +36,13 @@ class Peer(ABC):
 
     @abstractmethod
     def _set_up(self) -> None:
-        """Does what can be done before the first program."""
+        """Sets up the solver before the first program."""
 
     @abstractmethod
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        """(nz,), the minimiser, or its best guess.
+        """Returns the minimiser (nz,), or the last iterate.
 
         Args:
             H: (nz, nz), symmetric and positive definite.
@@ -51,19 +50,19 @@ class Peer(ABC):
             lower, upper: (rows,), infinite where there is no bound.
         """
 
-    def _screened(
+    def _without_redundant(
         self, lower: np.ndarray, upper: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The bounds, infinite where out of reach, and (rows,) which rows have one that is not."""
+        """Returns the bounds, infinite for redundant constraints, and which rows remain (rows,)."""
         above, below = upper < self._reach, lower > -self._reach
         return np.where(below, lower, -np.inf), np.where(above, upper, np.inf), above | below
 
 
 class Daqp(Peer):
-    """Dual active set; its own shortcut tells the unconstrained minimiser."""
+    """Dual active-set method; it returns the unconstrained minimiser at once if feasible."""
 
     package = "daqp"
-    settings = "daqp.solve of the live rows, dual_start with the last multipliers if any"
+    settings = "daqp.solve without redundant rows, dual_start with the last multipliers if any"
 
     def _set_up(self) -> None:
         self._dual = np.zeros(sum(self.A.shape))
@@ -71,21 +70,21 @@ class Daqp(Peer):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        # With finite bounds: a start at an infinite one gives nan.
-        _, _, live = self._screened(lower, upper)
-        kept = np.concatenate([np.ones(len(g), dtype=bool), live])
-        # A start without active bounds is no start, and costs time.
-        start = self._dual[kept] if self._dual.any() else None
+        # The bounds stay finite: dual_start with an infinite one gives NaN.
+        _, _, needed = self._without_redundant(lower, upper)
+        remaining = np.concatenate([np.ones(len(g), dtype=bool), needed])
+        # dual_start without active constraints only costs time.
+        start = self._dual[remaining] if self._dual.any() else None
         z, _, _, info = self._library.solve(
             H,
             g,
-            self.A[live],
-            np.concatenate([self._one, upper[live]]),
-            np.concatenate([-self._one, lower[live]]),
+            self.A[needed],
+            np.concatenate([self._one, upper[needed]]),
+            np.concatenate([-self._one, lower[needed]]),
             dual_start=start,
         )
         self._dual[:] = 0
-        self._dual[kept] = info["lam"]
+        self._dual[remaining] = info["lam"]
         return z
 
 
@@ -94,7 +93,7 @@ class Piqp(Peer):
 
     package = "piqp"
     settings = (
-        "DenseSolver, the live rows, update while they are the same ones, cost by its mean "
+        "DenseSolver, without redundant rows, update while these are the same, cost by its mean "
         "diagonal, preconditioner_iter 0, all eps 1e-9"
     )
 
@@ -109,12 +108,12 @@ class Piqp(Peer):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        lower, upper, live = self._screened(lower, upper)
-        scale, low, high = 1 / np.diag(H).mean(), lower[live], upper[live]
-        if np.array_equal(live, self._rows):
+        lower, upper, needed = self._without_redundant(lower, upper)
+        scale, low, high = 1 / np.diag(H).mean(), lower[needed], upper[needed]
+        if np.array_equal(needed, self._rows):
             self._solver.update(P=H * scale, c=g * scale, h_l=low, h_u=high)
         else:
-            self._rows, A = live, self.A[live]
+            self._rows, A = needed, self.A[needed]
             one = self._one
             self._solver.setup(H * scale, g * scale, None, None, A, low, high, -one, one)
         self._solver.solve()
@@ -141,7 +140,7 @@ class ProxQp(Peer):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        lower, upper, _ = self._screened(lower, upper)
+        lower, upper, _ = self._without_redundant(lower, upper)
         scale = 1 / np.diag(H).mean()
         program: dict[str, Any] = {
             "H": H * scale,
@@ -163,7 +162,7 @@ class ProxQp(Peer):
 
 
 class Sparse(Peer):
-    """What the two sparse solvers have in common."""
+    """Base class of the two sparse solvers."""
 
     def _set_up(self) -> None:
         nz = self.A.shape[1]
@@ -173,7 +172,7 @@ class Sparse(Peer):
         self._solver: Any = None
 
     def _cost(self, H: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The upper triangle of H by columns, and g, both by H's mean diagonal."""
+        """Returns the upper triangle of H by columns, and g, both over the mean diagonal of H."""
         scale = 1 / np.diag(H).mean()
         return scale * H.ravel()[self._entries], scale * g
 
@@ -184,7 +183,7 @@ class Sparse(Peer):
 
 
 class Osqp(Sparse):
-    """Operator splitting: the library that the MPC falls back on, without Drake around it."""
+    """Operator splitting: the MPC's fallback solver, called without Drake."""
 
     package = "osqp"
     settings = (
@@ -196,7 +195,7 @@ class Osqp(Sparse):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        lower, upper, _ = self._screened(lower, upper)
+        lower, upper, _ = self._without_redundant(lower, upper)
         entries, g = self._cost(H, g)
         low, high = np.concatenate([-self._one, lower]), np.concatenate([self._one, upper])
         if self._solver is None:
@@ -223,11 +222,11 @@ class Osqp(Sparse):
 
 
 class Clarabel(Sparse):
-    """Interior point; it has no warm start, only its workspace stays."""
+    """Interior point, without warm start; its workspace is reused."""
 
     package = "clarabel"
     settings = (
-        "the live rows, update while they are the same ones, cost by its mean diagonal, "
+        "without redundant rows, update while these are the same, cost by its mean diagonal, "
         "no equilibration, no iterative refinement, no presolve, tol_gap 1e-9"
     )
 
@@ -238,7 +237,7 @@ class Clarabel(Sparse):
     def solve(
         self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
-        lower, upper, _ = self._screened(lower, upper)
+        lower, upper, _ = self._without_redundant(lower, upper)
         entries, g = self._cost(H, g)
         bounds = np.concatenate([upper, -lower])
         finite = np.isfinite(bounds)

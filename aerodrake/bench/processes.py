@@ -1,4 +1,4 @@
-"""What whole commands cost: start-up and memory, each in a process of its own."""
+"""Start-up time and memory of whole commands, each in a separate process."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ print(json.dumps([code, wall, peak * (1 if sys.platform == "darwin" else 1024)])
 """
 """Runs a command and prints [exit code, wall time in s, peak resident memory in bytes].
 
-A process of its own, and a small one: a command's peak is at least that of what starts it.
+It is a small separate process, since a command inherits the peak memory of its parent.
 """
 
 MEGABYTE = 1e6
-"""Bytes."""
+"""Bytes per megabyte."""
 
 
 @dataclass(frozen=True)
 class ProcessCost:
-    """Of one command.
+    """Cost of one command.
 
     Attributes:
-        wall_s: From start to end.
-        peak_rss_mb: 1e6 bytes, resident at most.
+        wall_s: Wall time.
+        peak_rss_mb: Peak resident memory in 1e6 bytes.
     """
 
     wall_s: float
@@ -44,10 +44,10 @@ class ProcessCost:
 
 
 def run_command(*arguments: str) -> ProcessCost:
-    """Runs `aerodrake ARGUMENTS` in a process of its own.
+    """Runs `aerodrake ARGUMENTS` in a separate process.
 
     Raises:
-        RuntimeError: if it fails.
+        RuntimeError: if the command fails.
     """
     command = [sys.executable, "-m", "aerodrake", *arguments]
     launcher = [sys.executable, "-c", LAUNCHER, *command]
@@ -61,18 +61,18 @@ def run_command(*arguments: str) -> ProcessCost:
 def process_figures(
     clover_s: float, hover_s: float, repeats: int, progress: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Starts commands as a person does.
+    """Measures commands of the command line.
 
     Keys:
-        startup: wall time in s of `--help` and of `run hover --duration 1`, the least.
-        peak_rss_mb: of `run clover`, with all it writes.
-        rss_growth_mb: by how much a long hover's peak exceeds that of 1 s.
-        memory: what these are made of.
+        startup: Least wall time in s of `--help` and of `run hover --duration 1`.
+        peak_rss_mb: Peak memory of `run clover`, with all outputs.
+        rss_growth_mb: Difference of the peak memory of a long hover and one of 1 s.
+        memory: Durations and peaks behind these numbers.
 
     Args:
         clover_s, hover_s: Reference time of the clover and of the long hover.
-        repeats: Of the start-ups.
-        progress: Called with each step's name as it begins.
+        repeats: Number of starts.
+        progress: Called with the name of each step at its start.
     """
 
     def flown(scenario: str, duration_s: float) -> ProcessCost:

@@ -1,4 +1,4 @@
-"""What a person sees of a bench: the table and the figure."""
+"""Table and figure of a benchmark."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 
 from aerodrake.bench.peers import PEERS
 from aerodrake.bench.scaling import FITTED_FROM, PEER
-from aerodrake.bench.solvers import BOUNDED, SCENARIOS, installed_peers
+from aerodrake.bench.solvers import CONSTRAINED, SCENARIOS, installed_peers
 from aerodrake.reports.figures import ACCENT, REFERENCE, STYLE
 
 FILES = ("bench.json", "bench.png")
-"""What a bench leaves behind."""
+"""Files that a benchmark writes."""
 
 WIDTHS = (18, 9, 9, 9, 9, 9, 9, 12, 8, 8)
 
@@ -25,16 +25,16 @@ Figures = Mapping[str, Any]
 
 
 def missing_peers() -> list[str]:
-    """One line for each solver that is not installed."""
+    """Returns one line for each solver that is not installed."""
     return [
-        f"{name} is left out, for it is not installed: pip install aerodrake[bench]"
+        f"{name} is skipped, since it is not installed: pip install aerodrake[bench]"
         for name in PEERS
         if name not in installed_peers()
     ]
 
 
 def bench_table(figures: Figures) -> str:
-    """All figures, in text."""
+    """Returns all figures as text."""
     return "\n\n".join(
         [_solvers(figures), _settings(figures), _scaling(figures), _loop(figures), _whole(figures)]
     )
@@ -43,21 +43,21 @@ def bench_table(figures: Figures) -> str:
 def _solvers(figures: Figures) -> str:
     tick, peers = figures["tick"], figures["peers"]
     rows = [
-        ("", "median", "p99", "worst", "solving", "bounded", "p99", "u_0 error", "ours/", "p99"),
-        ("solver", "ms", "ms", "ms", "ms", "ms", "ms", "m, rad/s^2", "theirs", "too"),
+        ("", "median", "p99", "worst", "solving", "constr.", "p99", "u_0 error", "ours/", "p99"),
+        ("solver", "ms", "ms", "ms", "ms", "ms", "ms", "m, rad/s^2", "theirs", "ratio"),
         _solver("aerodrake", tick),
         *(_solver(f"{n} {p['version'] or ''}", p) for n, p in peers.items()),
     ]  # fmt: skip
-    shares = [f"{100 * s:.2f} % {n}" for n, s in tick["status_shares"].items() if s]
+    statuses = [f"{100 * s:.2f} % {n}" for n, s in tick["status_shares"].items() if s]
     forming, overhead = tick["forming_median_ms"], tick["overhead_ms"]
     return "\n".join(
         [
             f"MPC tick over {tick['ticks']} ticks of {', '.join(SCENARIOS)}: forming and solving",
             *map(_line, rows),
-            f"answers: {', '.join(shares)}; forming {forming:.3f} ms of each median; "
+            f"status: {', '.join(statuses)}; forming {forming:.3f} ms of each median; "
             f"system overhead {overhead:.3f} ms",
-            f"bounded: {tick['bounded']['ticks']} ticks of these and of {BOUNDED} with an active "
-            "bound",
+            f"constrained: {tick['bounded']['ticks']} ticks of these and of {CONSTRAINED} with an "
+            "active constraint",
         ]
     )
 
@@ -65,11 +65,11 @@ def _solvers(figures: Figures) -> str:
 def _solver(name: str, figures: Figures) -> list[str]:
     if figures["median_ms"] is None:
         return [name, "not installed"]
-    bounded = figures["bounded"]
+    constrained = figures["bounded"]
     return [
         name,
         *(_number(figures[f"{key}_ms"]) for key in ("median", "p99", "worst", "solving_median")),
-        *(_number(bounded[f"{key}_ms"]) for key in ("median", "p99")),
+        *(_number(constrained[f"{key}_ms"]) for key in ("median", "p99")),
         f"{figures['u0_error_max']:.1e}",
         *(_number(figures.get(f"{key}_ratio"), 2) for key in ("median", "p99")),
     ]
@@ -108,11 +108,11 @@ def _loop(figures: Figures) -> str:
             f"closed loop over bare plant: {figures['closed_loop_over_plant']:.2f}; "
             f"a flight at {figures['real_time_factor']:.1f} x real time; "
             f"monitor and logs {100 * loop['monitor_and_log_share']:.1f} % of it",
-            "ms of wall time a simulated second",
+            "ms of wall time per simulated second",
             _entry("bare plant", loop["plant_ms_per_s"]),
             _entry("closed loop", loop["closed_loop_ms_per_s"]),
             _entry("flight", loop["flight_ms_per_s"]),
-            "where the closed loop's goes, by a stopwatch around each Python system",
+            "parts of the closed loop, by a stopwatch around each Python system",
             *(_entry(name, ms) for name, ms in loop["systems_ms_per_s"].items()),
             _entry("framework", loop["framework_ms_per_s"]),
         ]
@@ -132,11 +132,11 @@ def _whole(figures: Figures) -> str:
 
 
 def plot_bench(figures: Figures, path: Path) -> None:
-    """Writes the figure: the tick beside its peers, by horizon and joints, and the loop's parts.
+    """Writes a figure of the tick times by solver, horizon and joints, and of the loop's parts.
 
     Args:
-        figures: As from `bench`.
-        path: A PNG.
+        figures: Result of `bench`.
+        path: Path of the PNG.
     """
     with rc_context(STYLE):
         figure = Figure(figsize=(14, 8.5), layout="constrained")
@@ -195,8 +195,8 @@ def _draw_loop(axes: Axes, loop: Figures) -> None:
     axes.barh(range(len(parts)), list(parts.values()), 0.7, color=colors)
     axes.set_yticks(range(len(parts)), list(parts))
     axes.invert_yaxis()
-    axes.set_title("closed loop, part by part", fontsize=10, loc="left")
-    axes.set_xlabel("ms a simulated second")
+    axes.set_title("parts of the closed loop", fontsize=10, loc="left")
+    axes.set_xlabel("ms per simulated second")
 
 
 def _draw_joints(axes: Axes, scaling: Figures) -> None:

@@ -1,4 +1,4 @@
-"""How the MPC's tick grows with the horizon and with the joints of the arm."""
+"""Scaling of the MPC tick with the horizon and the number of joints."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ from aerodrake.scenario.load import load_scenario
 SCENARIO = "clover"
 HORIZONS = (5, 10, 15, 20, 30, 40, 60)
 FITTED_FROM = 15
-"""The exponent is that of the horizons from here on."""
+"""Shortest horizon in the fit of the exponent."""
 JOINTS = tuple(range(3, 10))
 PEER = "daqp"
-"""Solves the same ticks where it is installed, and clears the caches as a flight would."""
+"""Solver that also solves the ticks, if it is installed; it evicts caches as a flight does."""
 
 
 def scaling_figures(flown_s: float, passes: int, progress: Callable[[str], None]) -> dict[str, Any]:
-    """Flies clovers of other horizons and arms, and replays their ticks.
+    """Flies clovers with other horizons and arms, and replays their ticks.
 
-    The stages keep their shape: a horizon of N stages lasts N / N_0 times the
-    scenario's own.
+    Stages are scaled alike: a horizon of N stages lasts N / N_0 times that of the scenario.
 
     Keys:
-        horizon: for each N its stages, the ticks they last, and the tick's times, and the peer's.
+        horizon: For each N the stages, their duration in ticks, and the tick times of the
+            MPC and the peer.
         horizon_exponent: p of the fit time ~ N^p to the medians from N = 15 on.
-        joints: for each number of joints the tick's times.
+        joints: For each number of joints the tick times.
 
     Args:
-        flown_s: Reference time of each flight; nothing is flown before.
-        passes: Through its ticks.
-        progress: Called with each step's name as it begins.
+        flown_s: Reference time of each flight, without hover before.
+        passes: Number of passes through the ticks.
+        progress: Called with the name of each step at its start.
     """
     scenario = replace(load_scenario(SCENARIO), duration=flown_s, settle_s=0.0)
     progress("horizons")

@@ -1,4 +1,4 @@
-"""The MPC's tick beside its peers: the same recorded ticks through every solver."""
+"""Comparison of the MPC's solver with others on the same recorded ticks."""
 
 from __future__ import annotations
 
@@ -21,52 +21,51 @@ from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.scenario.load import load_scenario
 
 SCENARIOS = ("clover", "clover_realistic", "moving_target")
-"""Whose ticks count."""
+"""Scenarios whose ticks are compared."""
 
-BOUNDED = "moving_target_paper"
-"""Whose ticks tell what active bounds cost, for those that count meet few. It stands apart."""
+CONSTRAINED = "moving_target_paper"
+"""Scenario with many ticks with active constraints, only for the times of such ticks."""
 
 
 @dataclass(frozen=True)
-class Judged:
-    """A replay of K ticks, judged.
+class Evaluation:
+    """A replay of K ticks, compared with the exact minimisers.
 
     Attributes:
-        replay: The clock's part.
+        replay: The replay, with its times.
         u0_error: By solver, (K,), largest |u_0 - u_0*| of all inputs, m/s^2 or rad/s^2.
-        is_bounded: (K,), whether a bound is active at the optimum.
-        residual: By how much the exact minimisers violate the conditions of optimality, as
-            `Optimum` has it.
+        is_constrained: (K,), True if a constraint is active at the optimum.
+        residual: Largest optimality residual of the exact minimisers, as in `Optimum`.
     """
 
     replay: Replay
     u0_error: Mapping[str, np.ndarray]
-    is_bounded: np.ndarray
+    is_constrained: np.ndarray
     residual: float
 
 
 def installed_peers() -> tuple[str, ...]:
-    """The names of those that can be imported."""
-    found = []
+    """Returns the names of the peers that can be imported."""
+    names = []
     for name, kind in PEERS.items():
         with suppress(ImportError):
             import_module(kind.package)
-            found.append(name)
-    return tuple(found)
+            names.append(name)
+    return tuple(names)
 
 
-def judge(recorded: RecordedTicks, replay: Replay) -> Judged:
-    """Compares what the solvers said with the exact minimisers."""
+def evaluate(recorded: RecordedTicks, replay: Replay) -> Evaluation:
+    """Compares the solutions of a replay with the exact minimisers."""
     formulation = recorded.formulation
     optima = [
         exact_minimiser(*program_arrays(formulation.form(tick)), formulation.A)
         for tick in recorded.inputs
     ]
     best = np.array([formulation.inputs(optimum.z)[0] for optimum in optima])
-    return Judged(
+    return Evaluation(
         replay,
         {name: np.abs(u_0 - best).max(axis=1) for name, u_0 in replay.u_0.items()},
-        np.array([optimum.is_bounded for optimum in optima]),
+        np.array([optimum.is_constrained for optimum in optima]),
         max(optimum.residual for optimum in optima),
     )
 
@@ -74,26 +73,26 @@ def judge(recorded: RecordedTicks, replay: Replay) -> Judged:
 def solver_figures(
     duration_s: float, settle_s: float, passes: int, progress: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Records the scenarios' ticks, solves them by every solver, and says what came of it.
+    """Records the ticks of the scenarios and solves them by all solvers.
 
     Keys:
-        tick: ms, of forming and solving by the solver that flies, over the ticks of
-            SCENARIOS: median, p99 and worst, forming and solving apart, `bounded` for
-            the ticks of these and of BOUNDED at whose optimum a bound is active; the
-            largest error of u_0 (m/s^2, rad/s^2) over all of them; how the answers
-            came about, as shares; and all that by scenario.
-        peers: the same for each peer, with forming; `median_ratio` and `p99_ratio`
-            are the tick's by the peer's. Null where one is not installed.
+        tick: Times in ms of forming and solving by the MPC's solver over the ticks of
+            SCENARIOS: median, p99 and worst, and the medians of both parts; `bounded` for the
+            ticks of these and of CONSTRAINED with an active constraint at the optimum;
+            the largest error of u_0 (m/s^2, rad/s^2) over all of them; fractions of the
+            statuses; and all of these by scenario.
+        peers: The same for each peer, with forming; `median_ratio` and `p99_ratio`
+            are those of the MPC over those of the peer. Null if a peer is not installed.
 
     Args:
-        duration_s: Reference time that is flown of each scenario, at most its own.
+        duration_s: Reference time flown of each scenario, at most its own duration.
         settle_s: Hover before it.
-        passes: Through the recorded ticks.
-        progress: Called with each step's name as it begins.
+        passes: Number of passes through the recorded ticks.
+        progress: Called with the name of each step at its start.
     """
     names = installed_peers()
-    judged: dict[str, Judged] = {}
-    for name in (*SCENARIOS, BOUNDED):
+    evaluations: dict[str, Evaluation] = {}
+    for name in (*SCENARIOS, CONSTRAINED):
         scenario = load_scenario(name)
         progress(f"flight of {name}")
         recorded = record_ticks(
@@ -101,16 +100,18 @@ def solver_figures(
         )
         progress(f"solvers on {name}")
         replay = replay_ticks(recorded, {n: PEERS[n] for n in names}, passes)
-        judged[name] = judge(recorded, replay)
-    tick = _figures(judged, OWN)
-    statuses = {name: j.replay.statuses for name, j in judged.items()}
-    tick["status_shares"] = _shares(s for name in SCENARIOS for s in statuses[name])
-    for name in judged:
-        tick["scenarios"][name]["status_shares"] = _shares(statuses[name])
-    tick["exact_residual_max"] = rounded(max(j.residual for j in judged.values()))
+        evaluations[name] = evaluate(recorded, replay)
+    tick = _figures(evaluations, OWN)
+    statuses = {name: e.replay.statuses for name, e in evaluations.items()}
+    tick["status_shares"] = _fractions(s for name in SCENARIOS for s in statuses[name])
+    for name in evaluations:
+        tick["scenarios"][name]["status_shares"] = _fractions(statuses[name])
+    tick["exact_residual_max"] = rounded(max(e.residual for e in evaluations.values()))
     peers = {}
     for name, kind in PEERS.items():
-        figures = _figures(judged, name) if name in names else {"median_ms": None, "p99_ms": None}
+        figures = (
+            _figures(evaluations, name) if name in names else {"median_ms": None, "p99_ms": None}
+        )
         for key in ("median", "p99"):
             theirs = figures[f"{key}_ms"]
             figures[f"{key}_ratio"] = rounded(tick[f"{key}_ms"] / theirs) if theirs else None
@@ -122,7 +123,7 @@ def solver_figures(
 
 
 def spread(times_ms: np.ndarray) -> dict[str, Any]:
-    """Median and 99th percentile of times_ms (K,) ms; null where there is no time."""
+    """Returns median and 99th percentile of times_ms (K,) ms; None without times."""
     if not len(times_ms):
         return {"ticks": 0, "median_ms": None, "p99_ms": None}
     return {
@@ -132,30 +133,31 @@ def spread(times_ms: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _figures(judged: Mapping[str, Judged], solver: str) -> dict[str, Any]:
-    """Of one solver, over the scenarios that count, and by scenario."""
-    counted = [judged[name] for name in SCENARIOS]
-    figures = _of(counted, solver)
-    bounded = [j.replay.tick_ms(solver)[j.is_bounded] for j in judged.values()]
-    figures["bounded"] = spread(np.concatenate(bounded))
-    figures["u0_error_max"] = max(_of([j], solver)["u0_error_max"] for j in judged.values())
-    figures["scenarios"] = {name: _of([j], solver) for name, j in judged.items()}
+def _figures(evaluations: Mapping[str, Evaluation], solver: str) -> dict[str, Any]:
+    """Returns the figures of one solver over SCENARIOS, and by scenario."""
+    figures = _pooled([evaluations[name] for name in SCENARIOS], solver)
+    by_scenario = {name: _pooled([e], solver) for name, e in evaluations.items()}
+    constrained = [e.replay.tick_ms(solver)[e.is_constrained] for e in evaluations.values()]
+    figures["bounded"] = spread(np.concatenate(constrained))
+    figures["u0_error_max"] = max(own["u0_error_max"] for own in by_scenario.values())
+    figures["scenarios"] = by_scenario
     return figures
 
 
-def _of(judged: list[Judged], solver: str) -> dict[str, Any]:
-    def pooled(times: Callable[[Judged], np.ndarray]) -> np.ndarray:
-        return np.concatenate([times(j) for j in judged])
-
+def _pooled(evaluations: list[Evaluation], solver: str) -> dict[str, Any]:
+    """Returns the figures of one solver over all ticks of some evaluations."""
+    tick_ms = np.concatenate([e.replay.tick_ms(solver) for e in evaluations])
+    forming_ms = np.concatenate([e.replay.forming_ms[solver] for e in evaluations])
+    solving_ms = np.concatenate([e.replay.solving_ms[solver] for e in evaluations])
     return {
-        **spread(pooled(lambda j: j.replay.tick_ms(solver))),
-        "worst_ms": rounded(pooled(lambda j: j.replay.tick_ms(solver)).max()),
-        "forming_median_ms": rounded(np.median(pooled(lambda j: j.replay.forming_ms[solver]))),
-        "solving_median_ms": rounded(np.median(pooled(lambda j: j.replay.solving_ms[solver]))),
-        "u0_error_max": rounded(pooled(lambda j: j.u0_error[solver]).max()),
+        **spread(tick_ms),
+        "worst_ms": rounded(tick_ms.max()),
+        "forming_median_ms": rounded(np.median(forming_ms)),
+        "solving_median_ms": rounded(np.median(solving_ms)),
+        "u0_error_max": rounded(max(e.u0_error[solver].max() for e in evaluations)),
     }
 
 
-def _shares(statuses: Iterable[QpStatus]) -> dict[str, float]:
+def _fractions(statuses: Iterable[QpStatus]) -> dict[str, float]:
     counts = Counter(statuses)
     return {s.name.lower(): rounded(counts[s] / counts.total()) for s in QpStatus}

@@ -1,4 +1,4 @@
-"""What the package costs: the MPC's tick, the loop around it, memory and start-up."""
+"""Benchmark suite: MPC tick, closed loop, scaling, memory and start-up."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from aerodrake.flight.summary import rounded
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is measured. Times are simulated ones.
+    """Durations, in simulated time, and numbers of repetitions.
 
     Attributes:
-        duration_s, settle_s: Of the recorded flights: reference time, and hover before it.
-        passes: Through recorded ticks.
-        scaling_s: Of the flights for each horizon and number of joints.
-        loop_s: That closed loop and bare plant are simulated.
-        repeats: Of that, in turn.
-        starts: Of commands that are timed.
+        duration_s, settle_s: Reference time of the recorded flights, and hover before it.
+        passes: Number of passes through recorded ticks.
+        scaling_s: Duration of the flights for each horizon and number of joints.
+        loop_s: Duration of the simulations of closed loop and bare plant.
+        repeats: Number of these simulations.
+        starts: Number of starts of each timed command.
         clover_s, hover_s: Reference time of the flights whose memory is measured.
     """
 
@@ -64,19 +64,19 @@ QUICK = Effort(
     hover_s=20.0,
 )
 STEPS = 15
-"""How often `bench` says what it does."""
+"""Number of calls of `progress` by `bench`."""
 
 
 def bench(effort: Effort, progress: Callable[[str], None] = lambda step: None) -> dict[str, Any]:
-    """Measures everything, one thing after another, on one thread.
+    """Runs all benchmarks one after another on one thread.
 
-    Keys: `tick` and `peers` as in `solver_figures`, `scaling` as in `scaling_figures`,
-    those of `loop_figures`, of which `tick` gets the `overhead_ms`, those of
-    `process_figures`, and the machine.
+    Keys: `tick` and `peers` of `solver_figures`; `scaling`, the figures of
+    `scaling_figures`; those of `loop_figures`, with the MPC's overhead as `overhead_ms` in
+    `tick`; those of `process_figures`; and `machine`.
 
     Args:
         effort: `FULL` or `QUICK`.
-        progress: Called with each step's name as it begins.
+        progress: Called with the name of each step at its start.
     """
     load = os.getloadavg()[0]
     figures = solver_figures(effort.duration_s, effort.settle_s, effort.passes, progress)

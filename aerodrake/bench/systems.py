@@ -1,4 +1,4 @@
-"""Where a flight's time goes, system by system."""
+"""Computation time of each Python system."""
 
 from __future__ import annotations
 
@@ -17,53 +17,53 @@ DECLARATIONS = (
     "DeclarePeriodicDiscreteUpdateEvent",
     "DeclarePeriodicUnrestrictedUpdateEvent",
 )
-"""Methods of LeafSystem that are handed what a Python system is to compute."""
+"""Methods of LeafSystem that take callbacks of Python systems."""
 
 SystemTimes = dict[str, float]
-"""s, by the name of the file that holds the system."""
+"""s, by the name of the module that defines the system."""
 
 
 class _Stopwatch:
-    """Gives each call's time to its system, less that of the calls it makes to others."""
+    """Measures the exclusive time of each system: without nested calls of other systems."""
 
     def __init__(self) -> None:
         self.seconds: SystemTimes = defaultdict(float)
-        self._others: list[float] = []
+        self._nested_s: list[float] = []
 
     def timed(self, name: str, callback: Callable[..., Any]) -> Callable[..., Any]:
-        """The callback, at the stopwatch's cost of about half a microsecond a call."""
+        """Returns the callback with timing, which adds about 0.5 us per call."""
 
         @functools.wraps(callback)
         def timed_callback(*arguments: Any) -> Any:
-            self._others.append(0.0)
+            self._nested_s.append(0.0)
             start = time.perf_counter()
             try:
                 return callback(*arguments)
             finally:
                 whole = time.perf_counter() - start
-                self.seconds[name] += whole - self._others.pop()
-                if self._others:
-                    self._others[-1] += whole
+                self.seconds[name] += whole - self._nested_s.pop()
+                if self._nested_s:
+                    self._nested_s[-1] += whole
 
         return timed_callback
 
 
 @contextmanager
 def timed_systems() -> Iterator[SystemTimes]:
-    """Times the callbacks of every Python system that is built while this lasts.
+    """Times the callbacks of every Python system that is built in this context.
 
-    A system's outputs that are pulled by another's update count for the system that
-    computes them. What Drake does between the callbacks counts for none.
+    The time of an output that another system's update evaluates is that of the system that
+    computes it. Time that Drake spends between callbacks is not included.
     """
     stopwatch = _Stopwatch()
     originals = {name: getattr(LeafSystem, name) for name in DECLARATIONS}
 
     def timing(original: Callable[..., Any]) -> Callable[..., Any]:
         def declare(system: LeafSystem, *arguments: Any, **named: Any) -> Any:
-            place = type(system).__module__.rpartition(".")[2]
-            # Allocators are not callbacks of the flight; they are timed, and called once.
-            wrapped = [stopwatch.timed(place, a) if callable(a) else a for a in arguments]
-            named = {k: stopwatch.timed(place, a) if callable(a) else a for k, a in named.items()}
+            module = type(system).__module__.rpartition(".")[2]
+            # Allocators are timed as well, but called only once.
+            wrapped = [stopwatch.timed(module, a) if callable(a) else a for a in arguments]
+            named = {k: stopwatch.timed(module, a) if callable(a) else a for k, a in named.items()}
             return original(system, *wrapped, **named)
 
         return declare

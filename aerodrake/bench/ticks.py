@@ -1,4 +1,4 @@
-"""The MPC's ticks as they came in a flight, and their replay against the clock."""
+"""Recorded MPC ticks of a flight, and their replay with several solvers."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ from aerodrake.scenario import Scenario
 from aerodrake.support.threads import single_thread
 
 OWN = "aerodrake"
-"""The name among the solvers of the one that flies."""
+"""Name of the MPC's solver."""
 
 SLOW_MS = 3.0
-"""A peer whose first pass has a longer median than this is spared the others."""
+"""Largest median of a peer's first pass with which it takes part in further passes."""
 
 UNMEASURED = 5
-"""Ticks that are solved before a clock runs: for what compiles and fills caches first."""
+"""Number of ticks that are solved before the measurement, to compile and to fill caches."""
 
 
 @dataclass(frozen=True)
 class RecordedTicks:
-    """The ticks of one flight, in their order.
+    """Ticks of one flight, in order.
 
     Attributes:
         formulation: Forms their programs.
-        inputs: What each tick was about.
+        inputs: Inputs of each tick.
     """
 
     formulation: MpcFormulation
@@ -48,14 +48,14 @@ class RecordedTicks:
 
 @dataclass(frozen=True)
 class Replay:
-    """What a replay of K ticks took and said.
+    """Times and solutions of a replay of K ticks.
 
     Attributes:
-        forming_ms: By solver, (K,), the least of all passes: of each program, and for all but
-            the solver that flies of its H. That one forms H as it solves, where it needs it.
-        solving_ms: By solver, (K,), the least of its passes.
+        forming_ms: By solver, (K,), least time of all passes to form each program. For peers
+            it includes H, which the MPC's own solver forms only if it needs it.
+        solving_ms: By solver, (K,), least time of its passes.
         u_0: By solver, (K, 3 + n) m/s^2 and rad/s^2, the first inputs.
-        statuses: (K,), those of the solver that flies.
+        statuses: (K,), statuses of the MPC's own solver.
     """
 
     forming_ms: Mapping[str, np.ndarray]
@@ -64,19 +64,19 @@ class Replay:
     statuses: list[QpStatus]
 
     def tick_ms(self, solver: str) -> np.ndarray:
-        """(K,), forming and solving."""
+        """Returns the times (K,) of forming and solving."""
         return self.forming_ms[solver] + self.solving_ms[solver]
 
 
 def record_ticks(scenario: Scenario) -> RecordedTicks:
-    """Flies a scenario and keeps what its MPC was asked at each tick."""
+    """Flies a scenario and records the inputs of each MPC tick."""
     flight = FlightSimulation(scenario)
     mpc = flight.closed_loop.GetSubsystemByName("coordinator").GetSubsystemByName("mpc")
     inputs: list[MpcInputs] = []
-    answer = mpc.tick_inputs
+    tick_inputs = mpc.tick_inputs
 
     def recorded(context: object) -> MpcInputs:
-        tick = answer(context)
+        tick = tick_inputs(context)
         inputs.append(copy.deepcopy(tick))
         return tick
 
@@ -92,22 +92,21 @@ def record_ticks(scenario: Scenario) -> RecordedTicks:
 def replay(
     recorded: RecordedTicks, peers: Mapping[str, Callable[[np.ndarray], Peer]], passes: int
 ) -> Replay:
-    """Solves recorded ticks anew, tick by tick with every solver, on one thread.
+    """Solves recorded ticks again, tick by tick with every solver, on one thread.
 
-    A pass goes through the ticks in the flight's order, so that warm
-    starts are those of the flight. A tick's program is formed, and solved by each
-    solver in an order that rotates from tick to tick. Of what a tick takes in the
-    passes the least counts: the rest is what else the machine does.
+    Each pass goes through the ticks in the order of the flight, so that warm starts are those
+    of the flight. The order of the solvers rotates from tick to tick. The least time of all
+    passes is used, to exclude other load of the machine.
 
     Args:
         recorded: The ticks.
-        peers: Makers of solvers from A (rows, nz), by name, beside the one that flies.
-        passes: How many, for all but slow peers.
+        peers: Makers of solvers from A (rows, nz), by name, beside the MPC's own.
+        passes: Number of passes; slow peers take part in the first one only.
     """
     formulation, inputs = recorded.formulation, recorded.inputs
     names = [OWN, *peers]
     forming, solving = ({name: np.full(len(inputs), np.inf) for name in names} for _ in range(2))
-    answers: dict[str, list[np.ndarray]] = {name: [] for name in names}
+    u_0: dict[str, list[np.ndarray]] = {name: [] for name in names}
     statuses: list[QpStatus] = []
     with single_thread(), _no_garbage_collection():
         for number in range(passes):
@@ -118,34 +117,38 @@ def replay(
             if not number:
                 _warm_up(recorded, solvers)
             for k, tick in enumerate(inputs):
-                start = time.perf_counter()
-                program = formulation.form(tick)
-                formed = time.perf_counter()
-                _ = program.H  # Formed as it is asked for.
-                complete = time.perf_counter()
+                program, own_ms, peer_ms = _timed_program(formulation, tick)
                 shift = k % len(fast)
                 for name in (*fast[shift:], *fast[:shift]):
-                    is_own = name == OWN
-                    took = 1e3 * ((formed if is_own else complete) - start)
-                    forming[name][k] = min(forming[name][k], took)
-                    # Without what others have computed of it, or spoilt.
-                    given = (replace(program),) if is_own else program_arrays(program)
-                    solve_start = time.perf_counter()
-                    answer = solvers[name](*given)
-                    solved = 1e3 * (time.perf_counter() - solve_start)
-                    solving[name][k] = min(solving[name][k], solved)
+                    formed_ms = own_ms if name == OWN else peer_ms
+                    forming[name][k] = min(forming[name][k], formed_ms)
+                    # Copies, so that solvers do not share H or change the program.
+                    given = (replace(program),) if name == OWN else program_arrays(program)
+                    start = time.perf_counter()
+                    solution = solvers[name](*given)
+                    solved_ms = 1e3 * (time.perf_counter() - start)
+                    solving[name][k] = min(solving[name][k], solved_ms)
                     if number:
                         continue
                     if name == OWN:
-                        statuses.append(answer.status)
-                        answer = answer.z
-                    answers[name].append(formulation.inputs(answer)[0])
-    u_0 = {name: np.array(values) for name, values in answers.items()}
-    return Replay(forming, solving, u_0, statuses)
+                        statuses.append(solution.status)
+                        solution = solution.z
+                    u_0[name].append(formulation.inputs(solution)[0])
+    return Replay(forming, solving, {n: np.array(values) for n, values in u_0.items()}, statuses)
+
+
+def _timed_program(formulation: MpcFormulation, tick: MpcInputs) -> tuple[MpcProgram, float, float]:
+    """Returns the program of a tick and the times in ms to form it without and with H."""
+    start = time.perf_counter()
+    program = formulation.form(tick)
+    formed = time.perf_counter()
+    _ = program.H
+    complete = time.perf_counter()
+    return program, 1e3 * (formed - start), 1e3 * (complete - start)
 
 
 class _Own:
-    """The solver that flies, fed from tick to tick as `MpcSystem` does."""
+    """The MPC's solver, with the active set of the last tick as in `MpcSystem`."""
 
     def __init__(self, formulation: MpcFormulation):
         self._solver = MpcSolver(formulation)
@@ -158,7 +161,7 @@ class _Own:
 
 
 def _warm_up(recorded: RecordedTicks, solvers: Mapping[str, Callable[..., object]]) -> None:
-    """Lets every solver compile what it has to before a clock runs."""
+    """Solves the first ticks with every solver, to compile before the measurement."""
     for tick in recorded.inputs[:UNMEASURED]:
         program = recorded.formulation.form(tick)
         for name, solve in solvers.items():
@@ -166,13 +169,13 @@ def _warm_up(recorded: RecordedTicks, solvers: Mapping[str, Callable[..., object
 
 
 def program_arrays(program: MpcProgram) -> tuple[np.ndarray, ...]:
-    """(H, g, lower, upper), copied: no solver can spoil them for the next one."""
+    """Returns copies of (H, g, lower, upper), which a solver may overwrite."""
     return tuple(np.array(part) for part in (program.H, program.g, program.lower, program.upper))
 
 
 @contextmanager
 def _no_garbage_collection() -> Iterator[None]:
-    """As `timeit` does: a collection belongs to no tick."""
+    """Disables garbage collection during a measurement, as `timeit` does."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:

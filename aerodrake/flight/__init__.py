@@ -1,1 +1,1 @@
-"""One flight: simulated, monitored, recorded and summarised."""
+"""Simulation, monitoring, recording and summary of one flight."""

@@ -1,24 +1,23 @@
-"""Identification of the equivalent model: K_B of a scenario's base under its flight controller.
+"""Identification of K_B, the gain of the base with its flight controller in the equivalent model.
 
-The station is flown open loop, each axis in turn, once with the arm still and
-once with it moving. The setpoint is p_d alone, v_d and a_d being zero: of either
-flight interface's model, p' = K (p_d - p) or p' = v_d + K (p_d - p), this leaves
+The station flies open loop, along each axis once with the arm still and once with the arm
+moving. The setpoint is p_d alone with v_d = a_d = 0, so that the models of both flight
+interfaces, p' = K (p_d - p) and p' = v_d + K (p_d - p), reduce to
 
     v = K (p_d - p) + constant,
 
-which is fitted to the samples that the MPC sees. (A v_d that is the derivative
-of p_d leaves next to no error to fit K to.)
+which is fitted to the samples that the MPC receives. (With v_d the derivative of p_d the error
+p_d - p would be too small to fit K.)
 
-p_d is a chirp over the band in which the MPC moves it. Its speed has the same
-amplitude at every frequency, hence the error p_d - p nearly has, and every
-octave counts the same. Tried beside it, with the gains of `clover_paper` and of
-`clover`: steps of 0.1 to 0.2 m excite what lies far above that band, where the
-base is of second order (R^2 0.7, K 1.6 and 1.2); of a chirp whose position has
-the same amplitude all over, nearly all is upper end (R^2 0.96 and 0.86). This
-one has R^2 0.98 and 0.95. In flights of `clover_paper` and `moving_target_paper`
-its K predicts the base over the MPC's horizon with an RMS error within 3 % of
-that of the best K in hindsight, where the steps' K has up to 6 times as much;
-with the trajectory interface these errors hardly depend on K.
+p_d is a chirp over the band in which the MPC moves it. Its speed has the same amplitude at all
+frequencies, so that the error p_d - p nearly has as well, and all octaves have equal influence.
+Alternatives, with the gains of `clover_paper` and of `clover`: steps of 0.1 to 0.2 m excite
+frequencies far above the band, at which the base is of second order (R^2 0.7, K 1.6 and 1.2);
+a chirp with constant amplitude of position is dominated by the highest frequencies (R^2 0.96
+and 0.86). This chirp has R^2 0.98 and 0.95. In flights of `clover_paper` and
+`moving_target_paper` its K predicts the base over the MPC's horizon with an RMS error within
+3 % of the error of the best K for that flight; K from steps has up to 6 times that error. With
+the trajectory interface these errors hardly depend on K.
 """
 
 from __future__ import annotations
@@ -47,22 +46,22 @@ ARMS = ("still", "moving")
 
 FLIGHTS = len(AXES) * len(ARMS)
 DURATION_S = 60.0
-"""Of each flight."""
+"""Duration of each flight."""
 BAND_HZ = (0.04, 0.5)
 SPEED_M_S = 0.15
-"""Amplitude of the chirp's speed. The base stays above where it starts, within 1 m."""
+"""Amplitude of the chirp's speed. The base stays within 1 m of its initial position."""
 ARM_BAND_HZ = (0.1, 0.4)
-"""From the first joint's frequency to the last one's."""
+"""Frequencies of the first and of the last joint."""
 ARM_SWING_RAD = 0.15
-"""How far each joint swings; together they stay in the learning space."""
+"""Swing of each joint, which keeps the end-effector in the learning space."""
 BLOCK_S = 5.0
 LEAST_R2 = 0.5
-"""Of a base that can be said to answer as one of first order."""
+"""Smallest R^2 of a response that is accepted as first order."""
 
 
 @dataclass(frozen=True)
 class Manoeuvre:
-    """One flight: along which axis the base is excited, and what the arm does."""
+    """One flight: the axis along which the base is excited, and the motion of the arm."""
 
     scenario: Scenario
     axis: int
@@ -71,13 +70,13 @@ class Manoeuvre:
 
 @dataclass(frozen=True)
 class Record:
-    """One axis of one flight at the MPC's ticks.
+    """Samples of one axis of one flight at the MPC's ticks.
 
     Attributes:
         time_s: (T,) s, reference time.
-        p_d: (T,) m, where the base is commanded to be.
-        p: (T,) m, where it is measured.
-        v: (T,) m/s, how fast.
+        p_d: (T,) m, setpoint of the base.
+        p: (T,) m, measured position.
+        v: (T,) m/s, measured velocity.
     """
 
     time_s: np.ndarray
@@ -91,9 +90,9 @@ class AxisIdentification:
     """K_B of one axis.
 
     Attributes:
-        fit: To all its flights.
-        records: Its flights, by what the arm does.
-        gains: 1/s, fitted to each flight by itself.
+        fit: Fit to all flights of the axis.
+        records: Samples of each flight, by the motion of the arm (`ARMS`).
+        gains: 1/s, fit to each flight alone, by the motion of the arm.
     """
 
     fit: GainFit
@@ -103,11 +102,11 @@ class AxisIdentification:
 
 @dataclass(frozen=True)
 class Identification:
-    """What was identified.
+    """Identified K_B of all axes.
 
     Attributes:
-        scenario: As it was, with the K_B it had.
-        axes: By name.
+        scenario: The given scenario, with its own K_B.
+        axes: Identification of each axis, by name.
     """
 
     scenario: Scenario
@@ -115,12 +114,12 @@ class Identification:
 
     @property
     def k_b(self) -> tuple[float, ...]:
-        """(3,) 1/s, the diagonal of K_B to three digits, as scenarios hold it."""
+        """(3,) 1/s, the diagonal of K_B, rounded to three digits."""
         return tuple(float(f"{axis.fit.gain:.3g}") for axis in self.axes.values())
 
     @property
     def identified_scenario(self) -> Scenario:
-        """The scenario with this K_B."""
+        """The scenario with the identified K_B."""
         model = dataclasses.replace(self.scenario.model, k_b=self.k_b)
         return dataclasses.replace(self.scenario, model=model)
 
@@ -128,18 +127,18 @@ class Identification:
 def identify(
     scenario: Scenario, jobs: int, progress: Callable[[float], None] = lambda flown_s: None
 ) -> Identification:
-    """Flies all axes with both arms, in processes of their own, and fits K_B.
+    """Flies all axes with both motions of the arm, each in its own process, and fits K_B.
 
     Args:
-        scenario: Its vehicle, station, rates and seed; its reference is not flown.
-        jobs: How many processes at a time.
-        progress: Called with the simulated time in s of each flight that is done.
+        scenario: Scenario whose reference is ignored.
+        jobs: Number of concurrent processes.
+        progress: Called with the simulated time in s of each finished flight.
 
     Raises:
-        ScenarioError: if the base does not answer its setpoint as the model has it.
-        ProcessDied: if the process of a flight did.
+        ScenarioError: if the response of the base to its setpoint is not of first order.
+        ProcessDied: if the process of a flight died.
     """
-    VehicleModel.load(scenario)  # A bad robot is better refused here than six times there.
+    VehicleModel.load(scenario)  # Raises errors of the robot's file before the flights.
     manoeuvres = [Manoeuvre(scenario, axis, arm) for axis in range(3) for arm in ARMS]
     records: dict[tuple[int, str], Record] = {}
     for index, result in run_parallel(fly, manoeuvres, jobs):
@@ -166,7 +165,7 @@ def identify(
 
 
 def identify_axis(scenario: Scenario, records: dict[str, Record]) -> AxisIdentification:
-    """Fits K_B of one axis to its flights, together and one by one."""
+    """Fits K_B of one axis to all its flights, and to each of them alone."""
     block = round(BLOCK_S / scenario.rates.mpc_period_s)
 
     def fit(flights: list[Record]) -> GainFit:
@@ -177,7 +176,7 @@ def identify_axis(scenario: Scenario, records: dict[str, Record]) -> AxisIdentif
 
 
 def fly(manoeuvre: Manoeuvre) -> Record:
-    """Flies one manoeuvre. Noise is that of the scenario's seed, different in each.
+    """Flies one manoeuvre. The seed of its noise depends on the scenario's seed and the manoeuvre.
 
     Raises:
         ScenarioError: if the vehicle crashes.
@@ -189,7 +188,7 @@ def fly(manoeuvre: Manoeuvre) -> Record:
     base, joints = base_motion(scenario, vehicle, axis), arm_motion(scenario, vehicle, arm)
     try:
         flown = excite(seeded, base, joints)
-    except RuntimeError as error:  # The plant cannot step.
+    except RuntimeError as error:  # The plant's step failed.
         problem = f"along {AXES[axis]}, arm {arm}, it crashes: {error}".splitlines()[0]
         raise _not_first_order(scenario, problem) from None
     states = split_state(flown.state.T)
@@ -197,10 +196,10 @@ def fly(manoeuvre: Manoeuvre) -> Record:
 
 
 def base_motion(scenario: Scenario, vehicle: VehicleModel, axis: int) -> PiecewisePolynomial:
-    """(3,) m, the chirp along one axis, held from one tick of the flight controller to the next.
+    """Returns (3,) m, the chirp along one axis, constant between the flight controller's ticks.
 
-    Held, its derivatives are zero; it steps just before the tick, so that the
-    controller and whoever samples it see the same.
+    Its derivatives are therefore zero. It steps just before each tick, so that the controller
+    and the recorded samples have the same value.
     """
     period = scenario.rates.flight_period_s
     ticks = period * np.arange(round(DURATION_S / period) + 1)
@@ -212,7 +211,7 @@ def base_motion(scenario: Scenario, vehicle: VehicleModel, axis: int) -> Piecewi
 
 
 def arm_motion(scenario: Scenario, vehicle: VehicleModel, arm: str) -> PiecewisePolynomial:
-    """(n,) rad, every joint at rest, or swinging at its own frequency to where it has room."""
+    """Returns (n,) rad, all joints at rest, or each swinging away from its nearer limit."""
     period = scenario.rates.mpc_period_s
     ticks = period * np.arange(round(DURATION_S / period) + 1)
     velocity = np.zeros((len(ticks), vehicle.joints))
@@ -230,6 +229,6 @@ def _not_first_order(scenario: Scenario, problem: str) -> ScenarioError:
     return ScenarioError(
         scenario.source,
         "flight",
-        f"expected a base that answers as p' = K_B (p_d - p), with R^2 of {LEAST_R2:g} "
+        f"expected a base with the response p' = K_B (p_d - p), with R^2 of {LEAST_R2:g} "
         f"or more; {problem}",
     )

@@ -1,4 +1,4 @@
-"""What a person sees of an identification: the table, the figure and the file."""
+"""Table, figure and files of an identification."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE
 from aerodrake.scenario.load import save_scenario
 
 FILES = ("identification.json", "identification.png", "scenario.yaml")
-"""What an identification leaves behind."""
+"""Files that an identification writes."""
 
 PAPER_K_B = (6.67, 6.67, 2.38)
-"""1/s, of the paper's vehicle."""
+"""1/s, K_B of the paper's vehicle."""
 
 
 def as_figures(identification: Identification, command: str) -> dict[str, Any]:
-    """What `identification.json` holds.
+    """Returns the content of `identification.json`.
 
     Keys:
-        command: What identifies the same again.
-        interface, position_gain, velocity_gain: What K_B belongs to.
-        k_b: 1/s, to three digits, as `scenario.yaml` beside it has it; then
-            that of the scenario before, and the paper's.
-        axes: Of each axis K_B, its interval at the confidence `level`, R^2, and
-            K_B by what the arm did.
+        command: Command that repeats the identification.
+        interface, position_gain, velocity_gain: Flight controller for which K_B is valid.
+        k_b: 1/s, to three digits, as in `scenario.yaml` of the same folder.
+        scenario_k_b, paper_k_b: 1/s, K_B of the given scenario, and of the paper.
+        axes: For each axis K_B, its interval at the confidence `level`, R^2, and K_B by the
+            motion of the arm.
     """
     scenario = identification.scenario
     return {
@@ -62,12 +62,12 @@ def as_figures(identification: Identification, command: str) -> dict[str, Any]:
 
 
 def write(identification: Identification, command: str, folder: Path) -> None:
-    """Writes `FILES` into the folder.
+    """Writes `FILES` into an existing folder.
 
     Args:
-        identification: What to write.
-        command: What identifies the same again.
-        folder: One that exists.
+        identification: Identification to write.
+        command: Command that repeats it.
+        folder: Folder of the files.
     """
     figures = as_figures(identification, command)
     (folder / "identification.json").write_text(to_json(figures), encoding="utf-8")
@@ -76,7 +76,7 @@ def write(identification: Identification, command: str, folder: Path) -> None:
 
 
 def table(identification: Identification) -> str:
-    """K_B by axis beside what the scenario had and the paper's, and how to use it."""
+    """Returns a table of K_B with the scenario's and the paper's, and the option that sets it."""
     scenario = identification.scenario
     lines = [
         f"{scenario.name}: K_B of the base, flight.interface {scenario.flight.interface}, in 1/s",
@@ -84,20 +84,20 @@ def table(identification: Identification) -> str:
         f"{'axis':<6}{'K_B':>7}{f'{LEVEL:.0%} interval':>18}{'R^2':>8}{'arm still':>11}"
         f"{'moving':>9}{'scenario':>11}{'paper':>8}",
     ]
-    for (name, axis), had, paper in zip(
+    for (name, axis), own, paper in zip(
         identification.axes.items(), scenario.model.k_b, PAPER_K_B, strict=True
     ):
         low, high = axis.fit.interval
         lines.append(
             f"{name:<6}{axis.fit.gain:>7.3f}{f'{low:.3f} .. {high:.3f}':>18}{axis.fit.r2:>8.3f}"
-            f"{axis.gains['still']:>11.3f}{axis.gains['moving']:>9.3f}{had:>11.2f}{paper:>8.2f}"
+            f"{axis.gains['still']:>11.3f}{axis.gains['moving']:>9.3f}{own:>11.2f}{paper:>8.2f}"
         )
     values = ",".join(f"{k:g}" for k in identification.k_b)
     return "\n".join([*lines, "", f"--set 'model.k_b=[{values}]'"])
 
 
 def plot_identification(identification: Identification, path: Path) -> None:
-    """Writes the figure: response, velocity as measured and fitted, and residual, by axis."""
+    """Writes the figure: response, measured and fitted velocity, residual and fit of each axis."""
     with rc_context(STYLE):
         figure = Figure(figsize=(15, 11), dpi=110, layout="constrained")
         scenario = identification.scenario
@@ -126,7 +126,7 @@ def plot_identification(identification: Identification, path: Path) -> None:
 
 
 def _response(axes: Axes, axis: AxisIdentification) -> None:
-    """The base, and the model let alone with the setpoint, arm still."""
+    """Draws the response of the base and of the model to the same setpoint, with the arm still."""
     record, k = axis.records["still"], axis.fit.gain
     p_d = record.p_d - record.p_d[0]
     _, model, _ = lsim(([k], [1.0, k]), p_d, record.time_s)
@@ -138,6 +138,7 @@ def _response(axes: Axes, axis: AxisIdentification) -> None:
 
 
 def _velocity(axes: Axes, axis: AxisIdentification) -> None:
+    """Draws the measured and the fitted velocity."""
     record = axis.records["still"]
     axes.plot(record.time_s, record.v, color=ACCENT, linewidth=2.2, label="measured")
     axes.plot(record.time_s, _fitted(axis, record), color=INK, linewidth=0.9, label="fitted")
@@ -146,6 +147,7 @@ def _velocity(axes: Axes, axis: AxisIdentification) -> None:
 
 
 def _residual(axes: Axes, axis: AxisIdentification, color: str) -> None:
+    """Draws the error of the fitted velocity."""
     for (arm, record), alpha in zip(axis.records.items(), (1.0, 0.5), strict=True):
         residual = record.v - _fitted(axis, record)
         axes.plot(record.time_s, residual, color=color, alpha=alpha, label=f"arm {arm}")
@@ -153,6 +155,7 @@ def _residual(axes: Axes, axis: AxisIdentification, color: str) -> None:
 
 
 def _fit(axes: Axes, axis: AxisIdentification, color: str) -> None:
+    """Draws velocity over position error, and the fitted line."""
     for (arm, record), alpha in zip(axis.records.items(), (0.5, 0.2), strict=True):
         error = record.p_d - record.p
         axes.plot(error, record.v, ".", color=color, alpha=alpha, markersize=2, label=f"arm {arm}")
@@ -164,6 +167,6 @@ def _fit(axes: Axes, axis: AxisIdentification, color: str) -> None:
 
 
 def _fitted(axis: AxisIdentification, record: Record) -> np.ndarray:
-    """(T,) m/s, K_B (p_d - p) and the record's own constant."""
+    """Returns (T,) m/s, K_B (p_d - p) plus the constant of this flight."""
     error = record.p_d - record.p
     return axis.fit.gain * (error - error.mean()) + record.v.mean()

@@ -1,1 +1,1 @@
-"""Equations, without systems."""
+"""Equations as plain functions and classes, independent of Drake's systems framework."""

@@ -1,1 +1,1 @@
-"""LeafSystems, one a file, named as in the graph."""
+"""LeafSystems, one per file, named as in the graph."""

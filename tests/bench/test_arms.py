@@ -1,4 +1,4 @@
-"""Arms of other lengths keep the end-effector where it is, and fly."""
+"""Arms with other numbers of joints: same working position of the end-effector; they fly."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from aerodrake.scenario import Scenario
 
 
 @pytest.mark.parametrize("joints", JOINTS)
-def test_the_end_effector_stays(joints, scenario, vehicle, tmp_path):
+def test_the_working_position_is_unchanged(joints, scenario, vehicle, tmp_path):
     changed = with_joints(scenario, joints, tmp_path / "arm.urdf")
     other = VehicleModel.load(changed)
     assert other.joints == joints
@@ -21,14 +21,14 @@ def test_the_end_effector_stays(joints, scenario, vehicle, tmp_path):
     assert (other.velocity == 3).all() and (other.acceleration == 15).all()
 
 
-def test_as_many_joints_as_there_are_change_nothing(scenario, vehicle, tmp_path):
+def test_the_same_number_of_joints_changes_nothing(scenario, vehicle, tmp_path):
     other = VehicleModel.load(with_joints(scenario, vehicle.joints, tmp_path / "arm.urdf"))
     np.testing.assert_array_equal(other.inertia, vehicle.inertia)
     np.testing.assert_array_equal(other.working, vehicle.working)
 
 
 @pytest.mark.parametrize("joints", [3, 9])
-def test_they_fly(joints, tmp_path):
+def test_other_arms_fly(joints, tmp_path):
     scenario = Scenario(duration=0.1, settle_s=0.0)
     recorded = record_ticks(with_joints(scenario, joints, tmp_path / "arm.urdf"))
     assert len(recorded.inputs) == 5

@@ -1,4 +1,4 @@
-"""The bare plant: nothing in it is Python, and at the input of trim it stays where it is."""
+"""The bare plant has no Python systems and hovers at the trim input."""
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
@@ -19,7 +19,7 @@ def python_systems(diagram):
     return [s for s in leaves(diagram) if isinstance(s, LeafSystem) and "aerodrake" in str(type(s))]
 
 
-def test_nothing_in_it_is_python(scenario):
+def test_has_no_python_systems(scenario):
     diagram = make_bare_plant(scenario)
     names = {system.get_name() for system in leaves(diagram)}
     assert names == {
@@ -29,7 +29,7 @@ def test_nothing_in_it_is_python(scenario):
     assert python_systems(make_closed_loop(scenario))
 
 
-def test_it_hovers(scenario):
+def test_hovers(scenario):
     diagram = make_bare_plant(scenario)
     simulator = Simulator(diagram)
     port = diagram.GetOutputPort("true_state")
@@ -39,7 +39,7 @@ def test_it_hovers(scenario):
     np.testing.assert_allclose(port.Eval(simulator.get_context()), trim, atol=1e-5)
 
 
-def test_it_stays_in_the_air_for_as_long_as_it_is_timed(scenario):
+def test_drifts_by_less_than_10_cm_in_10_s(scenario):
     diagram = make_bare_plant(scenario)
     simulator = Simulator(diagram)
     simulator.AdvanceTo(10.0)

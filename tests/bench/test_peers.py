@@ -1,4 +1,4 @@
-"""Each peer solves what it is given, from program to program; and all of them share the exam."""
+"""Each peer solves sequences of programs to the exact minimiser."""
 
 from importlib.util import find_spec
 
@@ -12,7 +12,7 @@ NZ, ROWS = 12, 20
 
 
 def random_programs(seed: int, count: int):
-    """A and programs that follow each other: feasible, some of their bounds out of reach."""
+    """Returns A and a sequence of feasible programs with some redundant constraints."""
     rng = np.random.default_rng(seed)
     A = rng.normal(size=(ROWS, NZ))
     A /= np.linalg.norm(A, axis=1)[:, None]
@@ -29,7 +29,7 @@ def random_programs(seed: int, count: int):
 
 @pytest.mark.parametrize("name", PEERS)
 @pytest.mark.parametrize("seed", range(3))
-def test_a_peer_finds_one_optimum_after_another(name, seed):
+def test_a_peer_solves_a_sequence_of_programs(name, seed):
     kind = PEERS[name]
     if find_spec(kind.package) is None:
         pytest.skip(f"{kind.package} is not installed")
@@ -41,6 +41,6 @@ def test_a_peer_finds_one_optimum_after_another(name, seed):
         np.testing.assert_allclose(z, optimum.z, atol=2e-4)
 
 
-def test_each_says_its_package_and_settings():
+def test_peers_describe_their_package_and_settings():
     for kind in PEERS.values():
         assert kind.package and kind.settings and kind.__doc__

@@ -1,4 +1,4 @@
-"""Commands in processes of their own: what they take, and that failures are told."""
+"""Commands in separate processes: their cost, and errors of failed commands."""
 
 import pytest
 
@@ -12,6 +12,6 @@ def test_a_command_is_measured():
     assert 5 < cost.peak_rss_mb < 200
 
 
-def test_a_command_that_fails_is_told_with_its_own_words():
+def test_a_failed_command_raises_with_its_message():
     with pytest.raises(RuntimeError, match="run no_such ended with 2: aerodrake: no_such"):
         run_command("run", "no_such")

@@ -1,4 +1,4 @@
-"""The bench as a whole, on next to nothing: its figures, its table and its command."""
+"""The benchmark suite with minimal effort: figures, table and command."""
 
 import json
 import math
@@ -28,7 +28,7 @@ MISSING = "piqp"
 
 @pytest.fixture(scope="module")
 def measured():
-    """(figures, names of steps), with one peer that is not there, and no processes."""
+    """Figures, steps, notes and table, with one peer missing and without processes."""
     steps = []
 
     def processes(clover_s, hover_s, repeats, progress):
@@ -39,9 +39,9 @@ def measured():
     def imported(name):
         if name == MISSING:
             raise ImportError(name)
-        return found(name)
+        return import_module(name)
 
-    found = bench_solvers.import_module
+    import_module = bench_solvers.import_module
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "process_figures", processes)
         patch.setattr(bench_solvers, "import_module", imported)
@@ -51,7 +51,7 @@ def measured():
         return figures, steps, missing_peers(), bench_table(figures)
 
 
-def test_it_has_every_key_of_the_issue(measured):
+def test_figures_have_all_keys(measured):
     figures, _, _, _ = measured
     for key in ("median_ms", "p99_ms", "worst_ms", "u0_error_max", "overhead_ms"):
         assert figures["tick"][key] > 0
@@ -62,22 +62,23 @@ def test_it_has_every_key_of_the_issue(measured):
     assert json.loads(to_json(figures)) == figures
 
 
-def test_it_says_how_far_it_is(measured):
+def test_progress_is_called_for_each_step(measured):
     _, steps, _, _ = measured
     assert len(steps) == STEPS
 
 
-def test_a_missing_peer_is_told_and_the_rest_is_measured(measured):
+def test_a_missing_peer_is_reported_and_the_others_are_measured(measured):
     figures, _, notes, table = measured
     missing = figures["peers"][MISSING]
     assert missing["median_ms"] is missing["p99_ms"] is missing["version"] is None
     assert missing["median_ratio"] is missing["p99_ratio"] is None
-    told = [note for note in notes if note.startswith(MISSING)]
-    assert told == [f"{MISSING} is left out, for it is not installed: pip install aerodrake[bench]"]
+    assert [note for note in notes if note.startswith(MISSING)] == [
+        f"{MISSING} is skipped, since it is not installed: pip install aerodrake[bench]"
+    ]
     assert "not installed" in table
 
 
-def test_ratios_are_ours_by_theirs(measured):
+def test_ratios_are_ours_over_theirs(measured):
     figures, _, _, _ = measured
     for name, peer in figures["peers"].items():
         if peer["version"] is None:
@@ -88,14 +89,14 @@ def test_ratios_are_ours_by_theirs(measured):
         assert peer["ticks"] == figures["tick"]["ticks"] == 15
 
 
-def test_shares_are_whole(measured):
+def test_fractions_of_statuses_sum_to_one(measured):
     tick = measured[0]["tick"]
     assert set(tick["status_shares"]) == {status.name.lower() for status in QpStatus}
     for shares in (tick, *tick["scenarios"].values()):
         assert sum(shares["status_shares"].values()) == pytest.approx(1.0)
 
 
-def test_the_loops_parts_add_up(measured):
+def test_parts_of_the_loop_are_measured(measured):
     loop = measured[0]["loop"]
     assert loop["closed_loop_ms_per_s"] / loop["plant_ms_per_s"] == pytest.approx(
         measured[0]["closed_loop_over_plant"]
@@ -104,12 +105,12 @@ def test_the_loops_parts_add_up(measured):
     assert all(ms > 0 for ms in loop["systems_ms_per_s"].values())
 
 
-def test_horizons_keep_the_shape_of_their_stages(measured):
+def test_stages_scale_with_the_horizon(measured):
     rows = measured[0]["scaling"]["horizon"]
     assert [(row["N"], row["span_ticks"]) for row in rows] == [(3, 20), (15, 100), (30, 200)]
 
 
-def test_the_table_and_the_figure_show_it(measured, tmp_path):
+def test_table_and_figure(measured, tmp_path):
     figures, _, _, table = measured
     assert f"N^{figures['scaling']['horizon_exponent']:.2f}" in table
     assert "closed loop over bare plant" in table and "600 MB" in table
@@ -117,7 +118,7 @@ def test_the_table_and_the_figure_show_it(measured, tmp_path):
     assert (tmp_path / "bench.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_command_writes_what_it_says(measured, tmp_path, monkeypatch, capsys):
+def test_the_command_writes_its_files(measured, tmp_path, monkeypatch, capsys):
     efforts = []
 
     def canned(effort, progress):
@@ -131,15 +132,15 @@ def test_the_command_writes_what_it_says(measured, tmp_path, monkeypatch, capsys
     assert efforts == [QUICK]
     assert json.loads(file.read_text()) == json.loads((out / "bench.json").read_text())
     assert sorted(path.name for path in out.iterdir()) == sorted(FILES)
-    said = capsys.readouterr().out
-    assert bench_table(measured[0]) in said and f"{out}: bench.json, bench.png" in said
+    output = capsys.readouterr().out
+    assert bench_table(measured[0]) in output and f"{out}: bench.json, bench.png" in output
     assert main(["bench", "--quiet", "--out", str(out)]) == 0  # An earlier one is replaced.
     assert efforts == [QUICK, module.FULL]
     assert capsys.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         (["--json", "nowhere/figures.json"], "--json: expected a file in an existing folder"),
         (["--json", "."], "--json: expected a file"),
@@ -149,7 +150,7 @@ def test_the_command_writes_what_it_says(measured, tmp_path, monkeypatch, capsys
         (["clover"], "unrecognized arguments: clover"),
     ],
 )
-def test_bad_options_end_it_before_it_measures(options, said, tmp_path, monkeypatch, capsys):
+def test_bad_options_are_refused_before_measuring(options, message, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(module, "bench", lambda *_: pytest.fail("it measured"))
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine").mkdir()
@@ -160,11 +161,11 @@ def test_bad_options_end_it_before_it_measures(options, said, tmp_path, monkeypa
         code = exit.code
     assert code == 2
     error = capsys.readouterr().err
-    assert said in error and error.count("\n") == 1
+    assert message in error and error.count("\n") == 1
     assert sorted(p.name for p in tmp_path.rglob("*")) == ["file", "mine"]
 
 
-def test_processes_are_those_of_a_person(monkeypatch):
+def test_measured_commands(monkeypatch):
     from aerodrake.bench import processes as bench_processes
     from aerodrake.bench.processes import ProcessCost
 

@@ -1,4 +1,4 @@
-"""The stopwatch: whose time it is, and that it leaves no trace."""
+"""The stopwatch: exclusive times by system, and no effect on the flight."""
 
 import time
 
@@ -38,7 +38,7 @@ class Sink(LeafSystem):
         discrete.set_value(0, self._in.Eval(context))
 
 
-def test_a_pulled_port_counts_for_who_computes_it(monkeypatch):
+def test_an_evaluated_port_counts_for_the_system_that_computes_it(monkeypatch):
     clock = [0.0]
     Source.__module__, Sink.__module__ = "a.source", "a.sink"
     monkeypatch.setattr(bench_systems.time, "perf_counter", lambda: clock[0])
@@ -54,7 +54,7 @@ def test_a_pulled_port_counts_for_who_computes_it(monkeypatch):
     assert clock[0] == pytest.approx(sum(seconds.values()))
 
 
-def test_nothing_stays_behind():
+def test_leafsystem_is_restored():
     before = [getattr(LeafSystem, name) for name in DECLARATIONS]
     with pytest.raises(ZeroDivisionError), timed_systems():
         assert [getattr(LeafSystem, name) for name in DECLARATIONS] != before
@@ -72,7 +72,7 @@ def test_a_timed_flight_is_the_same_flight(short_flight):
     for key, values in log.signals.items():
         if not key.endswith("_ms"):
             np.testing.assert_array_equal(timed[key], values)
-    # Every system that computes something in Python, and no more than all the time there was.
+    # All Python systems, and no more than the whole time.
     assert set(seconds) >= {
         "mpc", "flight_controller", "arm_controller", "reference", "kinematics", "sensors",
         "weight_allocator", "residual_estimator", "setpoint_integrator", "equivalent_state",

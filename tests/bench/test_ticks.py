@@ -1,4 +1,4 @@
-"""Recorded ticks are those of the flight, and a replay answers as the flight did."""
+"""Recorded ticks are those of the flight, and a replay solves them as the flight did."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aerodrake.bench.peers import Peer
-from aerodrake.bench.solvers import judge
+from aerodrake.bench.solvers import evaluate
 from aerodrake.bench.ticks import OWN, record_ticks, replay
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.qp.condensed_qp import QpStatus
@@ -16,7 +16,7 @@ INPUTS = 9
 
 
 class Never(Peer):
-    """Says what is out of reach, and spoils what it was given."""
+    """Returns infeasible solutions and overwrites its arguments."""
 
     package, settings = "numpy", "none"
     seen: list[np.ndarray] = []
@@ -33,7 +33,7 @@ class Never(Peer):
 
 @pytest.fixture(scope="module")
 def scenario() -> Scenario:
-    """A target that is far at first, so that bounds are active; measured with noise."""
+    """A distant target, so that constraints are active; measured with noise."""
     noisy = replace(Scenario().sensors, position_noise_m=1e-3)
     return Scenario(name="far", duration=0.4, settle_s=0.1, reference=MovingTarget(), sensors=noisy)
 
@@ -43,21 +43,21 @@ def recorded(scenario):
     return record_ticks(scenario)
 
 
-def test_a_replay_commands_what_was_flown(scenario, recorded):
-    """Noise and all: what is recorded is what each update saw, no sample sooner or later."""
+def test_a_replay_equals_the_flight(scenario, recorded):
+    """Including noise: the recorded inputs are those of each update."""
     log = FlightSimulation(scenario).fly()
     ticks = len(recorded.inputs)
     assert ticks == len(log["tick_ms"]) == 25
     stride = 2
     flown = np.hstack([log["a_Bd_m_s2"], log["qddot_d_rad_s2"]])[stride::stride]
     measured = replay(recorded, {}, passes=1)
-    # The setpoint integrator keeps the limits; until these are met, it commands what it is told.
+    # Equal as long as the setpoint integrator does not apply its limits.
     np.testing.assert_allclose(measured.u_0[OWN][: len(flown)], flown, atol=1e-6)
     statuses = log["qp_status"][stride::stride]
     assert [int(s) for s in measured.statuses[: len(statuses)]] == list(statuses)
 
 
-def test_peers_get_the_same_programs_and_do_not_spoil_each_others(recorded):
+def test_peers_get_the_same_programs_and_cannot_change_them(recorded):
     Never.seen.clear()
     measured = replay(recorded, {"one": Never, "two": Never}, passes=2)
     alone = replay(recorded, {}, passes=1)
@@ -70,13 +70,13 @@ def test_peers_get_the_same_programs_and_do_not_spoil_each_others(recorded):
         assert (measured.tick_ms(name) > measured.forming_ms[name]).all()
 
 
-def test_verdicts(recorded):
-    """The solver that flies is right, the one that is not is told so, in units of the inputs."""
+def test_errors_are_those_against_the_exact_minimiser(recorded):
+    """Small for the MPC's solver, large for a wrong one, in units of the inputs."""
     measured = replay(recorded, {"never": Never}, passes=1)
-    verdict = judge(recorded, measured)
-    assert verdict.residual < 1e-9
-    assert verdict.u0_error[OWN].max() < 1e-3
-    assert verdict.u0_error["never"].min() > 1
-    shortcut = np.array([s is QpStatus.UNCONSTRAINED for s in measured.statuses])
-    np.testing.assert_array_equal(verdict.is_bounded, ~shortcut)
-    assert 0 < verdict.is_bounded.sum() < len(shortcut)
+    evaluation = evaluate(recorded, measured)
+    assert evaluation.residual < 1e-9
+    assert evaluation.u0_error[OWN].max() < 1e-3
+    assert evaluation.u0_error["never"].min() > 1
+    is_unconstrained = np.array([s is QpStatus.UNCONSTRAINED for s in measured.statuses])
+    np.testing.assert_array_equal(evaluation.is_constrained, ~is_unconstrained)
+    assert 0 < evaluation.is_constrained.sum() < len(is_unconstrained)

@@ -1,4 +1,4 @@
-"""Station and coordinator as two processes, in real time, on a machine that does nothing else.
+"""Station and coordinator as two processes in real time; requires an idle machine.
 
 pytest tests/benchmarks/test_over_lcm.py -s
 """
@@ -17,7 +17,7 @@ URL = "udpm://239.255.76.67:7767?ttl=0"
 
 
 @pytest.mark.parametrize("name", ["clover", "clover_paper", "moving_target"])
-def test_real_time_costs_no_accuracy(name, tmp_path, capsys):
+def test_real_time_does_not_reduce_accuracy(name, tmp_path, capsys):
     scenario = load_scenario(name)
     key = "settled_mean_m" if name == "moving_target" else "lap_mean_m"
     here = summarize(scenario, FlightSimulation(scenario).fly())["error"][key]

@@ -1,4 +1,4 @@
-"""`aerodrake compare`: what it writes and says, and how it ends."""
+"""Files, output and exit codes of `aerodrake compare`."""
 
 import json
 import re
@@ -14,18 +14,17 @@ from tests.in_this_process import in_this_process
 SHORT = ["--set", "duration=0.3", "--set", "settle_s=0.1"]
 
 
-def test_the_command(tmp_path, monkeypatch, capfd):
-    """Writes and says what it should, twice the same."""
+def test_files_and_output_are_reproducible(tmp_path, monkeypatch, capfd):
     two = {name: VARIANTS[name] for name in ("integral", "modified+online")}
     monkeypatch.setattr(module, "VARIANTS", two)
     untrained = ["--set", "residual.checkpoint=''"]
     command = ["compare", "clover_paper", *SHORT, *untrained, "--jobs", "2"]
     assert main([*command, "--out", str(tmp_path / "a")]) == 0
-    said, progress = capfd.readouterr()
-    assert "note: residual.checkpoint names no network" in said
-    assert re.search(r"^integral +\d", said, re.MULTILINE)
-    assert re.search(r"^modified\+online +\d.* -?\+?\d+\.\d %.* completed$", said, re.MULTILINE)
-    assert re.search(r"^paper: proposed +12.20|^paper: proposed", said, re.MULTILINE)
+    output, progress = capfd.readouterr()
+    assert "note: residual.checkpoint names no network" in output
+    assert re.search(r"^integral +\d", output, re.MULTILINE)
+    assert re.search(r"^modified\+online +\d.* -?\+?\d+\.\d %.* completed$", output, re.MULTILINE)
+    assert re.search(r"^paper: proposed +12.20|^paper: proposed", output, re.MULTILINE)
     assert "2/2" in progress
     written = sorted(path.name for path in (tmp_path / "a").iterdir())
     assert written == [
@@ -42,7 +41,7 @@ def test_the_command(tmp_path, monkeypatch, capfd):
 
     first = read()
     monkeypatch.setattr(module, "run_parallel", in_this_process)
-    # What is not compared is not drawn.
+    # Only the figure of the comparison is compared.
     monkeypatch.setattr("aerodrake.reports.flight_folder.plot_tracking", lambda *_: None)
     monkeypatch.setattr("aerodrake.comparison.page._pictures", lambda *_: [])
     assert main([*command, "--quiet", "--out", str(tmp_path / "a")]) == 0
@@ -51,15 +50,15 @@ def test_the_command(tmp_path, monkeypatch, capfd):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_variants_that_are_not_asked_for_are_not_flown(tmp_path, monkeypatch, capsys):
-    """Not even the scenario's own, and none of them need be fit to be flown."""
+def test_only_the_given_variants_are_flown(tmp_path, monkeypatch, capsys):
+    """Variants that are not given may be invalid: `allocation.k_m=0` is for `clik`."""
     monkeypatch.setattr(module, "run_parallel", in_this_process)
     flown = ["--variant", "fixed_weights", "--variant", "integral", "--variant", "integral"]
     settings = ["--set", "duration=0.1", "--set", "settle_s=0", "--set", "allocation.k_m=0"]
     out = tmp_path / "out"
     assert main(["compare", "hover", *settings, *flown, "--out", str(out)]) == 0
-    said = capsys.readouterr().out
-    assert re.search(r"^integral +0.00", said, re.MULTILINE) and "modified " not in said
+    output = capsys.readouterr().out
+    assert re.search(r"^integral +0.00", output, re.MULTILINE) and "modified " not in output
     variants = json.loads((out / "comparison.json").read_text())["variants"]
     assert list(variants) == ["integral", "fixed_weights"]
     assert sorted(path.name for path in out.iterdir()) == [
@@ -68,20 +67,20 @@ def test_variants_that_are_not_asked_for_are_not_flown(tmp_path, monkeypatch, ca
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_lost_is_an_ending(tmp_path, monkeypatch, capsys):
-    """Rotors that do not carry it: it falls, in every variant."""
+def test_a_lost_variant_is_a_success(tmp_path, monkeypatch, capsys):
+    """The vehicle falls, since its rotors are too weak."""
     monkeypatch.setattr(module, "VARIANTS", {"modified": VARIANTS["modified"]})
     monkeypatch.setattr(module, "run_parallel", in_this_process)
     weak = ["--set", "vehicle.rotor.max_thrust_n=2", "--set", "vehicle.base_position_m=[0, 0, 9]"]
     fall = [*weak, "--set", "duration=1", "--set", "settle_s=0"]
     assert main(["compare", "hover", *fall, "--out", str(tmp_path / "out")]) == 0
-    said = capsys.readouterr().out
-    assert re.search(r"^modified +\d.*  lost: .+ at 0\.\d+ s$", said, re.MULTILINE)
+    output = capsys.readouterr().out
+    assert re.search(r"^modified +\d.*  lost: .+ at 0\.\d+ s$", output, re.MULTILINE)
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_failed_is_none(tmp_path, monkeypatch, capsys):
-    """It is shown, and the others are there."""
+def test_a_failed_variant_is_a_failure(tmp_path, monkeypatch, capsys):
+    """Its cause is printed, and the other variants are written."""
     fly = module._fly
 
     def fail_one(flight):
@@ -95,16 +94,16 @@ def test_failed_is_none(tmp_path, monkeypatch, capsys):
     out = tmp_path / "out"
     command = ["compare", "hover", "--set", "duration=0.1", "--set", "settle_s=0"]
     assert main([*command, "--out", str(out)]) == 1
-    said = capsys.readouterr().out
-    assert re.search(r"^clik +failed: RuntimeError: out of luck$", said, re.MULTILINE)
-    assert re.search(r"^modified +0.000 .* completed$", said, re.MULTILINE)
+    output = capsys.readouterr().out
+    assert re.search(r"^clik +failed: RuntimeError: out of luck$", output, re.MULTILINE)
+    assert re.search(r"^modified +0.000 .* completed$", output, re.MULTILINE)
     variants = json.loads((out / "comparison.json").read_text())["variants"]
     assert variants["clik"] == {"exit_reason": "failed", "exit_cause": "RuntimeError: out of luck"}
     assert variants["modified"]["exit_reason"] == "completed"
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "expected"),
     [
         (["clovr"], "did you mean 'clover'?"),
         (["hover", "--variant", "clic"], "--variant: no such variant 'clic'; did you mean 'clik'?"),
@@ -127,7 +126,9 @@ def test_failed_is_none(tmp_path, monkeypatch, capsys):
         (["hover", "--out", "mine"], "mine holds files that are not of an earlier run"),
     ],
 )
-def test_bad_input_is_one_line_and_nothing_is_written(options, said, tmp_path, monkeypatch, capsys):
+def test_bad_input_prints_one_line_and_writes_nothing(
+    options, expected, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(module, "run_parallel", lambda *_: pytest.fail("flown"))
     (tmp_path / "file").write_text("precious")
@@ -136,18 +137,18 @@ def test_bad_input_is_one_line_and_nothing_is_written(options, said, tmp_path, m
     assert main(["compare", *options]) == 2
     out, error = capsys.readouterr()
     assert out == "" or out.startswith("note: ")
-    assert said in error and len(error.splitlines()) == 1
+    assert expected in error and len(error.splitlines()) == 1
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["comparison.json", "file", "mine"]
 
 
 @pytest.mark.parametrize("jobs", ["0", "-1", "x", "1.5", "1e9"])
-def test_jobs_are_counted_from_one(jobs, capsys):
+def test_jobs_are_whole_numbers_from_one(jobs, capsys):
     with pytest.raises(SystemExit, match="2"):
         main(["compare", "hover", "--jobs", jobs])
     assert "--jobs: expected a whole number in [1, 1000]" in capsys.readouterr().err
 
 
-def test_an_interrupted_comparison_leaves_nothing(tmp_path, monkeypatch, capsys):
+def test_an_interrupted_comparison_writes_nothing(tmp_path, monkeypatch, capsys):
     def interrupt(*_):
         raise KeyboardInterrupt
 

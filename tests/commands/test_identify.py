@@ -1,4 +1,4 @@
-"""`aerodrake identify`: what it writes and where, and how it ends."""
+"""Files, output and exit codes of `aerodrake identify`."""
 
 import json
 import shutil
@@ -21,7 +21,7 @@ K_B = [1.5, 2.0, 2.5]
 
 @pytest.fixture
 def ideal(monkeypatch):
-    """No flights: bases of first order, which have `K_B`."""
+    """Replaces the flights by samples of a first-order base with `K_B`."""
 
     def fly(manoeuvre: Manoeuvre) -> Record:
         t = 0.02 * np.arange(1000)
@@ -34,7 +34,7 @@ def ideal(monkeypatch):
 
 @pytest.fixture
 def scenario(tmp_path) -> Path:
-    """A copy of a packaged scenario, alone in a folder."""
+    """Copy of a packaged scenario in an empty folder."""
     (tmp_path / "mine").mkdir()
     return Path(shutil.copy(packaged_scenarios()["clover_paper"], tmp_path / "mine" / "own.yaml"))
 
@@ -43,7 +43,7 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
-def test_what_a_folder_holds(ideal, tmp_path):
+def test_files_of_an_identification(ideal, tmp_path):
     out = tmp_path / "out"
     options = ["--set", "seed=3", "--set", "name=other", "--quiet", "--out", str(out)]
     assert main(["identify", *options]) == 0
@@ -58,14 +58,14 @@ def test_what_a_folder_holds(ideal, tmp_path):
     assert replace(again, model=own.model, source=own.source) == own
 
 
-def test_what_is_said_and_where_it_goes(ideal, tmp_path, monkeypatch, capfd):
+def test_default_folder_and_output(ideal, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     assert main(["identify", "hover", "--set", "seed=3"]) == 0
     (out,) = Path("runs").iterdir()
     assert out.name.startswith("identify-hover-") and sorted(files(out)) == FILES
-    said, progress = capfd.readouterr()
-    assert f"{out}: {', '.join(FILES)}" in said
-    assert said.rstrip().splitlines()[-1] == "--set 'model.k_b=[1.5,2,2.5]'"
+    output, progress = capfd.readouterr()
+    assert f"{out}: {', '.join(FILES)}" in output
+    assert output.rstrip().splitlines()[-1] == "--set 'model.k_b=[1.5,2,2.5]'"
     assert "360.0/360.0 s" in progress
     assert load_scenario(str(out / "scenario.yaml")).model.k_b == tuple(K_B)
 
@@ -79,8 +79,7 @@ def test_an_earlier_identification_is_replaced_as_a_whole(ideal, tmp_path):
 
 
 @pytest.mark.parametrize("names", [["thesis.tex"], ["summary.json", "log.npz", "scenario.yaml"]])
-def test_folders_of_another_kind_are_left_alone(names, ideal, tmp_path, capsys):
-    """Runs among them."""
+def test_a_folder_with_other_files_is_refused(names, ideal, tmp_path, capsys):
     out = tmp_path / "out"
     out.mkdir()
     for name in names:
@@ -90,7 +89,7 @@ def test_folders_of_another_kind_are_left_alone(names, ideal, tmp_path, capsys):
     assert files(out) == dict.fromkeys(names, b"precious")
 
 
-def test_write_puts_it_into_the_file_and_touches_nothing_else(ideal, scenario, tmp_path, capsys):
+def test_write_changes_only_k_b_in_the_file(ideal, scenario, tmp_path, capsys):
     before = scenario.read_text()
     argv = ["identify", str(scenario), "--write", "--out", str(tmp_path / "out")]
     assert main(argv) == 0
@@ -100,13 +99,13 @@ def test_write_puts_it_into_the_file_and_touches_nothing_else(ideal, scenario, t
     assert load_scenario(str(scenario)).model.k_b == tuple(K_B)
 
 
-def test_without_write_the_file_stays(ideal, scenario, tmp_path):
+def test_without_write_the_file_is_unchanged(ideal, scenario, tmp_path):
     before = files(scenario.parent)
     assert main(["identify", str(scenario), "--quiet", "--out", str(tmp_path / "out")]) == 0
     assert files(scenario.parent) == before
 
 
-def test_a_packaged_scenario_is_written_where_it_is(ideal, scenario, tmp_path, monkeypatch):
+def test_write_to_a_packaged_scenario(ideal, scenario, tmp_path, monkeypatch):
     monkeypatch.setattr("aerodrake.scenario.load.packaged_scenarios", lambda: {"own": scenario})
     argv = ["identify", "own", "--write", "--quiet", "--out", str(tmp_path / "out")]
     assert main(argv) == 0
@@ -114,7 +113,7 @@ def test_a_packaged_scenario_is_written_where_it_is(ideal, scenario, tmp_path, m
 
 
 @pytest.mark.parametrize(
-    ("argv", "said"),
+    ("argv", "expected"),
     [
         (["clovr"], "clovr: no such scenario; did you mean 'clover'?"),
         (["own.yaml", "--set", "mpc.horizon=x"], "--set: mpc.horizon: expected a whole number"),
@@ -126,8 +125,7 @@ def test_a_packaged_scenario_is_written_where_it_is(ideal, scenario, tmp_path, m
         (["bare.yaml", "--write"], "bare.yaml: model.k_b: expected this key in the file"),
     ],
 )
-def test_bad_input_is_answered_in_one_line(argv, said, scenario, monkeypatch, capfd):
-    """Before anything is flown, and nothing is written."""
+def test_bad_input_prints_one_line_and_writes_nothing(argv, expected, scenario, monkeypatch, capfd):
     monkeypatch.chdir(scenario.parent)
     Path("bare.yaml").write_text("seed: 1\n")
 
@@ -138,20 +136,20 @@ def test_bad_input_is_answered_in_one_line(argv, said, scenario, monkeypatch, ca
     before = files(Path())
     assert main(["identify", *argv]) == 2
     err = capfd.readouterr().err.splitlines()
-    assert said in err[-1] and len([line for line in err if line.startswith("aerodrake: ")]) == 1
+    assert (
+        expected in err[-1] and len([line for line in err if line.startswith("aerodrake: ")]) == 1
+    )
     assert files(Path()) == before
 
 
 @pytest.mark.parametrize("jobs", ["0", "-1", "two", "1.5", ""])
-def test_jobs_are_a_number(jobs, capsys):
+def test_jobs_are_whole_numbers_from_one(jobs, capsys):
     with pytest.raises(SystemExit, match="2"):
         main(["identify", "--jobs", jobs])
     assert "expected a whole number in [1, 1000]" in capsys.readouterr().err
 
 
-def test_what_cannot_be_identified_leaves_everything_as_it_was(
-    ideal, scenario, tmp_path, monkeypatch, capfd
-):
+def test_a_failed_identification_writes_nothing(ideal, scenario, tmp_path, monkeypatch, capfd):
     out = tmp_path / "out"
     argv = ["identify", str(scenario), "--quiet", "--write", "--out", str(out)]
     assert main(argv) == 0
@@ -161,11 +159,11 @@ def test_what_cannot_be_identified_leaves_everything_as_it_was(
     monkeypatch.setattr(aerodrake.identification.identify, "fly", lambda manoeuvre: still)
     assert main(argv) == 2
     (line,) = capfd.readouterr().err.splitlines()
-    assert line.startswith(f"aerodrake: {scenario}: flight: expected a base that answers as")
+    assert line.startswith(f"aerodrake: {scenario}: flight: expected a base with the response")
     assert files(tmp_path) == before
 
 
-def test_an_interrupt_leaves_nothing(ideal, scenario, tmp_path, monkeypatch, capfd):
+def test_an_interrupt_writes_nothing(ideal, scenario, tmp_path, monkeypatch, capfd):
     def interrupt(manoeuvre):
         raise KeyboardInterrupt
 
@@ -177,8 +175,8 @@ def test_an_interrupt_leaves_nothing(ideal, scenario, tmp_path, monkeypatch, cap
     assert files(tmp_path) == before
 
 
-def test_a_process_that_dies_is_said_in_one_line(tmp_path, monkeypatch, capsys):
-    """Killed for want of memory, say: no bad input, and no bug either."""
+def test_a_dead_process_is_reported_in_one_line(tmp_path, monkeypatch, capsys):
+    """Exit code 1: it is neither bad input nor a bug."""
     died = ProcessDied("its process died of SIGKILL")
     monkeypatch.setattr(
         "aerodrake.identification.identify.run_parallel", lambda *_: iter([(1, died)])

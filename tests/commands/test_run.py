@@ -1,4 +1,4 @@
-"""`aerodrake run`: what it writes and where, and how it ends."""
+"""Files, folders and exit codes of `aerodrake run`."""
 
 import json
 from importlib.metadata import version
@@ -37,13 +37,13 @@ def summary(folder: Path) -> dict:
 
 
 def files(folder: Path) -> dict[str, bytes]:
-    """What a folder holds, hidden files and all."""
+    """Returns the content of all files in a folder, hidden ones too."""
     return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
 @pytest.fixture(scope="module")
 def noisy(tmp_path_factory) -> Path:
-    """The folder of one run with all that could differ: noise, learning, a file of its own."""
+    """Folder of a run with noise, online learning and a file that the scenario names."""
     folder = tmp_path_factory.mktemp("noisy")
     (folder / "flight.yaml").write_text(NOISY)
     (folder / "path.csv").write_text("t,x,y,z\n0,0,0.2,1.2\n1,0.1,0.2,1.2\n")
@@ -54,16 +54,16 @@ def noisy(tmp_path_factory) -> Path:
     return out
 
 
-# What a run writes.
+# Files.
 
 
-def test_run_writes_all_its_files_and_nothing_else(noisy):
+def test_run_writes_exactly_its_files(noisy):
     assert set(FILES) < set(files(noisy)) and len(files(noisy)) == len(FILES) + 1  # And the CSV.
     assert [p.name for p in noisy.parent.iterdir()] == ["run"]
     assert (noisy / "tracking.png").read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
 
 
-def test_summary_has_every_key_of_the_design(noisy):
+def test_summary_has_every_key(noisy):
     figures = summary(noisy)
     assert figures["scenario"] == "flight" and figures["seed"] == 0
     assert figures["version"] == version("aerodrake")
@@ -87,7 +87,7 @@ def test_summary_has_every_key_of_the_design(noisy):
     assert with_network > 0 and without > 0 and with_network != without
 
 
-def test_log_loads_without_pickle_and_names_its_units(noisy):
+def test_log_loads_without_pickle(noisy):
     arrays = log(noisy)
     for key, array in arrays.items():
         assert array.dtype.kind in "fiuU", key
@@ -96,7 +96,7 @@ def test_log_loads_without_pickle_and_names_its_units(noisy):
         assert len(arrays[key]) == 31, key
 
 
-def test_replay_plays_the_vehicle_its_reference_and_its_trace(noisy):
+def test_replay_has_the_paths_of_reference_and_end_effector(noisy):
     page = (noisy / "replay.html").read_text()
     assert page.lstrip().lower().startswith("<!doctype html>")
     for name in ("/paths/reference", "/paths/end_effector"):
@@ -104,7 +104,7 @@ def test_replay_plays_the_vehicle_its_reference_and_its_trace(noisy):
 
 
 def encoded_in(page: str, name: str) -> bool:
-    """Whether one of the page's base64 messages holds the name."""
+    """Returns True if one of the page's base64 messages contains the name."""
     import base64
     import re
 
@@ -114,8 +114,8 @@ def encoded_in(page: str, name: str) -> bool:
     )
 
 
-def test_scenario_is_complete_and_flies_again_to_the_same_numbers(noisy, tmp_path, monkeypatch):
-    """From another folder, with what it was read from gone."""
+def test_the_saved_scenario_gives_the_same_flight(noisy, tmp_path, monkeypatch):
+    """It runs in another folder, after the original files are removed."""
     text = yaml.safe_load((noisy / "scenario.yaml").read_text())
     assert text["mpc"]["horizon"] == 15 and text["vehicle"]["rotor"]["lag_up_s"] == 0.0125
     monkeypatch.chdir(tmp_path)
@@ -133,8 +133,8 @@ def test_scenario_is_complete_and_flies_again_to_the_same_numbers(noisy, tmp_pat
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_files_beside_the_working_directory_are_found_again(tmp_path, monkeypatch):
-    """Whatever they are called; their paths were relative to where --set was typed."""
+def test_files_given_relative_to_the_working_directory_are_saved(tmp_path, monkeypatch):
+    """One of them is called as a file of the results."""
     monkeypatch.chdir(tmp_path)
     robot = Path(aerodrake.__file__).parent / "robots" / "quadrotor_arm6.urdf"
     Path("mine.urdf").write_text(robot.read_text())
@@ -157,20 +157,20 @@ def test_options_change_the_scenario_and_are_recorded(tmp_path):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_default_folder_and_what_is_said(tmp_path, monkeypatch, capfd):
+def test_default_folder_and_output(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     assert main(["run", "hover", "--duration", "0.1", "--set", "settle_s=0"]) == 0
     (run,) = Path("runs").iterdir()
     assert run.name.startswith("hover-") and sorted(p.name for p in run.iterdir()) == FILES
-    said, progress = capfd.readouterr()
-    assert "note: allocation.d_h_m (0.075 m)" in said
-    assert "hover: completed" in said and "end-effector error" in said
-    assert said.rstrip().splitlines()[-1].startswith(f"{run}: ")
+    output, progress = capfd.readouterr()
+    assert "note: allocation.d_h_m (0.075 m)" in output
+    assert "hover: completed" in output and "end-effector error" in output
+    assert output.rstrip().splitlines()[-1].startswith(f"{run}: ")
     assert "0.1/0.1 s" in progress
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_two_runs_in_one_second_are_two_folders(tmp_path, monkeypatch):
+def test_two_runs_in_one_second_have_two_folders(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("time.strftime", lambda format: "now")
     for _ in range(2):
@@ -194,7 +194,7 @@ def test_an_earlier_run_is_replaced_as_a_whole(tmp_path):
     assert list(tmp_path.iterdir()) == [out]
 
 
-def test_bad_input_leaves_an_earlier_run_as_it_is(noisy, capsys):
+def test_bad_input_leaves_an_earlier_run_unchanged(noisy, capsys):
     before = files(noisy.parent)
     options = ["--set", "vehicle.working_rad=[0]", "--out", str(noisy)]
     assert main(["run", "hover", *options]) == 2
@@ -202,8 +202,8 @@ def test_bad_input_leaves_an_earlier_run_as_it_is(noisy, capsys):
 
 
 @pytest.mark.parametrize("name", ["thesis.tex", "summary.json"])
-def test_a_folder_of_your_own_is_left_alone(name, tmp_path, capsys):
-    """Even one with a file that is called like one of ours."""
+def test_a_folder_with_other_files_is_refused(name, tmp_path, capsys):
+    """One of the names is also a name of the results."""
     out = tmp_path / "mine"
     out.mkdir()
     (out / name).write_text("precious")
@@ -213,7 +213,7 @@ def test_a_folder_of_your_own_is_left_alone(name, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("name", ["cost $x^$ and a_b, ü & <b>"])
-def test_a_name_is_a_name_whatever_it_holds(name, tmp_path, monkeypatch):
+def test_any_printable_name_is_accepted(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("flight.yaml").write_text(yaml.safe_dump({"name": name, "settle_s": 0, "duration": 0.02}))
     assert main(["run", "flight.yaml", "--quiet"]) == 0
@@ -221,12 +221,12 @@ def test_a_name_is_a_name_whatever_it_holds(name, tmp_path, monkeypatch):
     assert summary(run)["scenario"] == name
 
 
-# How it ends.
+# Exit codes.
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_a_lost_flight_exits_1_and_is_written(tmp_path, capsys):
-    """Rotors that do not carry it: it falls."""
+    """The vehicle falls, since its rotors are too weak."""
     out = tmp_path / "run"
     weak = ["--set", "vehicle.rotor.max_thrust_n=2", "--set", "vehicle.base_position_m=[0, 0, 9]"]
     options = [*weak, "--set", "settle_s=0", "--duration", "2"]
@@ -239,7 +239,7 @@ def test_a_lost_flight_exits_1_and_is_written(tmp_path, capsys):
 
 @pytest.mark.usefixtures("undrawn")
 def test_an_interrupted_flight_exits_1_and_is_written(tmp_path, monkeypatch):
-    """Even one that never came to reference time 0."""
+    """The interrupt is before reference time 0."""
     import tqdm
 
     def interrupt(bar, step):
@@ -256,9 +256,7 @@ def test_an_interrupted_flight_exits_1_and_is_written(tmp_path, monkeypatch):
     assert sorted(p.name for p in out.iterdir()) == FILES
 
 
-def test_a_second_interrupt_leaves_nothing(tmp_path, monkeypatch, capsys):
-    """While the figures are drawn, say."""
-
+def test_an_interrupt_while_writing_leaves_nothing(tmp_path, monkeypatch, capsys):
     def interrupt(*_):
         raise KeyboardInterrupt
 

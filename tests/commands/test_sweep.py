@@ -1,4 +1,4 @@
-"""`aerodrake sweep`: how it ends, and what it refuses."""
+"""Exit codes and bad input of `aerodrake sweep`."""
 
 import json
 
@@ -11,24 +11,24 @@ from aerodrake.sweeps.folder import ROWS, SUMMARY, read_rows
 
 @pytest.fixture
 def _here(monkeypatch):
-    """Flights in this process, where what they are flown by is of no matter."""
+    """Flies trials in this process instead of child processes."""
     monkeypatch.setattr(module, "call_in_child", lambda function, *arguments: function(*arguments))
 
 
 @pytest.mark.usefixtures("_here")
-def test_failures_are_rows_and_an_exit_code(tmp_path, capsys):
-    """A payload below 0 is drawn for some of them."""
+def test_refused_trials_are_rows_and_exit_code_1(tmp_path, capsys):
+    """Some trials draw a negative payload."""
     options = ["hover", "--trials", "8", "--vary", "payload.mass_kg=normal(0, 0.1)"]
     short = ["--set", "settle_s=0", "--set", "duration=0.04", "--jobs", "1"]
     assert main(["sweep", *options, *short, "--out", str(tmp_path / "sweep")]) == 1
     endings = [row["exit_reason"] for row in read_rows(tmp_path / "sweep")]
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     assert 0 < endings.count("refused") < 8
-    assert f"{endings.count('refused')} refused" in said
+    assert f"{endings.count('refused')} refused" in output
 
 
 @pytest.mark.usefixtures("_here")
-def test_lost_flights_are_results(tmp_path):
+def test_lost_flights_are_a_success(tmp_path):
     weak = ["vehicle.rotor.max_thrust_n=2", "vehicle.base_position_m=[0, 0, 9]", "duration=1"]
     options = [word for change in weak for word in ("--set", change)]
     out = tmp_path / "sweep"
@@ -39,7 +39,7 @@ def test_lost_flights_are_results(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "expected"),
     [
         (["clovr", "--trials", "1"], "did you mean 'clover'?"),
         (["hover"], "--trials: expected a number of trials, since no linspace() spans a grid"),
@@ -60,7 +60,9 @@ def test_lost_flights_are_results(tmp_path):
         ),
     ],
 )
-def test_bad_input_is_one_line_and_nothing_is_written(options, said, tmp_path, monkeypatch, capsys):
+def test_bad_input_prints_one_line_and_writes_nothing(
+    options, expected, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(module, "sweep", lambda *_: pytest.fail("flown"))
     (tmp_path / "file").write_text("precious")
@@ -68,12 +70,12 @@ def test_bad_input_is_one_line_and_nothing_is_written(options, said, tmp_path, m
     (tmp_path / "mine" / ROWS).write_text("precious")
     assert main(["sweep", *options, "--quiet"]) == 2
     out, error = capsys.readouterr()
-    assert out == "" and said in error and len(error.splitlines()) == 1
+    assert out == "" and expected in error and len(error.splitlines()) == 1
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["file", "mine", ROWS]
 
 
 @pytest.mark.parametrize("options", [["--trials", "0"], ["--jobs", "0"], ["--trials", "100001"]])
-def test_counts_are_from_one(options, capsys):
+def test_counts_are_whole_numbers_from_one(options, capsys):
     with pytest.raises(SystemExit, match="2"):
         main(["sweep", "hover", *options])
     assert f"argument {options[0]}: expected a whole number in [1, " in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""Identification of K_B: what is flown, and what the packaged scenarios hold."""
+"""Manoeuvres of the identification of K_B, and K_B of the packaged scenarios."""
 
 from dataclasses import replace
 
@@ -33,7 +33,7 @@ TRUE_K_B = (2.0, 3.0, 4.0)
 
 
 def first_order(manoeuvre: Manoeuvre) -> Record:
-    """In the place of `fly`: an ideal base with `TRUE_K_B`, and an arm that slows it by 10 %."""
+    """Replaces `fly` by an ideal base with `TRUE_K_B`, which is 10 % slower if the arm moves."""
     k = TRUE_K_B[manoeuvre.axis] * (0.9 if manoeuvre.arm == "moving" else 1.0)
     t = 0.02 * np.arange(3001)
     p_d = 1.0 + 0.3 * np.sin(0.9 * t)
@@ -53,20 +53,20 @@ def ideal(monkeypatch):
 @pytest.mark.parametrize(
     ("name", "axis", "arm"), [("clover_paper", 1, "moving"), ("clover", 2, "still")]
 )
-def test_packaged_scenarios_hold_identified_values(name, axis, arm):
-    """One flight of the six, for each flight interface."""
+def test_packaged_scenarios_have_identified_values(name, axis, arm):
+    """Flies one of the six flights for each flight interface."""
     scenario = load_scenario(name)
     record = fly(Manoeuvre(scenario, axis, arm))
     fit = identify_axis(scenario, {arm: record}).fit
-    held = scenario.model.k_b[axis]
-    assert fit.interval[0] < held < fit.interval[1]
-    assert fit.gain == pytest.approx(held, rel=0.02)
+    k_b = scenario.model.k_b[axis]
+    assert fit.interval[0] < k_b < fit.interval[1]
+    assert fit.gain == pytest.approx(k_b, rel=0.02)
     assert fit.interval[1] - fit.interval[0] < 0.1 * fit.gain
     assert fit.r2 > {"position": 0.98, "trajectory": 0.94}[scenario.flight.interface]
 
 
-def test_what_flies_alike_is_modelled_alike():
-    """The station is all that K_B depends on."""
+def test_equal_stations_have_equal_k_b():
+    """K_B depends only on the station."""
     papers, others = load_scenario("clover_paper"), load_scenario("moving_target_paper")
     assert papers.flight == others.flight and papers.model == others.model
     for name in ("clover", "moving_target", "hover", "figure_eight", "lissajous", "waypoints"):
@@ -74,7 +74,7 @@ def test_what_flies_alike_is_modelled_alike():
         assert scenario.flight == Flight() and scenario.model.k_b == Model().k_b
 
 
-# What is flown.
+# Manoeuvres.
 
 
 @pytest.mark.parametrize("axis", range(3))
@@ -95,8 +95,8 @@ def test_the_chirp(scenario, vehicle, axis):
 
 
 @pytest.mark.parametrize("period", [0.01, 0.005])
-def test_the_chirp_is_the_same_to_all_who_look_at_a_tick(vehicle, period):
-    """Rounding of the tick's time, or half a plant step more, make no difference."""
+def test_the_chirp_is_constant_around_a_tick(vehicle, period):
+    """Rounding of the tick's time and an offset of half a plant step do not change the value."""
     scenario = Scenario(rates=Rates(flight_period_s=period, sensor_period_s=period))
     motion = base_motion(scenario, vehicle, 0)
     for tick in (1, 3, 7, 1234, 2999):
@@ -119,7 +119,7 @@ def test_the_arm_rests_or_swings_within_its_learning_space(scenario, vehicle):
 
 
 def test_joints_stay_within_their_limits(scenario, vehicle):
-    """Of an arm that starts at a limit, and has a joint that hardly moves."""
+    """The arm starts at a limit and has a joint with a small range."""
     working, upper, lower = vehicle.working.copy(), vehicle.upper.copy(), vehicle.lower.copy()
     working[1], working[2] = upper[1], lower[2]
     upper[3], lower[3] = working[3] + 0.01, working[3] - 0.02
@@ -130,8 +130,8 @@ def test_joints_stay_within_their_limits(scenario, vehicle):
     assert np.ptp(q[:, 3]) == pytest.approx(0.02, abs=1e-3)
 
 
-def test_a_process_of_its_own_flies_the_same():
-    """Bit for bit. At low rates, for speed."""
+def test_a_child_process_gives_the_same_record():
+    """Records are equal bit for bit; low rates make the flight short."""
     noise = Sensors(position_noise_m=0.001)
     rates = Rates(0.005, sensor_period_s=0.02, flight_period_s=0.02, arm_period_s=0.01)
     scenario = Scenario(rates=rates, sensors=noise)
@@ -145,7 +145,7 @@ def test_a_process_of_its_own_flies_the_same():
 # What comes of it.
 
 
-def test_six_flights_make_one_k_b(ideal):
+def test_all_flights_of_an_axis_are_fitted(ideal):
     told = []
     found = identify(Scenario(), 1, progress=told.append)
     assert told == [DURATION_S] * FLIGHTS
@@ -160,7 +160,7 @@ def test_six_flights_make_one_k_b(ideal):
     assert found.identified_scenario == replace(Scenario(), model=Model(k_b=found.k_b))
 
 
-def test_noise_is_another_in_every_flight_and_the_same_again(monkeypatch):
+def test_noise_differs_between_flights_and_is_reproducible(monkeypatch):
     seeds = []
 
     def excite(scenario, base, joints):
@@ -177,8 +177,8 @@ def test_noise_is_another_in_every_flight_and_the_same_again(monkeypatch):
     assert all(0 <= seed < 2**31 for seed in seeds)
 
 
-def test_noise_hardly_biases_it():
-    """2 mm and 1 cm/s: the K_B of the noisy scenario is that of the exact one within 2 %."""
+def test_noise_has_little_bias():
+    """With 2 mm and 1 cm/s, K_B is within 2 % of its value without noise."""
     noise = Sensors(position_noise_m=0.002, velocity_noise_m_s=0.01)
     scenario = replace(load_scenario("clover_paper"), sensors=noise)
     fit = identify_axis(scenario, {"still": fly(Manoeuvre(scenario, 0, "still"))}).fit
@@ -187,7 +187,7 @@ def test_noise_hardly_biases_it():
 
 
 @pytest.mark.parametrize(
-    ("velocity", "said"),
+    ("velocity", "expected"),
     [
         (
             lambda v: 0 * v + np.sin(np.arange(len(v))),
@@ -199,17 +199,17 @@ def test_noise_hardly_biases_it():
     ],
     ids=["noise", "wrong way", "too fast", "not finite"],
 )
-def test_what_no_scenario_could_hold_is_refused(velocity, said, ideal, monkeypatch):
+def test_an_invalid_k_b_is_refused(velocity, expected, ideal, monkeypatch):
     def strange(manoeuvre):
         record = first_order(manoeuvre)
         return replace(record, v=velocity(record.v)) if manoeuvre.axis == 1 else record
 
     monkeypatch.setattr(aerodrake.identification.identify, "fly", strange)
-    with pytest.raises(BadInput, match=said):
+    with pytest.raises(BadInput, match=expected):
         identify(load_scenario("hover"), 1)
 
 
-def test_a_crash_is_the_scenarios_and_a_bug_is_ours(ideal, monkeypatch):
+def test_a_crash_is_bad_input_and_a_failed_process_is_a_bug(ideal, monkeypatch):
     scenario = load_scenario("hover")
 
     def crash(*_):

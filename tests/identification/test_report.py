@@ -1,4 +1,4 @@
-"""The table, the figure and the files of an identification."""
+"""Table, figure and files of an identification."""
 
 import json
 from importlib.metadata import version
@@ -14,7 +14,7 @@ from aerodrake.scenario.load import load_scenario
 
 
 def record(k: float, seed: int) -> Record:
-    """Of a base that lags a sine by 1 / k, and 1 mm/s of noise."""
+    """Returns samples of a base with lag 1 / k that follows a sine, with noise of 1 mm/s."""
     t = 0.02 * np.arange(1000)
     noise = 1e-3 * np.random.default_rng(seed).normal(size=len(t))
     error = 0.1 * np.cos(t)
@@ -22,7 +22,7 @@ def record(k: float, seed: int) -> Record:
 
 
 @pytest.fixture(scope="module")
-def found() -> Identification:
+def identification() -> Identification:
     scenario = Scenario(
         name="cost $x^$ and a_b",
         seed=4,
@@ -36,37 +36,37 @@ def found() -> Identification:
     return Identification(scenario, axes)
 
 
-def test_rows_have_k_b_its_interval_and_what_it_is_to_be_compared_with(found):
-    lines = table(found).splitlines()
+def test_rows_have_k_b_its_interval_and_other_values(identification):
+    lines = table(identification).splitlines()
     assert lines[0].startswith("cost $x^$ and a_b: ") and "flight.interface position" in lines[0]
     rows = {line[0]: line.split() for line in lines if line[:2] in ("x ", "y ", "z ")}
-    for (name, axis), had, paper in zip(
-        found.axes.items(), ("2.50", "2.50", "2.25"), ("6.67", "6.67", "2.38"), strict=True
+    for (name, axis), own, paper in zip(
+        identification.axes.items(), ("2.50", "2.50", "2.25"), ("6.67", "6.67", "2.38"), strict=True
     ):
         low, high = axis.fit.interval
         assert rows[name] == [
             name, f"{axis.fit.gain:.3f}", f"{low:.3f}", "..", f"{high:.3f}", f"{axis.fit.r2:.3f}",
-            f"{axis.gains['still']:.3f}", f"{axis.gains['moving']:.3f}", had, paper,
+            f"{axis.gains['still']:.3f}", f"{axis.gains['moving']:.3f}", own, paper,
         ]  # fmt: skip
         assert low < axis.fit.gain < high
 
 
-def test_the_last_line_can_be_typed(found):
+def test_the_last_line_is_a_valid_option(identification):
     import shlex
 
-    option, assignment = shlex.split(table(found).splitlines()[-1])
-    assert option == "--set" and found.k_b == (1.23, 2.0, 0.988)
-    assert load_scenario("clover_paper", [(option, assignment)]).model.k_b == found.k_b
+    option, assignment = shlex.split(table(identification).splitlines()[-1])
+    assert option == "--set" and identification.k_b == (1.23, 2.0, 0.988)
+    assert load_scenario("clover_paper", [(option, assignment)]).model.k_b == identification.k_b
 
 
 @pytest.fixture(scope="module")
-def folder(found, tmp_path_factory):
+def folder(identification, tmp_path_factory):
     folder = tmp_path_factory.mktemp("identification")
-    write(found, "aerodrake identify it", folder)
+    write(identification, "aerodrake identify it", folder)
     return folder
 
 
-def test_files(found, folder):
+def test_files(identification, folder):
     assert sorted(path.name for path in folder.iterdir()) == sorted(FILES)
     figures = json.loads((folder / "identification.json").read_text())
     assert figures["command"] == "aerodrake identify it"
@@ -77,7 +77,7 @@ def test_files(found, folder):
     assert figures["k_b"] == [1.23, 2.0, 0.988]
     assert figures["scenario_k_b"] == [2.5, 2.5, 2.25]
     assert figures["paper_k_b"] == [6.67, 6.67, 2.38]
-    for name, axis in found.axes.items():
+    for name, axis in identification.axes.items():
         row = figures["axes"][name]
         assert row["k_b"] == pytest.approx(axis.fit.gain, rel=1e-11)
         assert row["interval"] == pytest.approx(axis.fit.interval, rel=1e-11)
@@ -85,14 +85,14 @@ def test_files(found, folder):
         assert row["k_b_by_arm"] == pytest.approx(axis.gains, rel=1e-11)
 
 
-def test_the_scenario_holds_k_b_and_is_the_same_otherwise(found, folder):
+def test_the_saved_scenario_differs_only_in_k_b(identification, folder):
     scenario = load_scenario(str(folder / "scenario.yaml"))
     assert scenario.model == Model(kind="paper", k_b=(1.23, 2.0, 0.988))
-    assert scenario.flight == found.scenario.flight and scenario.seed == 4
+    assert scenario.flight == identification.scenario.flight and scenario.seed == 4
 
 
-def test_the_figure_is_drawn_to_the_same_bytes(found, folder, tmp_path):
-    plot_identification(found, tmp_path / "again.png")
+def test_the_figure_is_reproducible(identification, folder, tmp_path):
+    plot_identification(identification, tmp_path / "again.png")
     first, again = (folder / "identification.png", tmp_path / "again.png")
     assert first.read_bytes() == again.read_bytes()
     image = plt.imread(first)

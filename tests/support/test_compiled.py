@@ -65,9 +65,7 @@ def test_changing_a_called_function_or_a_constant_recompiles(sources):
     assert run(sources) == 120
     old = (sources / "inner" / "number.py").stat().st_mtime
     (sources / "inner" / "number.py").write_text(NUMBER.format(200))
-    os.utime(
-        sources / "inner" / "number.py", (old, old)
-    )  # As after restoring a file from a backup.
+    os.utime(sources / "inner" / "number.py", (old, old))  # As of a restored file.
     assert run(sources) == 220
     assert len(machine_code(sources)) == len(before)
 

@@ -36,9 +36,7 @@ def test_the_folder_appears_when_it_is_complete(tmp_path):
     with run_folder(tmp_path / "run") as folder:
         (folder / "summary.json").write_text("new")
         assert not (tmp_path / "run").exists()
-        assert (
-            folder.parents[1].parent == tmp_path
-        )  # On the same file system, so that it can be renamed.
+        assert folder.parents[1].parent == tmp_path  # On the same file system.
     assert texts(tmp_path) == {"run/summary.json": "new"}
 
 
