@@ -161,4 +161,5 @@ def find_margins(
 
 
 def _fly(scenario: Scenario) -> dict[str, Any]:
-    return summarize(scenario, FlightSimulation(scenario).fly())
+    flight = FlightSimulation(scenario)
+    return summarize(scenario, flight.fly(), flight.vehicle)

@@ -30,7 +30,9 @@ Summaries = Mapping[str, Mapping[str, Any]]
 """By the name of each flight; of those that failed, without `error`."""
 
 
-def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
+def summarize(
+    scenario: Scenario, log: FlightLog, vehicle: VehicleModel | None = None
+) -> dict[str, Any]:
     """The figures of a flight. Errors are of the true state; null where not flown.
 
     Keys:
@@ -52,6 +54,11 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             a joint was from its limits, in rad (negative: beyond one).
         residual: RMS of the error in m/s with which one period of base velocity
             is predicted, with and without the network.
+
+    Args:
+        scenario: The scenario of the flight.
+        log: The log of the flight.
+        vehicle: The scenario's vehicle, if it is loaded already.
     """
     flown = log.time_s >= 0
     lap = make_reference(scenario.reference, log["p_E_m"][0]).lap
@@ -89,7 +96,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         },
         "safe_modes": safe_modes(log, scenario.rates.flight_period_s),
         "events": events(scenario, log),
-        "arm": _arm(scenario, log),
+        "arm": _arm(scenario, log, vehicle or VehicleModel.load(scenario)),
         "residual": {
             "mode": scenario.residual.mode,
             "prediction_rmse_m_s": {
@@ -129,8 +136,8 @@ def to_json(summary: dict[str, Any]) -> str:
     return json.dumps(summary, indent=2, allow_nan=False) + "\n"
 
 
-def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
-    vehicle, flown = VehicleModel.load(scenario), log.time_s >= 0
+def _arm(scenario: Scenario, log: FlightLog, vehicle: VehicleModel) -> dict[str, float | None]:
+    flown = log.time_s >= 0
     d_o = np.linalg.norm(log.p_EB_m - vehicle.p_O, axis=1)[flown]
     q = log["q_rad"][flown]
     room = np.minimum(q - vehicle.lower, vehicle.upper - q)

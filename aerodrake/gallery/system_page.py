@@ -204,10 +204,19 @@ def _parts(system: System) -> Iterator[str]:
 
 
 def _wiring(maker: Callable[..., Diagram] | None) -> Iterator[str]:
-    """What the page says of itself on which a diagram is wired."""
-    if maker is not None:
-        yield "## Wiring"
-        yield f"```text\n{inspect.getdoc(sys.modules[maker.__module__])}\n```"
+    """Yields the docstring of the module that wires a diagram, and its table of rates."""
+    if maker is None:
+        return
+    module = sys.modules[maker.__module__]
+    yield "## Wiring"
+    yield f"```text\n{inspect.getdoc(module)}\n```"
+    if rates := getattr(module, "RATES", ()):
+        rows = [
+            (", ".join(f"`{name}`" for name in rate.systems), f"`{rate.period}`")
+            + (f"{rate.offset_steps:g}" if rate.offset_steps else "", rate.kind)
+            for rate in rates
+        ]
+        yield _table(("systems", "period", "offset / plant steps", "kind"), rows)
 
 
 def _equations(system: System) -> Iterator[str]:

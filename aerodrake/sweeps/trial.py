@@ -86,7 +86,8 @@ def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
     try:
         scenario = trial.resolved()
         with single_thread():
-            figures = repeatable(summarize(scenario, FlightSimulation(scenario).fly()))
+            flight = FlightSimulation(scenario)
+            figures = repeatable(summarize(scenario, flight.fly(), flight.vehicle))
         ending = {k: v for k, v in figures.items() if k not in ("scenario", "seed", "version")}
     except (Exception, SystemExit) as error:  # Drake raises SystemExit.
         if _is_machine_error(error):

@@ -14,7 +14,7 @@ from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.reference.envelope import ReferenceVerdict
 from aerodrake.model.residual.gate import GateCause
 from aerodrake.model.sensing.sample_check import MAX_MAGNITUDE
-from aerodrake.model.setpoint.integration import Segment
+from aerodrake.model.setpoint.integration import Segment, split_segment
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.systems.named_state import NamedState
 from aerodrake.wire.link import Link
@@ -103,7 +103,7 @@ class WireReceiver(LeafSystem):
 
     def _calc_u(self, context: Context, output: BasicVector) -> None:
         state = self._state.read(context)
-        *_, u = state.segment[:-1].reshape(3, self._axes)
+        u = split_segment(state.segment).acceleration
         if state.ticks_since_reply:  # The segment is over.
             plan = state.plan.reshape(-1, self._axes)
             row = state.ticks_since_reply
