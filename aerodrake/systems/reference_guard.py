@@ -27,8 +27,8 @@ class ReferenceGuard(LeafSystem):
     Ports:
         in `horizon` (6 (N + 1)): p_Ed, p_Ed' in m and m/s, now and at each stage.
         out `horizon` (6 (N + 1)): the same, always finite and within the envelope. It feeds
-            through: a tick reads what is requested now. Between ticks a reference that is
-            refused rests where it was at the last tick at which it was not.
+            through: a tick reads what is requested now. A refused reference rests at the
+            position that was passed on at the last tick.
         out `reference` (6): the same, now.
         out `reference_verdict` (1): a `ReferenceVerdict` on the reference at the last tick.
     State:

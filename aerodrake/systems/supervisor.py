@@ -41,7 +41,7 @@ class SupervisorSystem(LeafSystem):
         in `rotor_effectiveness` (k): fraction of its thrust that each rotor gives.
         in `saturated` (1): 1 while the flight controller is saturated.
         in `reference_verdict` (1): a `ReferenceVerdict`.
-        in `learner_health` (2): the `Cause` for which Delta is zero, or OK; s for which it is.
+        in `learner_health` (2): the `GateCause` for which Delta is zero, or OK; s for which it is.
         `sample_health`, `rotor_effectiveness` and `learner_health` may be left unconnected,
         which means healthy.
         out `mode` (1): a `SafeMode`.

@@ -37,13 +37,13 @@ class Signal(IntEnum):
     ATTITUDE_OUTAGE = 3
     JOINTS_OUTAGE = 4
     TILT = 5  # rad, of the base.
-    ROTOR_MISSING = 6  # Largest fraction of its thrust that a rotor has lost.
+    ROTOR_LOSS = 6  # Largest fraction of its thrust that a rotor has lost.
     SATURATED = 7  # The flight controller is saturated.
     REFERENCE_NOT_FINITE = 8  # The reference guard's verdicts.
     REFERENCE_OUT_OF_REACH = 9
     REFERENCE_TOO_FAST = 10
     REFERENCE_JUMPED = 11
-    LEARNER_SHUT_OUT = 12  # Delta is zero because it, or its training samples, did harm.
+    LEARNER_GATED = 12  # Delta is zero because it, or its training samples, were harmful.
     ON_GROUND = 13  # The feet are on the ground, in NOMINAL or HOLD.
     LANDED = 14  # In DESCEND they are near it, and it carries part of the weight.
     GROUND_EXPECTED = 15  # In DESCEND, without position samples, they are predicted below it.
@@ -93,7 +93,7 @@ def conditions(config: Supervisor) -> tuple[Condition, ...]:
     return (
         Condition("not_finite", s.NOT_FINITE, stop, 1, 0, 0, NEVER, "lost"),
         Condition("tilt", s.TILT, stop, c.max_tilt_rad, 0, 0, NEVER, "lost"),
-        Condition("rotor_lost", s.ROTOR_MISSING, stop, lost, 0, 0, NEVER),
+        Condition("rotor_lost", s.ROTOR_LOSS, stop, lost, 0, 0, NEVER),
         Condition("landed", s.LANDED, stop, 1, 0.3, 0, NEVER, "landed"),
         Condition("ground_expected", s.GROUND_EXPECTED, stop, 1, 0.5, 0, NEVER),
         Condition("ground_contact", s.ON_GROUND, stop, 1, 0.1, 0, NEVER),
@@ -109,8 +109,8 @@ def conditions(config: Supervisor) -> tuple[Condition, ...]:
         Condition("reference_out_of_reach", s.REFERENCE_OUT_OF_REACH, hold, 1, 0.1, 0, clear_s),
         Condition("reference_too_fast", s.REFERENCE_TOO_FAST, hold, 1, 0.1, 0, clear_s),
         Condition("reference_jump", s.REFERENCE_JUMPED, report, 1, 0, 0, clear_s),
-        Condition("learner_shut_out", s.LEARNER_SHUT_OUT, report, 1, 0, 0, clear_s),
-        Condition("rotor_degraded", s.ROTOR_MISSING, report, 0.1, 0.5, 0.05, clear_s),
+        Condition("learner_shut_out", s.LEARNER_GATED, report, 1, 0, 0, clear_s),
+        Condition("rotor_degraded", s.ROTOR_LOSS, report, 0.1, 0.5, 0.05, clear_s),
         Condition("saturated", s.SATURATED, report, 1, 0.3, 0, clear_s),
     )
 
@@ -119,9 +119,9 @@ class ConditionTable(NamedTuple):
     """Columns of K conditions as arrays (K,), for compiled code.
 
     Attributes:
-        signal, mode: Values of `Signal` and `SafeMode`.
-        trigger, clear: Thresholds in the signal's unit.
-        trigger_s, clear_s: s.
+        signal, mode: (K,) values of `Signal` and `SafeMode`.
+        trigger, clear: (K,) thresholds in the signal's unit.
+        trigger_s, clear_s: (K,) s.
     """
 
     signal: np.ndarray
@@ -243,14 +243,14 @@ def compute_signals(status: FlightStatus, feet: float, mpc_period: float) -> np.
     values[Signal.ATTITUDE_OUTAGE.value] = status.outage_s[1]
     values[Signal.JOINTS_OUTAGE.value] = status.outage_s[2]
     values[Signal.TILT.value] = tilt if is_finite else 0.0
-    values[Signal.ROTOR_MISSING.value] = 1.0 - status.rotor_effectiveness.min()
+    values[Signal.ROTOR_LOSS.value] = 1.0 - status.rotor_effectiveness.min()
     values[Signal.SATURATED.value] = status.saturated
     values[Signal.REFERENCE_NOT_FINITE.value] = verdict == ReferenceVerdict.NOT_FINITE.value
     values[Signal.REFERENCE_OUT_OF_REACH.value] = verdict == ReferenceVerdict.OUT_OF_REACH.value
     values[Signal.REFERENCE_TOO_FAST.value] = verdict == ReferenceVerdict.TOO_FAST.value
     values[Signal.REFERENCE_JUMPED.value] = verdict == ReferenceVerdict.JUMPED.value
     # UNPROVEN, the lowest cause, is no harm: Delta has yet to improve predictions.
-    values[Signal.LEARNER_SHUT_OUT.value] = status.learner_cause > GateCause.UNPROVEN.value
+    values[Signal.LEARNER_GATED.value] = status.learner_cause > GateCause.UNPROVEN.value
     values[Signal.ON_GROUND.value] = not is_descending and height <= ON_GROUND_M
     values[Signal.LANDED.value] = is_descending and not is_predicted and has_landed
     values[Signal.GROUND_EXPECTED.value] = is_descending and is_predicted and height <= 0

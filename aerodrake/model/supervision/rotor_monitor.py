@@ -116,7 +116,7 @@ class RotorMonitorState(NamedTuple):
         filtered_residual: (2, 6) N, residual beyond the baseline, fast and slow filter.
         filtered_thrust: (2, k) N, estimated thrusts, filtered alike.
         thrust: (k,) N, estimated thrusts now.
-        delayed_thrust: (delay_samples, k) N, mean thrusts of the last samples, oldest first.
+        delayed_thrust: (D, k) N, mean thrusts of the last D = `delay_samples`, oldest first.
         loss: (k,) in [0, 1], reported loss of each rotor as a fraction of its thrust.
         detections: (k,) consecutive samples in which a large loss of each rotor was detected.
         last: The last sample.
@@ -210,7 +210,7 @@ def update_monitor(
         is_faulty = loss[large.rotor] > FAST_LOSS
         if count >= FAST_SAMPLES or (is_faulty and change > FAST_CHANGE):
             is_detected = True
-            loss = with_loss(loss, large.rotor, large.loss)
+            loss = _with_loss(loss, large.rotor, large.loss)
             # The slow filter still contains the time before.
             filtered[SLOW], filtered_thrust[SLOW] = filtered[FAST], filtered_thrust[FAST]
         if not is_detected:
@@ -221,7 +221,7 @@ def update_monitor(
             is_detected = small.fit > SLOW_FIT and abs(small.loss - loss[small.rotor]) > least
             if is_detected:
                 is_reported = small.loss > SLOW_LOSS / 2
-                loss = with_loss(loss, small.rotor, small.loss if is_reported else 0.0)
+                loss = _with_loss(loss, small.rotor, small.loss if is_reported else 0.0)
         if not is_detected:
             baseline = baseline + dt / baseline_s * (residual - (mean * loss) @ signatures)
             baseline_s = min(baseline_s + dt, BASELINE_S)
@@ -291,7 +291,7 @@ def isolate(
 
 
 @compiled
-def with_loss(loss: np.ndarray, rotor: int, value: float) -> np.ndarray:
+def _with_loss(loss: np.ndarray, rotor: int, value: float) -> np.ndarray:
     """Returns the losses (k,) with that of one rotor replaced."""
     replaced = loss.copy()
     replaced[rotor] = value

@@ -73,9 +73,9 @@ def test_clears_below_its_second_threshold_after_its_second_duration(tilt):
 
 
 def test_a_permanent_condition_never_clears():
-    stepper = Stepper(Condition("rotor_lost", Signal.ROTOR_MISSING, STOP, 0.6, 0, 0, NEVER))
-    assert stepper.step(ROTOR_MISSING=1.0) == (STOP, 0)
-    assert stepper.step(100_000, ROTOR_MISSING=0.0) == (STOP, 0)
+    stepper = Stepper(Condition("rotor_lost", Signal.ROTOR_LOSS, STOP, 0.6, 0, 0, NEVER))
+    assert stepper.step(ROTOR_LOSS=1.0) == (STOP, 0)
+    assert stepper.step(100_000, ROTOR_LOSS=0.0) == (STOP, 0)
 
 
 def test_nan_triggers_and_does_not_clear(tilt):
@@ -160,13 +160,13 @@ def test_each_quantity_is_at_the_index_of_its_signal(vehicle):
         "POSITION_OUTAGE": ({"outage_s": np.array([0.3, 0, 0])}, 0.3),
         "ATTITUDE_OUTAGE": ({"outage_s": np.array([0, 0.4, 0])}, 0.4),
         "JOINTS_OUTAGE": ({"outage_s": np.array([0, 0, 0.5])}, 0.5),
-        "ROTOR_MISSING": ({"rotor_effectiveness": np.array([1, 0.8, 0.9, 1])}, 0.2),
+        "ROTOR_LOSS": ({"rotor_effectiveness": np.array([1, 0.8, 0.9, 1])}, 0.2),
         "SATURATED": ({"saturated": 1.0}, 1.0),
         "REFERENCE_NOT_FINITE": ({"reference_verdict": 1.0}, 1.0),
         "REFERENCE_OUT_OF_REACH": ({"reference_verdict": 2.0}, 1.0),
         "REFERENCE_TOO_FAST": ({"reference_verdict": 3.0}, 1.0),
         "REFERENCE_JUMPED": ({"reference_verdict": 4.0}, 1.0),
-        "LEARNER_SHUT_OUT": ({"learner_cause": 2.0}, 1.0),
+        "LEARNER_GATED": ({"learner_cause": 2.0}, 1.0),
     }
     for name, (values, expected) in cases.items():
         signals = signals_with(vehicle, **values)
