@@ -12,12 +12,7 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
-from aerodrake.model.reference.envelope import (
-    Envelope,
-    GuardState,
-    ReferenceVerdict,
-    guard_reference,
-)
+from aerodrake.model.reference.envelope import Envelope, GuardState, guard_reference
 from aerodrake.systems.named_state import NamedState
 
 
@@ -49,8 +44,8 @@ class ReferenceGuard(LeafSystem):
         size = 6 * (stages + 1)
         self._requested = self.DeclareVectorInputPort("horizon", size)
         at_rest = np.concatenate([start, np.zeros(3)])
-        self._state = NamedState(self, GuardState(at_rest, at_rest, int(ReferenceVerdict.OK)))
-        # Both outputs and the update need it: it is computed once per tick.
+        self._state = NamedState(self, GuardState.initial(at_rest))
+        # Computed once per tick for both outputs and the update.
         self._guarded = self.DeclareCacheEntry(
             "guarded",
             ValueProducer(lambda: Value[object](None), self._calc_guarded),

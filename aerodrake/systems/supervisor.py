@@ -3,13 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from pydrake.systems.framework import (
-    Context,
-    DiscreteValues,
-    EventStatus,
-    InputPort,
-    LeafSystem,
-)
+from pydrake.systems.framework import Context, DiscreteValues, EventStatus, InputPort, LeafSystem
 
 from aerodrake.model.sensing.sample_check import split_health
 from aerodrake.model.supervision.conditions import (

@@ -11,15 +11,7 @@ import numpy as np
 from aerodrake.model.reference.closed_curves import CloverCurve, FigureEightCurve, LissajousCurve
 from aerodrake.model.reference.reference_curve import Motion, ReferenceCurve, path_diameter
 from aerodrake.model.reference.waypoints import interpolate_waypoints, read_waypoints
-from aerodrake.scenario.references import (
-    Clover,
-    FigureEight,
-    Hover,
-    Lissajous,
-    MovingTarget,
-    Reference,
-    Waypoints,
-)
+from aerodrake.scenario import references
 from aerodrake.support.files import locate
 
 
@@ -28,7 +20,7 @@ class HoverCurve(ReferenceCurve):
 
     diameter_m = 0.0
 
-    def __init__(self, config: Hover, start: np.ndarray):
+    def __init__(self, config: references.Hover, start: np.ndarray):
         self._start = start
 
     def _move(self, times: np.ndarray) -> Motion:
@@ -44,7 +36,7 @@ class MovingTargetCurve(ReferenceCurve):
 
     diameter_m = math.inf
 
-    def __init__(self, config: MovingTarget, start: np.ndarray):
+    def __init__(self, config: references.MovingTarget, start: np.ndarray):
         self._origin = np.add(config.target_m, [0.0, 0.0, config.height_m])
         self._velocity = np.array(config.velocity_m_s)
 
@@ -62,7 +54,7 @@ class WaypointCurve(ReferenceCurve):
         BadInput: if the file cannot be used.
     """
 
-    def __init__(self, config: Waypoints, start: np.ndarray):
+    def __init__(self, config: references.Waypoints, start: np.ndarray):
         self._times, points = read_waypoints(locate(config.file))
         self._position = interpolate_waypoints(self._times, points)
         self._velocity = self._position.derivative()
@@ -81,16 +73,16 @@ class WaypointCurve(ReferenceCurve):
 
 
 CURVES: dict[type, Callable[..., ReferenceCurve]] = {
-    Hover: HoverCurve,
-    Clover: CloverCurve,
-    FigureEight: FigureEightCurve,
-    Lissajous: LissajousCurve,
-    MovingTarget: MovingTargetCurve,
-    Waypoints: WaypointCurve,
+    references.Hover: HoverCurve,
+    references.Clover: CloverCurve,
+    references.FigureEight: FigureEightCurve,
+    references.Lissajous: LissajousCurve,
+    references.MovingTarget: MovingTargetCurve,
+    references.Waypoints: WaypointCurve,
 }
 
 
-def make_reference(config: Reference, start: np.ndarray) -> ReferenceCurve:
+def make_reference(config: references.Reference, start: np.ndarray) -> ReferenceCurve:
     """Returns the curve that a scenario's reference section describes.
 
     Args:

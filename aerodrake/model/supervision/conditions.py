@@ -81,12 +81,7 @@ class Condition(NamedTuple):
 def conditions(config: Supervisor) -> tuple[Condition, ...]:
     """Returns all conditions; the first active one of the worst mode is the cause."""
     s, c, clear_s = Signal, config, config.clear_s
-    hold, descend, stop, report = (
-        SafeMode.HOLD,
-        SafeMode.DESCEND,
-        SafeMode.STOP,
-        SafeMode.NOMINAL,
-    )
+    report, hold, descend, stop = SafeMode  # NOMINAL only reports.
     fresh = min(1, c.plan_ticks - 1)  # A single missed tick does not count as an outage.
     lost = float(np.nextafter(1 - c.rotor_lost, 2))  # Strictly less thrust than `rotor_lost`.
     # name, signal, mode, triggers at or above, for s, clears at or below, for s

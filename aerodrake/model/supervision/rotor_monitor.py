@@ -139,18 +139,9 @@ class RotorMonitorState(NamedTuple):
     def initial(cls, monitor: RotorMonitor) -> RotorMonitorState:
         """Returns the state in trim, before the first sample."""
         trim, no_rotor = monitor.trim, np.zeros(len(monitor.trim))
-        return cls(
-            baseline=np.zeros(6),
-            filtered_residual=np.zeros((2, 6)),
-            filtered_thrust=np.tile(trim, (2, 1)),
-            thrust=trim,
-            delayed_thrust=np.tile(trim, (monitor.delay_samples, 1)),
-            loss=no_rotor,
-            detections=no_rotor,
-            last=NO_SAMPLE,
-            is_valid=False,
-            baseline_s=BASELINE_START_S,
-        )
+        filters = np.zeros(6), np.zeros((2, 6)), np.tile(trim, (2, 1))
+        estimates = trim, np.tile(trim, (monitor.delay_samples, 1)), no_rotor, no_rotor
+        return cls(*filters, *estimates, NO_SAMPLE, False, BASELINE_START_S)
 
 
 class Isolation(NamedTuple):
@@ -185,7 +176,7 @@ def update_monitor(
         is_valid: False if the sample is rejected: then only the thrust estimate is updated.
     """
     k, dt = len(monitor.trim), monitor.lag.dt
-    loss, detections = state.loss, state.detections
+    loss, detections = state.loss.copy(), state.detections
     baseline, baseline_s = state.baseline, state.baseline_s
     filtered, filtered_thrust = state.filtered_residual, state.filtered_thrust
     thrust, mean = advance(monitor.lag, state.thrust, command)
@@ -210,7 +201,7 @@ def update_monitor(
         is_faulty = loss[large.rotor] > FAST_LOSS
         if count >= FAST_SAMPLES or (is_faulty and change > FAST_CHANGE):
             is_detected = True
-            loss = _with_loss(loss, large.rotor, large.loss)
+            loss[large.rotor] = large.loss
             # The slow filter still contains the time before.
             filtered[SLOW], filtered_thrust[SLOW] = filtered[FAST], filtered_thrust[FAST]
         if not is_detected:
@@ -220,8 +211,7 @@ def update_monitor(
             least = SLOW_CHANGE if loss[small.rotor] > 0 else SLOW_LOSS
             is_detected = small.fit > SLOW_FIT and abs(small.loss - loss[small.rotor]) > least
             if is_detected:
-                is_reported = small.loss > SLOW_LOSS / 2
-                loss = _with_loss(loss, small.rotor, small.loss if is_reported else 0.0)
+                loss[small.rotor] = small.loss if small.loss > SLOW_LOSS / 2 else 0.0
         if not is_detected:
             baseline = baseline + dt / baseline_s * (residual - (mean * loss) @ signatures)
             baseline_s = min(baseline_s + dt, BASELINE_S)
@@ -288,11 +278,3 @@ def isolate(
         if left @ left < least * scale:
             rotor, best_loss, least = i, fraction, (left @ left) / scale
     return Isolation(rotor, best_loss, 1.0 - least)
-
-
-@compiled
-def _with_loss(loss: np.ndarray, rotor: int, value: float) -> np.ndarray:
-    """Returns the losses (k,) with that of one rotor replaced."""
-    replaced = loss.copy()
-    replaced[rotor] = value
-    return replaced
