@@ -17,8 +17,7 @@ class ArmState(NamedTuple):
     """State of the arm controller.
 
     Attributes:
-        integral: (n,) N m.
-        joint_torque: (n,) N m.
+        integral, joint_torque: (n,) N m.
     """
 
     integral: np.ndarray

@@ -15,15 +15,6 @@ from aerodrake.model.vehicle.whole_body import WholeBody, commanded_motion, rigi
 from aerodrake.scenario import Flight, Rotor
 from aerodrake.systems.named_state import NamedState
 
-OUTPUTS = (
-    "thrust_command",
-    "acceleration",
-    "reaction",
-    "specific_thrust",
-    "disturbance",
-    "saturated",
-)
-
 
 class FlightController(LeafSystem):
     """ESO-based position and attitude control of the base.
@@ -81,12 +72,7 @@ class FlightController(LeafSystem):
     """
 
     def __init__(
-        self,
-        config: Flight,
-        rotor: Rotor,
-        vehicle: VehicleModel,
-        period: float,
-        offset: float,
+        self, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: float, offset: float
     ):
         super().__init__()
         self._outer = OuterLoop.make(config, rotor, vehicle, period)
@@ -114,9 +100,9 @@ class FlightController(LeafSystem):
                 saturated=False,
             ),
         )
-        groups = self._loops.groups | self._outputs.groups
-        for name in OUTPUTS:
-            self.DeclareStateOutputPort(name, groups[name])
+        self.DeclareStateOutputPort("acceleration", self._loops.groups["acceleration"])
+        for name, group in self._outputs.groups.items():
+            self.DeclareStateOutputPort(name, group)
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:

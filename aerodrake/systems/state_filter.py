@@ -9,18 +9,19 @@ from pydrake.systems.framework import Context, LeafSystem, State
 
 from aerodrake.model.sensing.sample import Sample
 from aerodrake.model.sensing.sample_check import SampleCheck
-from aerodrake.model.sensing.state_filter import (
-    FilterState,
-    StateFilter,
-    replace_rejected,
-    update,
-)
+from aerodrake.model.sensing.state_filter import FilterState, StateFilter, replace_rejected, update
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.systems.named_state import NamedState
 
 
 class FilterOutputs(NamedTuple):
-    """Outputs of the state filter, as in its ports."""
+    """Outputs of the state filter, as in its ports.
+
+    Attributes:
+        state: (13 + 2 n,)
+        external_acceleration: (3,) m/s^2.
+        sample_health: (6,)
+    """
 
     state: np.ndarray
     external_acceleration: np.ndarray

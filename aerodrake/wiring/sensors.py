@@ -24,7 +24,7 @@ def make_sensors(
     trim_acceleration: np.ndarray,
     replacements: Replacements | None = None,
 ) -> Diagram:
-    """Samples of the state and the estimate of the present state, for all consumers.
+    """Makes the sensors: samples of the state, and an estimate of the present state.
 
     By default samples are exact and without delay. A sample is taken a quarter of a plant step
     before each multiple of the period, when the plant's state is already that of the multiple.

@@ -51,13 +51,13 @@ class FlightState(NamedTuple):
 
 
 class FlightOutputs(NamedTuple):
-    """Outputs of the flight controller beside `FlightState.acceleration`.
+    """Outputs of the flight controller, as in its ports, beside `FlightState.acceleration`.
 
     Attributes:
         thrust_command: (k,) N.
-        reaction: (3,) m/s^2, effect of the arm's commanded motion on the base's acceleration.
-        specific_thrust: m/s^2, modelled collective thrust over mass at the next sample.
-        disturbance: (6,) m/s^2 in the world and rad/s^2 in the base frame, estimated.
+        reaction: (3,) m/s^2.
+        specific_thrust: m/s^2.
+        disturbance: (6,) m/s^2 and rad/s^2.
         saturated: True if the command is less than the control laws demand.
     """
 

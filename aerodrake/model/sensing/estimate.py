@@ -83,12 +83,9 @@ def predict_arm(estimate: Estimate, setpoint: np.ndarray, dt: float) -> Estimate
 
 @compiled
 def correct_position(estimate: Estimate, sample: np.ndarray, L: np.ndarray) -> None:
-    """Corrects position, velocity and d of an estimate in place.
+    """Corrects position, velocity and d at the time of a sample (13 + 2 n,), in place.
 
-    Args:
-        estimate: At the sample's own time.
-        sample: (13 + 2 n,)
-        L: (3, 2) gains of [p, v, d] for [p, v] as measured.
+    L (3, 2) has the gains of [p, v, d] for [p, v] as measured.
     """
     d = estimate.disturbance
     _, p_B, _, _, v_B, _ = split_state(estimate.state)
@@ -102,12 +99,9 @@ def correct_position(estimate: Estimate, sample: np.ndarray, L: np.ndarray) -> N
 
 @compiled
 def correct_attitude(estimate: Estimate, sample: np.ndarray, L: np.ndarray) -> None:
-    """Corrects attitude, angular velocity and delta of an estimate in place.
+    """Corrects attitude, angular velocity and delta at the time of a sample (13 + 2 n,), in place.
 
-    Args:
-        estimate: At the sample's own time.
-        sample: (13 + 2 n,)
-        L: (3, 2) gains of [attitude, rate, delta] for [attitude, rate] as measured.
+    L (3, 2) has the gains of [attitude, rate, delta] for [attitude, rate] as measured.
     """
     delta = estimate.angular_disturbance
     quaternion, _, _, omega_W, _, _ = split_state(estimate.state)

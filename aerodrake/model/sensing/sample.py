@@ -31,15 +31,7 @@ class Sample(NamedTuple):
 
 
 class Deviations(NamedTuple):
-    """Standard deviations of the noise.
-
-    Attributes:
-        position: m.
-        velocity: m/s.
-        attitude: rad.
-        rate: rad/s.
-        joint: rad, of each.
-    """
+    """Standard deviations of the noise, in m, m/s, rad, rad/s, and rad of each joint."""
 
     position: float
     velocity: float

@@ -13,12 +13,7 @@ import numpy as np
 
 from aerodrake.model.sensing.estimate import Estimate
 from aerodrake.model.sensing.sample import ATTITUDE, POSITION, Sample, group_of
-from aerodrake.model.vehicle.rotation import (
-    conjugate,
-    length,
-    product,
-    rotation_vector,
-)
+from aerodrake.model.vehicle.rotation import conjugate, length, product, rotation_vector
 from aerodrake.scenario import Filter, Sensors
 from aerodrake.support.compiled import compiled
 
@@ -76,9 +71,9 @@ class SampleCheck(NamedTuple):
     A sample is accepted if it *follows* from the last accepted one: if both differ by no more
     than the mean of their velocities and a plausible acceleration allow. This does not depend on
     any model. After an outage of a few samples, one is accepted if it is near the *prediction*,
-    within a bound that grows with the time of the outage. No step is thus accepted at once, and
-    a lasting one when the prediction can be as wrong: 0.5 m after 1.3 s, 0.5 rad after 0.7 s,
-    in still air.
+    within a bound that grows with the time of the outage. A step is therefore never accepted at
+    once. A lasting step is accepted when the prediction can be as wrong: 0.5 m after 1.3 s,
+    0.5 rad after 0.7 s, in still air.
 
     Attributes:
         noise: (3,) m, rad, rad: bound of the noise on a value.
@@ -150,7 +145,7 @@ class SampleHealth(NamedTuple):
 
 
 def split_health(vector: np.ndarray) -> SampleHealth:
-    """Returns the parts of the port `sample_health` (6,) as views."""
+    """Returns the parts of a vector (6,) of the port `sample_health`, as views."""
     return SampleHealth(vector[:3], vector[3:])
 
 
@@ -218,70 +213,30 @@ def is_outage(bounds: SampleCheck, age: float) -> bool:
 def _is_plausible(
     bounds: SampleCheck, g: int, last: CheckState, predicted: Estimate, state: np.ndarray
 ) -> bool:
-    """Returns True if a group follows from the last accepted one, or in an outage is as predicted.
+    """Returns True if a group follows from the last accepted one or, in an outage, is as predicted.
 
-    Args:
-        bounds: Of steps and innovations.
-        g: Group.
-        last: State of the check.
-        predicted: Estimate of what the state should be.
-        state: (13 + 2 n,) as measured.
+    Velocities are bounded likewise.
     """
-    since = last.ages[g] + bounds.dt
+    since, noise, rate_noise = last.ages[g] + bounds.dt, bounds.noise[g], bounds.rate_noise[g]
     x, rate = group_of(g, state)
-    if is_outage(bounds, last.ages[g]):
-        x_predicted, rate_predicted = group_of(g, predicted.state)
-        error = length(_difference(g, x_predicted, x))
-        rate_error = length(rate - rate_predicted)
-        return _is_near(bounds, g, since, _disturbance(g, predicted), error, rate_error)
-    x_accepted, rate_accepted = group_of(g, last.accepted)
-    step = _difference(g, x_accepted, x) - since / 2 * (rate_accepted + rate)
-    return _follows(bounds, g, since, length(step), length(rate - rate_accepted))
-
-
-@compiled
-def _follows(bounds: SampleCheck, g: int, since: float, step: float, rate_step: float) -> bool:
-    """Returns True if a sample can follow the last accepted one.
-
-    Args:
-        bounds: Of the noise.
-        g: Group.
-        since: s, between both.
-        step: Difference of both, less the motion at their mean velocity.
-        rate_step: Difference of their velocities.
-    """
-    noise, rate_noise, a = bounds.noise[g], bounds.rate_noise[g], ACCELERATION[g]
-    is_within = step <= 2 * noise + since * rate_noise + a * since**2 / 4
-    return is_within and rate_step <= 2 * rate_noise + a * since
-
-
-@compiled
-def _is_near(
-    bounds: SampleCheck, g: int, since: float, disturbance: float, error: float, rate_error: float
-) -> bool:
-    """Returns True if the errors of a prediction, in value and velocity, are within its bounds.
-
-    Args:
-        bounds: Of the noise.
-        g: Group.
-        since: s, predicted.
-        disturbance: m/s^2 or rad/s^2, magnitude of the one that the prediction assumes.
-        error, rate_error: Distances of the sample from it.
-    """
+    if not is_outage(bounds, last.ages[g]):
+        x_accepted, rate_accepted = group_of(g, last.accepted)
+        step, a = (
+            _difference(g, x_accepted, x) - since / 2 * (rate_accepted + rate),
+            ACCELERATION[g],
+        )
+        is_within = length(step) <= 2 * noise + since * rate_noise + a * since**2 / 4
+        return is_within and length(rate - rate_accepted) <= 2 * rate_noise + a * since
+    disturbance = 0.0  # Joints have none.
+    if g == POSITION:
+        disturbance = length(predicted.disturbance)
+    elif g == ATTITUDE:
+        disturbance = length(predicted.angular_disturbance)
     a = DRIFT[g] + DRIFT_RATIO * disturbance
     drift, rate_drift = a * since**2 / 2 + a * since**3 / 6, a * since + a * since**2 / 2
-    is_within = error <= SLACK[g] + bounds.noise[g] + drift
-    return is_within and rate_error <= RATE_SLACK[g] + bounds.rate_noise[g] + rate_drift
-
-
-@compiled
-def _disturbance(g: int, estimate: Estimate) -> float:
-    """Returns the magnitude of a group's estimated disturbance; joints have none."""
-    if g == POSITION:
-        return length(estimate.disturbance)
-    if g == ATTITUDE:
-        return length(estimate.angular_disturbance)
-    return 0.0
+    x_predicted, rate_predicted = group_of(g, predicted.state)
+    is_within = length(_difference(g, x_predicted, x)) <= SLACK[g] + noise + drift
+    return is_within and length(rate - rate_predicted) <= RATE_SLACK[g] + rate_noise + rate_drift
 
 
 @compiled

@@ -16,7 +16,7 @@ ROUNDING_S = 1e-9
 
 
 def make_rotor_faults(scenario: Scenario, rotors: int) -> SymbolicVectorSystem | None:
-    """Makes the loss of thrust of degraded rotors; None if the scenario has none.
+    """Makes the system that reduces the thrusts of degraded rotors; None if there are none.
 
     Ports:
         in `u0` (k): N, thrusts after lag and limits.
@@ -38,7 +38,7 @@ def make_rotor_faults(scenario: Scenario, rotors: int) -> SymbolicVectorSystem |
 
 
 def make_joint_faults(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
-    """Makes the loss of torque of degraded joint motors; None if the scenario has none.
+    """Makes the system that reduces the torques of degraded motors; None if there are none.
 
     Ports:
         in `u0` (n): N m, commanded torques.
@@ -60,7 +60,7 @@ def make_joint_faults(scenario: Scenario, joints: int) -> SymbolicVectorSystem |
 
 
 def make_pushes(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
-    """Makes the pushes on the base, added to other forces; None if the scenario has none.
+    """Makes the system that adds pushes on the base to other forces; None if there are none.
 
     Ports:
         in `u0` (6 + n): generalized force on the plant's velocities [omega_W, v_B, q'].
@@ -86,14 +86,7 @@ def make_pushes(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
 def _degraded(
     scenario: Scenario, remaining: dict[int, tuple[int, float]], key: str, count: int
 ) -> SymbolicVectorSystem | None:
-    """Makes a system that scales its inputs during faults; None without faults.
-
-    Args:
-        scenario: Its faults.
-        remaining: By index of the fault, the index of its input and the remaining fraction.
-        key: Scenario key of the input's index.
-        count: Number of inputs.
-    """
+    """Makes a system that scales inputs; `remaining` is {index of the fault: (input, fraction)}."""
     if not remaining:
         return None
     time, inputs = Variable("t"), [Variable(f"u{i}") for i in range(count)]

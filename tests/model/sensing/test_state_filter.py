@@ -28,7 +28,7 @@ def test_the_assumed_delay_is_counted_in_samples(delay_s, steps):
 
 
 def test_joints_follow_their_scalar_kalman_filter():
-    """Of q' = mean of the measured rates + noise: the limit of its recursion."""
+    """The gain is the limit of the recursion for q' = mean of the measured rates + noise."""
     config = Filter(joint_noise_rad=0.003)
     P = 1.0
     for _ in range(1000):
