@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -79,18 +78,13 @@ def circle(radius_m: float, speed_m_s: float, tilt_rad: float) -> Lissajous:
     )
 
 
-def fly_run(
-    scenario: Scenario,
-    run: CollectionRun,
-    progress: Callable[[float], None] = lambda simulated_s: None,
-) -> Excitation:
+def fly_run(scenario: Scenario, run: CollectionRun) -> Excitation:
     """Flies one run in open loop on the scenario's station.
 
     Args:
         scenario: Vehicle, controllers, sensors and rates; its wind, payload and
             seed are replaced by those of the run.
         run: The run to fly.
-        progress: Called with the simulated time in s as it advances.
 
     Returns:
         The recording, without the initial hover.
@@ -114,7 +108,7 @@ def fly_run(
     flown = make_reference(run.base, vehicle.p_B).evaluate(times)
     _, velocity = turn_about(vehicle.p_B, flown, times, -run.turn_s)
     base = held_acceleration_motion(vehicle.p_B, velocity, period)
-    whole = excite(scenario, base, joints, progress)
+    whole = excite(scenario, base, joints)
     return Excitation(*(getattr(whole, f.name)[hover:] for f in dataclasses.fields(whole)))
 
 

@@ -89,12 +89,10 @@ class ResidualEstimator(LeafSystem):
         super().__init__()
         self._estimation = ResidualEstimation.make(copy.deepcopy(network), model, config)
 
-        sizes = EstimatorInputs(
-            VehicleState.size(model.joints), len(model.A), 9, 3 * model.joints, 1
-        )
+        n = model.joints
+        sizes = EstimatorInputs(VehicleState.size(n), len(model.A), 9, 3 * n, 1)
         for name, size in sizes._asdict().items():
             self.DeclareVectorInputPort(name, size)
-
         start = self._estimation.start()
         self.groups = EstimatorState(*(NamedState(self, part) for part in start))
 

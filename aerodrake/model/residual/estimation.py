@@ -19,7 +19,15 @@ if TYPE_CHECKING:  # torch takes a second to import.
 
 
 class EstimatorInputs(NamedTuple):
-    """Values of the input ports of `ResidualEstimator`, which documents them."""
+    """Values of the input ports of `ResidualEstimator`.
+
+    Attributes:
+        state: (13 + 2 n,) measured `VehicleState`.
+        x_0: (nx,) state of the model.
+        base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2, world frame.
+        joint_setpoint: (3 n,) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2.
+        saturated: (1,) above 0.5 if the flight controller is saturated.
+    """
 
     state: np.ndarray
     x_0: np.ndarray
@@ -129,9 +137,13 @@ class ResidualEstimation:
         sample, errors = self._complete(state, p_B, v_B, u)
         learner, gate, delta = state.learner, state.gate, np.zeros(3)
         if self.mode != "off":
-            is_saturated = bool(inputs.saturated[0] > 0.5)
-            learner, gate, cause = self.learn(state, sample, is_saturated)
-            learner, gate, delta = self._infer(learner, gate, cause, phi, state.prediction.delta)
+            learner, gate, cause = self.learn(state, sample, bool(inputs.saturated[0] > 0.5))
+            with np.errstate(invalid="ignore"):  # The check rejects NaN.
+                cause = max(cause, self.gate.check_layer(learner.theta, learner.theta @ phi))
+            if cause > GateCause.POISONED:
+                learner = self.learner.start()
+            gate = self.gate.apply(gate, cause, state.prediction.delta)
+            delta = self.gate.output(gate, learner.theta @ phi)
         prediction = Prediction(True, inputs.x_0, phi, p_B, v_B, delta)
         return delta, EstimatorState(learner, prediction, errors, gate)
 
@@ -158,23 +170,6 @@ class ResidualEstimation:
             phi = state.prediction.phi
             learner = self.learner.step(learner, phi, sample.target, is_saturated)
         return learner, gate, cause
-
-    def _infer(
-        self,
-        learner: LearnerState,
-        gate: GateState,
-        cause: GateCause,
-        phi: np.ndarray,
-        last: np.ndarray,
-    ) -> tuple[LearnerState, GateState, np.ndarray]:
-        """Infers Delta from phi and gates it; a layer that fails the check is reset."""
-        with np.errstate(invalid="ignore"):  # The check rejects NaN.
-            delta = learner.theta @ phi
-        cause = max(cause, self.gate.check_layer(learner.theta, delta))
-        if cause > GateCause.POISONED:
-            learner = self.learner.start()
-        gate = self.gate.apply(gate, cause, last)
-        return learner, gate, self.gate.output(gate, learner.theta @ phi)
 
     def _complete(
         self, state: EstimatorState, p_B: np.ndarray, v_B: np.ndarray, u: np.ndarray

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydrake.systems.framework import Context, DependencyTicket
@@ -30,36 +30,29 @@ if TYPE_CHECKING:  # torch takes a second to import.
     from aerodrake.model.residual.network import ResidualNetwork
 
 
-class LearnerOffset(NamedTuple):
-    """Sum of the active learning faults.
-
-    Attributes:
-        theta_m_s: m/s, added to each entry of the last layer after its step; NaN possible.
-        velocity_m_s: (3,) m/s, added to the measured velocity of labels.
-    """
-
-    theta_m_s: float
-    velocity_m_s: np.ndarray
-
-
 @dataclass(frozen=True, eq=False)
 class FaultyEstimation(ResidualEstimation):
-    """`ResidualEstimation` at a tick with faults; features and state are not affected."""
+    """`ResidualEstimation` with the sum of the active faults; features are not affected.
 
-    offset: LearnerOffset = LearnerOffset(0.0, np.zeros(3))
+    Attributes:
+        theta_offset: m/s, added to each entry of the last layer after its step; NaN possible.
+        velocity_offset: (3,) m/s, added to the measured velocity of labels.
+    """
+
+    theta_offset: float
+    velocity_offset: np.ndarray
 
     def label_motion(self, vehicle: VehicleState) -> tuple[np.ndarray, np.ndarray]:
-        """Returns p_B and the velocity with its offset."""
+        """Returns p_B, (3,) m, and v_B with its offset, (3,) m/s."""
         p_B, v_B = super().label_motion(vehicle)
-        return p_B, v_B + self.offset.velocity_m_s
+        return p_B, v_B + self.velocity_offset
 
     def learn(
         self, state: EstimatorState, sample: Sample | None, is_saturated: bool
     ) -> tuple[LearnerState, GateState, GateCause]:
         """Learns, then adds the offset to the last layer."""
         learner, gate, cause = super().learn(state, sample, is_saturated)
-        theta = learner.theta + self.offset.theta_m_s
-        return learner._replace(theta=theta), gate, cause
+        return learner._replace(theta=learner.theta + self.theta_offset), gate, cause
 
 
 class FaultyResidualEstimator(ResidualEstimator):
@@ -88,7 +81,6 @@ class FaultyResidualEstimator(ResidualEstimator):
         settle_s: float,
     ):
         super().__init__(network, model, config)
-        self._faulty = FaultyEstimation(**vars(self._estimation))
         self._faults = [fault for fault in faults if isinstance(fault, LearnerFault)]
         self._settle_s = settle_s
 
@@ -96,8 +88,8 @@ class FaultyResidualEstimator(ResidualEstimator):
         return super()._tickets() | {self.time_ticket()}
 
     def _equations(self, context: Context) -> ResidualEstimation:
-        offset = offset_at(self._faults, context.get_time() - self._settle_s)
-        return replace(self._faulty, offset=offset)
+        offsets = offsets_at(self._faults, context.get_time() - self._settle_s)
+        return FaultyEstimation(**vars(self._estimation), **offsets)
 
 
 def make_residual_estimator(scenario: Scenario, model: EquivalentModel) -> ResidualEstimator:
@@ -115,8 +107,8 @@ def make_residual_estimator(scenario: Scenario, model: EquivalentModel) -> Resid
     )
 
 
-def offset_at(faults: Sequence[LearnerFault], reference_s: float) -> LearnerOffset:
-    """Returns the sum of the offsets of the faults that are active at a reference time in s."""
+def offsets_at(faults: Sequence[LearnerFault], reference_s: float) -> dict[str, Any]:
+    """Returns the sums of the active faults' offsets at a reference time in s, by their names."""
     now = round(reference_s, 9)  # Removes rounding errors of multiples of the period.
     theta, velocity = 0.0, np.zeros(3)
     for fault in faults:
@@ -128,4 +120,4 @@ def offset_at(faults: Sequence[LearnerFault], reference_s: float) -> LearnerOffs
                     theta += fault.theta_m_s
                 case LearnerPoisoned():
                     velocity += fault.velocity_m_s
-    return LearnerOffset(theta, velocity)
+    return {"theta_offset": theta, "velocity_offset": velocity}

@@ -1,4 +1,4 @@
-"""Checkpoints, with all that can be wrong with them."""
+"""Checkpoint files, and defects that are refused."""
 
 import io
 import zipfile
@@ -23,7 +23,7 @@ PROVENANCE = Provenance("0.1.0", "trajectory", "abc", "def")
 
 
 def trained(joints: int = JOINTS) -> ResidualNetwork:
-    """A network with no zeros and a scaler of its own."""
+    """Returns a network without zeros, with a random scaler."""
     rng = np.random.default_rng(3)
     size = len(feature_names(joints))
     scaler = FeatureScaler(rng.normal(size=size), rng.uniform(0.1, 2, size))
@@ -47,7 +47,7 @@ def test_checkpoint_round_trip(tmp_path):
     assert {p.name for p in tmp_path.iterdir()} == {"a.pt", "b.pt"}
 
 
-def test_a_failed_save_leaves_what_was_there(tmp_path, monkeypatch):
+def test_a_failed_save_keeps_the_earlier_file(tmp_path, monkeypatch):
     path = tmp_path / "a.pt"
     path.write_bytes(b"before")
 
@@ -62,7 +62,7 @@ def test_a_failed_save_leaves_what_was_there(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("where", ["missing/a.pt", "file/a.pt"])
-def test_save_where_nothing_can_be_written(tmp_path, where):
+def test_save_to_a_path_that_cannot_be_written(tmp_path, where):
     (tmp_path / "file").touch()
     with pytest.raises(BadInput, match="cannot be written"):
         save(tmp_path / where, trained(), PROVENANCE)
@@ -70,7 +70,7 @@ def test_save_where_nothing_can_be_written(tmp_path, where):
 
 @pytest.fixture
 def checkpoint(tmp_path):
-    """Writes a checkpoint after `change` to its mapping."""
+    """Returns a function that writes a checkpoint after a change to its mapping."""
 
     def write(change):
         path = tmp_path / "network.pt"
@@ -128,7 +128,7 @@ def test_compressed_bomb(tmp_path):
 
 
 class Trap:
-    """Unpickles into a call."""
+    """Object whose unpickling calls a function."""
 
     def __reduce__(self):
         return pytest.fail, ("code in a checkpoint was run",)
@@ -194,7 +194,7 @@ def test_wrong_tensor(checkpoint, tensor):
 
 @pytest.mark.parametrize("name", list(trained().state_dict()))
 @pytest.mark.parametrize("number", [float("nan"), float("-inf")])
-def test_numbers_that_are_not_finite(checkpoint, name, number):
+def test_nan_or_infinite_entries(checkpoint, name, number):
     path = checkpoint(lambda data: data["tensors"][name].view(-1)[-1].fill_(number))
     rejects(path, f"expected {name} to be finite")
 

@@ -1,3 +1,5 @@
+"""Setpoint motions for data collection."""
+
 import math
 
 import numpy as np
@@ -18,7 +20,7 @@ def eight(vehicle, lap_s, length_m=0.15, tilt_rad=0.7):
     return times, turn_about(vehicle.p_O, motion, times, 20.0)
 
 
-def test_a_turned_motion_keeps_its_distance_and_height_and_has_the_heading_of_its_time():
+def test_a_turned_motion_keeps_distance_and_height_and_turns_its_heading():
     centre = np.array([1.0, 2.0, 3.0])
     p = np.tile(centre + [0.1, 0.0, 0.05], (3, 1))
     turned, _ = turn_about(centre, (p, np.zeros((3, 3))), np.array([-4.0, 5.0, 10.0]), 20.0)
@@ -56,6 +58,6 @@ def test_redundant_motion_returns_to_the_working_configuration(vehicle):
     assert away > 0.005 and end < 0.05 * away
 
 
-def test_what_the_joints_cannot_do_is_refused(vehicle):
+def test_paths_beyond_the_joint_limits_are_refused(vehicle):
     with pytest.raises(ValueError, match="limits"):
         joint_motion(eight(vehicle, lap_s=0.5)[1], vehicle, PERIOD)

@@ -1,3 +1,5 @@
+"""Linear residual models on synthetic flights."""
+
 import numpy as np
 import pytest
 
@@ -13,14 +15,14 @@ def flight(samples=200, noise=0.0, seed=1):
     return features, features @ SLOPE.T + INTERCEPT + noise * generator.normal(size=(samples, 3))
 
 
-def test_least_squares_finds_an_affine_law_exactly():
+def test_least_squares_recovers_an_affine_map():
     features, targets = flight(seed=2)
     assert LinearResidual.fit([flight(), flight(seed=3)], 0.0).predict(features) == pytest.approx(
         targets
     )
 
 
-def test_a_feature_that_does_not_vary_does_not_count():
+def test_a_constant_feature_has_no_coefficient():
     features, targets = flight()
     features[:, 2] = 1.0
     fit = LinearResidual.fit([(features, targets)], 0.0)
@@ -36,11 +38,11 @@ def test_ridge_solves_its_normal_equations():
     np.testing.assert_allclose(fit.coefficients[:, :-1].T, expected)
 
 
-def test_the_penalty_is_the_one_that_validates_best():
+def test_the_penalty_minimises_the_validation_error():
     few, many = flight(samples=7, noise=2.0), flight(samples=500, seed=5)
-    ours = LinearResidual.fit_ridge([few], [many])
+    ridge = LinearResidual.fit_ridge([few], [many])
 
     def error(alpha):
         return ((LinearResidual.fit([few], alpha).predict(many[0]) - many[1]) ** 2).sum()
 
-    assert error(ours.alpha) == min(error(alpha) for alpha in ALPHAS) < error(0.0)
+    assert error(ridge.alpha) == min(error(alpha) for alpha in ALPHAS) < error(0.0)

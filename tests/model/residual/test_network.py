@@ -12,7 +12,7 @@ JOINTS = 6
 
 
 def trained(joints: int = JOINTS) -> ResidualNetwork:
-    """A network with no zeros and a scaler of its own."""
+    """Returns a network without zeros, with a random scaler."""
     rng = np.random.default_rng(3)
     size = len(feature_names(joints))
     scaler = FeatureScaler(rng.normal(size=size), rng.uniform(0.1, 2, size))
@@ -24,7 +24,7 @@ def trained(joints: int = JOINTS) -> ResidualNetwork:
 
 
 @pytest.mark.parametrize("joints", [1, 6, 7])
-def test_features_have_names_and_their_order(joints):
+def test_features_are_in_the_order_of_their_names(joints):
     half = np.sqrt(0.5)  # A quarter turn of yaw: x of the base is y of the world.
     state = VehicleState(
         quaternion=np.array([half, 0, 0, half]),
@@ -56,7 +56,7 @@ def test_untrained_delta_is_exactly_zero():
     assert np.all(network.phi(inputs) @ network.last_layer().T == 0)
 
 
-def test_seed_decides_and_the_global_generator_is_left_alone():
+def test_only_the_seed_determines_the_network():
     before = torch.get_rng_state()
     a, b, c = (ResidualNetwork.untrained(JOINTS, seed) for seed in (1, 1, 2))
     assert torch.equal(before, torch.get_rng_state())
@@ -66,7 +66,7 @@ def test_seed_decides_and_the_global_generator_is_left_alone():
 
 
 @pytest.mark.parametrize("shape", [(30,), (15, 30)])
-def test_phi_and_last_layer_make_up_the_network(shape):
+def test_phi_times_the_last_layer_equals_the_network(shape):
     network = trained()
     inputs = np.random.default_rng(0).normal(size=shape)
     phi = network.phi(inputs)
@@ -80,7 +80,7 @@ def test_phi_and_last_layer_make_up_the_network(shape):
     )
 
 
-def test_hidden_layers_as_the_paper_has_them():
+def test_hidden_layers_follow_the_paper():
     network, inputs = trained(), np.random.default_rng(0).normal(size=30)
 
     def elu(z):

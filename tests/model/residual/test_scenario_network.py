@@ -1,4 +1,4 @@
-"""Which network a scenario flies with, and what is said of it."""
+"""Network of a scenario, and the note on its plant."""
 
 import dataclasses
 
@@ -18,7 +18,7 @@ PROVENANCE = Provenance("0.1.0", "trajectory", "abc", "def")
 
 
 def trained() -> ResidualNetwork:
-    """One that has something to say."""
+    """Returns a network whose Delta is not zero."""
     network = ResidualNetwork.untrained(JOINTS, seed=4)
     with torch.no_grad():
         network.last.weight.fill_(0.1)
@@ -34,11 +34,11 @@ def test_a_scenario_without_checkpoint_has_an_untrained_network():
 
 
 @pytest.mark.parametrize("checkpoint", ["", "none.pt"])
-def test_a_scenario_that_needs_none_has_none(checkpoint):
+def test_the_mode_off_has_no_network(checkpoint):
     assert network_for(Scenario(residual=Residual("off", checkpoint)), JOINTS) is None
 
 
-def test_a_scenario_has_the_network_it_names(tmp_path):
+def test_a_scenario_has_the_network_of_its_checkpoint(tmp_path):
     save(tmp_path / "a.pt", trained(), PROVENANCE)
     scenario = Scenario(residual=Residual("offline", str(tmp_path / "a.pt")))
     np.testing.assert_array_equal(
@@ -53,12 +53,12 @@ def test_a_scenario_has_the_network_it_names(tmp_path):
 
 def test_a_network_of_another_plant_is_noted(tmp_path):
     file = tmp_path / "a.pt"
-    ours = Scenario(residual=Residual("offline", str(file)))
-    save(file, trained(), dataclasses.replace(PROVENANCE, plant_hash=plant_hash(ours)))
-    other = dataclasses.replace(ours, model=Model(k_b=(2.0, 2.0, 2.0)))
+    same = Scenario(residual=Residual("offline", str(file)))
+    save(file, trained(), dataclasses.replace(PROVENANCE, plant_hash=plant_hash(same)))
+    other = dataclasses.replace(same, model=Model(k_b=(2.0, 2.0, 2.0)))
     off = dataclasses.replace(other, residual=Residual("off", str(file)))
     none = dataclasses.replace(other, residual=Residual("online"))
-    assert provenance_notes(ours, JOINTS) == provenance_notes(off, JOINTS) == []
+    assert provenance_notes(same, JOINTS) == provenance_notes(off, JOINTS) == []
     assert provenance_notes(none, JOINTS) == []
     on = dataclasses.replace(other, residual=Residual("offline", str(file)))
     (note,) = provenance_notes(on, JOINTS)

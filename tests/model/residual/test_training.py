@@ -53,8 +53,8 @@ def test_the_network_has_the_lowest_validation_loss(result):
 
 def test_delta_is_target_over_gain():
     gain = np.array([0.5, 1.0, 2.0])
-    ours = trained(gain=gain, config=TrainingConfig(epochs=25, batch=128)).network
-    assert relative_error(ours, gain, *flight(77)) < 0.3
+    network = trained(gain=gain, config=TrainingConfig(epochs=25, batch=128)).network
+    assert relative_error(network, gain, *flight(77)) < 0.3
 
 
 def test_the_seed_determines_the_network_bit_for_bit():

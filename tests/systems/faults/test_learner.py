@@ -17,7 +17,7 @@ from aerodrake.scenario import (
 from aerodrake.systems.faults.learner import (
     FaultyResidualEstimator,
     make_residual_estimator,
-    offset_at,
+    offsets_at,
 )
 from aerodrake.systems.residual_estimator import ResidualEstimator
 from tests.estimator_flights import (
@@ -43,7 +43,7 @@ START_S = WARM_UP * DT - SETTLE_S
 
 def offset(reference_s: float, *faults) -> np.ndarray:
     """Returns [theta, velocity], (4,) m/s."""
-    return np.hstack(offset_at(faults, reference_s))
+    return np.hstack(list(offsets_at(faults, reference_s).values()))
 
 
 @pytest.mark.parametrize(
