@@ -103,6 +103,7 @@ def _fly(
     from aerodrake.comparison.page import Comparison
     from aerodrake.flight.log import FlightLog
     from aerodrake.flight.summary import to_json
+    from aerodrake.model.vehicle.vehicle import VehicleModel
     from aerodrake.support.interrupts import deferred_interrupts
 
     with tqdm(
@@ -112,8 +113,9 @@ def _fly(
     with deferred_interrupts():
         figures = {"scenario": scenario.name, "variants": summaries}
         (folder / "comparison.json").write_text(to_json(figures), encoding="utf-8")
+        vehicle = VehicleModel.load(scenario)  # The same in all variants.
         logs = {
-            name: FlightLog.read(folder / name / "log.npz", summary)
+            name: FlightLog.read(folder / name / "log.npz", summary, vehicle)
             for name, summary in summaries.items()
             if summary["exit_reason"] != "failed"
         }

@@ -97,8 +97,8 @@ def _fly(
 
     link = _make_link(arguments, scenario, say)
     rate = arguments.rate or 1.0 if arguments.live or link else 0.0
-    view = _make_view(arguments, scenario, rate)
     flight = FlightSimulation(scenario, link=link)
+    view = _make_view(arguments, flight, rate)
     if link:
         say(f"note: waiting in trim for a coordinator at {arguments.lcm}")
     with (
@@ -141,13 +141,15 @@ def _make_link(
     return make_station_link(scenario, make_lcm(arguments.lcm), say)
 
 
-def _make_view(arguments: argparse.Namespace, scenario: Scenario, rate: float) -> LiveView | None:
+def _make_view(
+    arguments: argparse.Namespace, flight: FlightSimulation, rate: float
+) -> LiveView | None:
     """Opens the live view and prints its address, or returns None without --live."""
     if not arguments.live:
         return None
     from aerodrake.reports.live import LiveView
 
-    view = LiveView(scenario, rate)
+    view = LiveView(flight, rate)
     print(f"watch it at {view.url}", file=sys.stderr)
     return view
 

@@ -162,4 +162,4 @@ def find_margins(
 
 def _fly(scenario: Scenario) -> dict[str, Any]:
     flight = FlightSimulation(scenario)
-    return summarize(scenario, flight.fly(), flight.vehicle)
+    return summarize(scenario, flight.fly())

@@ -76,7 +76,7 @@ def draw_path(axes: Axes, name: str, log: FlightLog, view: View) -> None:
 def draw_distances(axes: Axes, logs: Mapping[str, FlightLog], scenario: Scenario) -> None:
     """Draws d_o, the distance to the centre of the learning space, of each variant."""
     for name, log in logs.items():
-        draw_distance(axes, log, scenario, COLORS[name])
+        draw_distance(axes, log, COLORS[name])
     draw_boundaries(axes, scenario)
     axes.set_xlabel("reference time / s")
     axes.margins(x=0)

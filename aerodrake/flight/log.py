@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from aerodrake.model.vehicle.vehicle import VehicleModel
+
 PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "true_state": (
         ("quaternion", "4"),
@@ -107,12 +109,14 @@ class FlightLog:
             `landed` or `stopped`, by the supervisor; `lost`; or `interrupted`.
         exit_cause: One line on why it did not complete; empty if it did.
         wall_s: Wall time of the simulation.
+        vehicle: The vehicle that flew.
     """
 
     signals: Mapping[str, np.ndarray]
     exit_reason: str
     exit_cause: str
     wall_s: float
+    vehicle: VehicleModel
 
     def __getitem__(self, key: str) -> np.ndarray:
         return self.signals[key]
@@ -149,6 +153,11 @@ class FlightLog:
         return rotate(back, self["p_E_m"] - self["p_B_m"])
 
     @property
+    def d_o_m(self) -> np.ndarray:
+        """(T,) distance of the end-effector from the centre of its learning space."""
+        return np.linalg.norm(self.p_EB_m - self.vehicle.p_O, axis=1)
+
+    @property
     def base_error_m(self) -> np.ndarray:
         """(T,) distance of the base from its setpoint."""
         return np.linalg.norm(self["p_B_m"] - self["p_Bd_m"], axis=1)
@@ -173,10 +182,17 @@ class FlightLog:
                         file.write(rows[start : start + ROWS_A_WRITE].tobytes())
 
     @classmethod
-    def read(cls, path: Path, summary: Mapping[str, Any]) -> FlightLog:
-        """What `save` wrote, read as it is asked for; how it ended from the flight's summary."""
+    def read(cls, path: Path, summary: Mapping[str, Any], vehicle: VehicleModel) -> FlightLog:
+        """Opens a log that `save` wrote; each access reads a signal from the file.
+
+        Args:
+            path: The file.
+            summary: The summary of the flight, for its ending.
+            vehicle: The vehicle that flew.
+        """
         signals = np.load(path, allow_pickle=False)
-        return cls(signals, summary["exit_reason"], summary["exit_cause"], summary["wall_s"])
+        ending = (summary[key] for key in ("exit_reason", "exit_cause", "wall_s"))
+        return cls(signals, *ending, vehicle)
 
 
 class _Thinned(Mapping[str, np.ndarray]):

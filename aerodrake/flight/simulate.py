@@ -160,7 +160,7 @@ class FlightSimulation:
             others = np.flatnonzero(causes != causes[-1])
             cause += f" since {time_s[others[-1] + 1 if len(others) else 0]:.2f} s"
         recording.add(self._derived(time_s, recording))
-        return FlightLog(recording, reason, cause, wall_s)
+        return FlightLog(recording, reason, cause, wall_s, self.vehicle)
 
     def p_E(self, state: np.ndarray) -> np.ndarray:
         """(3,) m, the end-effector at a state (13 + 2 n,)."""

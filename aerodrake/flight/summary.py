@@ -17,7 +17,6 @@ from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.vehicle.reach import farthest_reach
-from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 
 SETTLED_AFTER_S = 15.0
@@ -30,9 +29,7 @@ Summaries = Mapping[str, Mapping[str, Any]]
 """By the name of each flight; of those that failed, without `error`."""
 
 
-def summarize(
-    scenario: Scenario, log: FlightLog, vehicle: VehicleModel | None = None
-) -> dict[str, Any]:
+def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
     """The figures of a flight. Errors are of the true state; null where not flown.
 
     Keys:
@@ -54,11 +51,6 @@ def summarize(
             a joint was from its limits, in rad (negative: beyond one).
         residual: RMS of the error in m/s with which one period of base velocity
             is predicted, with and without the network.
-
-    Args:
-        scenario: The scenario of the flight.
-        log: The log of the flight.
-        vehicle: The scenario's vehicle, if it is loaded already.
     """
     flown = log.time_s >= 0
     lap = make_reference(scenario.reference, log["p_E_m"][0]).lap
@@ -96,7 +88,7 @@ def summarize(
         },
         "safe_modes": safe_modes(log, scenario.rates.flight_period_s),
         "events": events(scenario, log),
-        "arm": _arm(scenario, log, vehicle or VehicleModel.load(scenario)),
+        "arm": _arm(scenario, log),
         "residual": {
             "mode": scenario.residual.mode,
             "prediction_rmse_m_s": {
@@ -136,9 +128,9 @@ def to_json(summary: dict[str, Any]) -> str:
     return json.dumps(summary, indent=2, allow_nan=False) + "\n"
 
 
-def _arm(scenario: Scenario, log: FlightLog, vehicle: VehicleModel) -> dict[str, float | None]:
-    flown = log.time_s >= 0
-    d_o = np.linalg.norm(log.p_EB_m - vehicle.p_O, axis=1)[flown]
+def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
+    vehicle, flown = log.vehicle, log.time_s >= 0
+    d_o = log.d_o_m[flown]
     q = log["q_rad"][flown]
     room = np.minimum(q - vehicle.lower, vehicle.upper - q)
     outside = np.count_nonzero(d_o[:-1] > scenario.allocation.d_h_m)

@@ -35,7 +35,7 @@ def fly_into(
         What `summary.json` and `log.npz` hold.
     """
     log = flight.fly(progress, rate, attach)
-    summary = summarize(flight.scenario, log, flight.vehicle)
+    summary = summarize(flight.scenario, log)
     (folder / "summary.json").write_text(to_json(summary), encoding="utf-8")
     save_scenario(flight.scenario, folder)
     log.save(folder / "log.npz")

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from aerodrake.flight.log import FlightLog
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.setpoint.integration import SetpointLimits
-from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, plain_ticks, widen
 from aerodrake.scenario import Scenario
 
@@ -139,11 +138,10 @@ def draw_series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) 
     axes.legend(loc="best", ncols=3)
 
 
-def draw_distance(axes: Axes, log: FlightLog, scenario: Scenario, color: str = ACCENT) -> None:
+def draw_distance(axes: Axes, log: FlightLog, color: str = ACCENT) -> None:
     """d_o: how far the end-effector is from the centre of its learning space."""
     flown = log.is_flown
-    d_o = np.linalg.norm(log.p_EB_m - VehicleModel.load(scenario).p_O, axis=1)
-    axes.plot(log.time_s[flown], d_o[flown], color=color)
+    axes.plot(log.time_s[flown], log.d_o_m[flown], color=color)
     axes.set_ylabel("d_o / m")
 
 
@@ -156,7 +154,7 @@ def draw_boundaries(axes: Axes, scenario: Scenario) -> None:
 
 def draw_inputs(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     """The largest input of base and of joints, each by its own bound."""
-    limits = SetpointLimits.make(scenario.mpc, VehicleModel.load(scenario)).acceleration
+    limits = SetpointLimits.make(scenario.mpc, log.vehicle).acceleration
     u = np.abs(np.hstack([log["a_Bd_m_s2"], log["qddot_d_rad_s2"]])) / limits
     for label, columns, color in (
         ("joints", slice(3, None), AXIS_COLORS[1]),

@@ -154,7 +154,7 @@ def _inside(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
 
 
 def _distance(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
-    draw_distance(axes, log, scenario)
+    draw_distance(axes, log)
     draw_boundaries(axes, scenario)
 
 

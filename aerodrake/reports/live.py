@@ -14,7 +14,6 @@ from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.reports.scene import Scene
-from aerodrake.scenario import Scenario
 
 FRAMES_PER_S = 30.0
 """Of wall time."""
@@ -33,14 +32,14 @@ class LiveView:
         url: Where a browser sees it.
 
     Args:
-        scenario: What will be flown.
+        flight: The flight, ready to fly.
         rate: Simulated time over wall time at which it will fly, above 0; 1 is real time.
     """
 
-    def __init__(self, scenario: Scenario, rate: float):
-        self._scenario = scenario
+    def __init__(self, flight: FlightSimulation, rate: float):
+        self._flight, self._scenario = flight, flight.scenario
         self._rate = rate
-        self._scene = Scene(scenario)
+        self._scene = Scene(flight.scenario, flight.vehicle)
         self.url = self._scene.meshcat.web_url()
 
     def __enter__(self) -> LiveView:
@@ -51,7 +50,6 @@ class LiveView:
 
     def attach(self, flight: FlightSimulation, simulator: Simulator) -> None:
         """Watches a flight that is about to begin, as `FlightSimulation.fly` has it."""
-        self._flight = flight
         self._context = simulator.get_context()
         self._coordinator = flight.closed_loop.GetSubsystemByName("coordinator")
         self._frames = self._viewers = 0

@@ -33,7 +33,7 @@ def replay_page(log: FlightLog, scenario: Scenario) -> str:
     times = np.arange(0.0, max(end, 0.0) + 1e-9, 1 / pace)
     rows = flown[np.minimum(np.searchsorted(time_s[flown], times - 1e-9), len(flown) - 1)]
     positions = np.hstack([log[part][rows] for part in parts])
-    with Scene(scenario) as scene:
+    with Scene(scenario, log.vehicle) as scene:
         scene.draw_reference(log["p_Ed_m"][shown])
         scene.draw_trace(log["p_E_m"][shown])
         scene.look_at(log["p_B_m"][flown].mean(axis=0))

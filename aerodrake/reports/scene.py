@@ -38,13 +38,13 @@ class Scene:
         meshcat: The server that shows it.
 
     Args:
-        scenario: Whose vehicle it is.
+        scenario: The scenario of the flight.
+        vehicle: Its vehicle.
     """
 
-    def __init__(self, scenario: Scenario):
+    def __init__(self, scenario: Scenario, vehicle: VehicleModel):
         self.meshcat = _silent_meshcat()
         self.meshcat.SetProperty("/Axes", "visible", False)
-        vehicle = VehicleModel.load(scenario)
         self._p_O = vehicle.p_O
         self._size_m = scenario.allocation.learning_space_m
         builder = DiagramBuilder()

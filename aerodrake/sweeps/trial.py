@@ -87,7 +87,7 @@ def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
         scenario = trial.resolved()
         with single_thread():
             flight = FlightSimulation(scenario)
-            figures = repeatable(summarize(scenario, flight.fly(), flight.vehicle))
+            figures = repeatable(summarize(scenario, flight.fly()))
         ending = {k: v for k, v in figures.items() if k not in ("scenario", "seed", "version")}
     except (Exception, SystemExit) as error:  # Drake raises SystemExit.
         if _is_machine_error(error):

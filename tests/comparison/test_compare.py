@@ -125,13 +125,13 @@ def flown(tmp_path_factory):
         return scenario, folder, compare(variants, folder, jobs=2)
 
 
-def test_each_variant_writes_the_folder_of_a_run(flown):
+def test_each_variant_writes_the_folder_of_a_run(flown, vehicle):
     _, folder, summaries = flown
     assert list(summaries) == ["modified", "clik", "fixed_weights"]
     for name, summary in summaries.items():
         assert summary["exit_reason"] == "completed"
         assert json.loads((folder / name / "summary.json").read_text()) == summary
-        log = FlightLog.read(folder / name / "log.npz", summary)
+        log = FlightLog.read(folder / name / "log.npz", summary, vehicle)
         assert len(log.time_s) == 41 and log.exit_reason == "completed"
         assert (folder / name / "tracking.png").exists()
 
@@ -145,10 +145,10 @@ def test_the_saved_scenario_of_a_variant_repeats_its_flight(flown, tmp_path):
     assert repeatable(again) == repeatable(summaries["clik"])
 
 
-def test_summaries_contain_the_workspace_use_of_the_arm(flown):
+def test_summaries_contain_the_workspace_use_of_the_arm(flown, vehicle):
     scenario, folder, summaries = flown
     for name, summary in summaries.items():
-        log = FlightLog.read(folder / name / "log.npz", summary)
+        log = FlightLog.read(folder / name / "log.npz", summary, vehicle)
         d_o = np.linalg.norm(log.p_EB_m - log.p_EB_m[0], axis=1)
         assert summary["arm"]["farthest_d_o_m"] == pytest.approx(d_o.max(), abs=1e-9)
         assert summary["arm"]["outside_s"] == 0

@@ -17,7 +17,7 @@ SCENARIO = Scenario(
 
 
 @pytest.fixture
-def log() -> FlightLog:
+def log(vehicle) -> FlightLog:
     active = np.zeros((len(TIME_S), len(NAMES)))
     active[110:160, NAMES.index("saturated")] = 1
     active[120:150, NAMES.index("plan_outage")] = 1
@@ -25,7 +25,7 @@ def log() -> FlightLog:
     mode = np.zeros(len(TIME_S))
     mode[120:150] = mode[390:] = SafeMode.HOLD
     signals = {"time_s": TIME_S, "conditions": active, "supervisor_mode": mode}
-    return FlightLog(signals, "hold", "plan_outage", 1.0)
+    return FlightLog(signals, "hold", "plan_outage", 1.0, vehicle)
 
 
 def test_events_are_in_order_and_named(log):

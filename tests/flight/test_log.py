@@ -90,7 +90,7 @@ def test_parts_are_where_they_belong(short_flight, vehicle):
         np.testing.assert_allclose(slope[2:-2], log[velocity][2:-2], atol=2e-2, err_msg=velocity)
 
 
-def test_errors_are_distances():
+def test_errors_are_distances(vehicle):
     signals = {
         "time_s": np.array([0.0, 1.0]),
         "p_E_m": np.array([[3.0, 4.0, 1.0], [1.0, 2.0, 2.0]]),
@@ -98,19 +98,19 @@ def test_errors_are_distances():
         "p_B_m": np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0]]),
         "p_Bd_m": np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
     }
-    log = FlightLog(signals, "completed", "", 1.0)
+    log = FlightLog(signals, "completed", "", 1.0, vehicle)
     assert list(log.error_m) == [5, 3] and list(log.base_error_m) == [0, 2]
     assert log.time_s is signals["time_s"]
 
 
-def test_the_tools_angle():
+def test_the_tools_angle(vehicle):
     """Small ones, too, which a cosine cannot tell from none; and none without the task."""
     down = np.array([0.0, 0.0, -1.0])
     wanted = np.array([np.sin(t) * np.eye(3)[0] + np.cos(t) * down for t in (0, 1e-9, 1, 3)])
     signals = {"tool_axis": np.tile(down, (4, 1)), "tool_axis_d": wanted}
-    log = FlightLog(signals, "completed", "", 1.0)
+    log = FlightLog(signals, "completed", "", 1.0, vehicle)
     np.testing.assert_allclose(log.tool_angle_rad, [0, 1e-9, 1, 3], rtol=1e-9)
-    off = FlightLog(signals | {"tool_axis_d": 0 * wanted}, "completed", "", 1.0)
+    off = FlightLog(signals | {"tool_axis_d": 0 * wanted}, "completed", "", 1.0, vehicle)
     assert off.tool_angle_rad is None
 
 
@@ -128,14 +128,14 @@ def test_loaded_it_is_read_no_more(short_flight, tmp_path):
     _, log = short_flight
     log.save(tmp_path / "log.npz")
     how = {"exit_reason": "completed", "exit_cause": "", "wall_s": 1.0}
-    loaded = FlightLog.read(tmp_path / "log.npz", how).thinned(10).loaded()
+    loaded = FlightLog.read(tmp_path / "log.npz", how, log.vehicle).thinned(10).loaded()
     assert loaded["p_E_m"] is loaded["p_E_m"]
     np.testing.assert_array_equal(loaded["p_E_m"], log.thinned(10)["p_E_m"])
     assert list(loaded.signals) == list(log.signals)
 
 
 @pytest.mark.parametrize("samples", [0, 1, ROWS_A_WRITE, 2 * ROWS_A_WRITE + 1])
-def test_saved_piece_by_piece(samples, tmp_path):
+def test_saved_piece_by_piece(vehicle, samples, tmp_path):
     """However an array lies in memory."""
     rows = np.random.default_rng(0).normal(size=(samples, 3))
     signals = {
@@ -144,13 +144,13 @@ def test_saved_piece_by_piece(samples, tmp_path):
         "part": rows[:, 1:],
         "one": rows[:, 0],
     }
-    FlightLog(signals, "completed", "", 1.0).save(tmp_path / "log.npz")
+    FlightLog(signals, "completed", "", 1.0, vehicle).save(tmp_path / "log.npz")
     with np.load(tmp_path / "log.npz", allow_pickle=False) as read:
         for key, expected in signals.items():
             np.testing.assert_array_equal(read[key], expected)
 
 
-def test_the_end_effector_in_the_base_frame():
+def test_the_end_effector_in_the_base_frame(vehicle):
     """R_B' (p_E - p_B), with Drake's rotation; not finite where the state is not."""
     rng = np.random.default_rng(0)
     quaternions = rng.normal(size=(5, 4))
@@ -160,7 +160,7 @@ def test_the_end_effector_in_the_base_frame():
         RotationMatrix(Quaternion(q / np.linalg.norm(q))).matrix().T @ v
         for q, v in zip(quaternions, r, strict=True)
     ]
-    log = FlightLog(signals, "completed", "", 1.0)
+    log = FlightLog(signals, "completed", "", 1.0, vehicle)
     np.testing.assert_allclose(log.p_EB_m, expected, atol=1e-14)
     quaternions[2] = np.nan
     assert np.isnan(log.p_EB_m[2]).all() and np.isfinite(log.p_EB_m[3]).all()
@@ -170,7 +170,7 @@ def test_read_is_the_reverse_of_save(short_flight, tmp_path):
     _, log = short_flight
     log.save(tmp_path / "log.npz")
     summary = {"exit_reason": "lost", "exit_cause": "tilt", "wall_s": 2.0}
-    again = FlightLog.read(tmp_path / "log.npz", summary)
+    again = FlightLog.read(tmp_path / "log.npz", summary, log.vehicle)
     assert (again.exit_reason, again.exit_cause, again.wall_s) == ("lost", "tilt", 2.0)
     assert list(again.signals) == list(log.signals)
     for key, rows in log.signals.items():

@@ -11,8 +11,10 @@ from aerodrake.flight.summary import headline, millimetres, summarize, to_json
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.supervision.conditions import conditions
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Clover, Hover, MovingTarget, Rates, Scenario, Supervisor
 
+VEHICLE = VehicleModel.load(Scenario())
 PERIOD_S = 0.01
 TICK_S = 0.02
 
@@ -53,7 +55,7 @@ def made(
     ending = {"exit_reason": "completed", "exit_cause": "", "wall_s": 4.0}
     for key in set(others) & set(ending):
         ending[key] = others.pop(key)
-    return FlightLog(signals | others, **ending)
+    return FlightLog(signals | others, vehicle=VEHICLE, **ending)
 
 
 def test_the_tools_angle_over_reference_time():

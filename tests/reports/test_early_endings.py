@@ -1,6 +1,7 @@
 """Flights that end before reference time 0, or at once, are shown as far as they came."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,7 +19,12 @@ from aerodrake.reports.residual_panels import residuals
 def early(log: FlightLog, samples: int) -> FlightLog:
     """As if it had been lost while it hovered."""
     signals = {k: rows if k in PER_TICK else rows[:samples] for k, rows in log.signals.items()}
-    return FlightLog({**signals, "time_s": signals["time_s"] - 5.0}, "lost", "", 1.0)
+    return replace(
+        log,
+        signals={**signals, "time_s": signals["time_s"] - 5.0},
+        exit_reason="lost",
+        exit_cause="",
+    )
 
 
 @pytest.mark.parametrize("samples", [1, 30])
@@ -29,7 +35,7 @@ def test_what_was_flown_is_drawn(samples, short_flight):
     panels = [flat(), flat(), flat(), flat(), space(projection="3d")]
     draw_plan(panels[0], log)
     draw_error(panels[1], log)
-    draw_distance(panels[2], log, scenario)
+    draw_distance(panels[2], log)
     draw_errors(panels[3], {"modified": log}, 1)
     draw_paths(panels[4], log)
     for axes in panels:

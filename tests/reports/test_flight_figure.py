@@ -1,12 +1,12 @@
 """The figure of a flight, all on one sheet."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 
-from aerodrake.flight.log import FlightLog
 from aerodrake.reports.flight_figure import plot_tracking
 from tests.flights import lost_early
 
@@ -21,7 +21,7 @@ def figure(short_flight, tmp_path_factory) -> Path:
 def test_the_tools_angle_has_a_panel_where_there_is_one(figure, short_flight, tmp_path):
     scenario, log = short_flight
     assert log.tool_angle_rad is None
-    pointed = FlightLog({**log.signals, "tool_axis_d": log["tool_axis"]}, "completed", "", 1.0)
+    pointed = replace(log, signals={**log.signals, "tool_axis_d": log["tool_axis"]})
     plot_tracking(pointed, scenario, "title", tmp_path / "a.png")
     assert plt.imread(tmp_path / "a.png").shape[0] > plt.imread(figure).shape[0]
 
@@ -37,7 +37,7 @@ def test_the_same_flight_gives_the_same_bytes(figure, short_flight, tmp_path):
 def test_the_figure_shows_the_flight(figure, short_flight, tmp_path):
     """Large enough to read, more than one colour, and another one for another flight."""
     _, log = short_flight
-    moved = FlightLog({**log.signals, "p_E_m": log["p_E_m"] + 0.01}, "completed", "", 1.0)
+    moved = replace(log, signals={**log.signals, "p_E_m": log["p_E_m"] + 0.01})
     plot_tracking(moved, short_flight[0], "title", tmp_path / "b.png")
     a, b = plt.imread(figure), plt.imread(tmp_path / "b.png")
     assert a.shape == b.shape and min(a.shape[:2]) > 1000

@@ -140,9 +140,9 @@ def test_it_says_how_to_fly_it_again(desktop, folder, summary):
     assert summary["version"] in page.locator(".brand").text_content()
 
 
-def test_the_same_flight_gives_the_same_page(folder, summary):
+def test_the_same_flight_gives_the_same_page(folder, summary, vehicle):
     scenario = load_scenario(str(folder / "scenario.yaml"))
-    log = FlightLog.read(folder / "log.npz", summary)
+    log = FlightLog.read(folder / "log.npz", summary, vehicle)
     page = report_page(FlightSimulation(scenario), summary, log, "<p>replay</p>", folder, folder)
     again = (folder / "report.html").read_text()
     packed = re.compile(r'(<script type="application/gzip" id="packed">)[^<]*')
@@ -151,9 +151,9 @@ def test_the_same_flight_gives_the_same_page(folder, summary):
 
 @pytest.mark.parametrize("samples", [2, 12])
 @pytest.mark.filterwarnings("error")
-def test_flights_that_ended_early_have_one(samples, folder, summary):
+def test_flights_that_ended_early_have_one(samples, folder, summary, vehicle):
     """Before and just after reference time 0; and to numbers that are none."""
-    log = FlightLog.read(folder / "log.npz", summary)
+    log = FlightLog.read(folder / "log.npz", summary, vehicle)
     lost = lost_early(log, samples, "tilt & <b>")
     ended = summary | {"exit_reason": "lost", "exit_cause": "tilt & <b>"}
     flight = FlightSimulation(load_scenario(str(folder / "scenario.yaml")))

@@ -7,7 +7,6 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from aerodrake.flight.log import FlightLog
 from aerodrake.reports.flight_panels import (
     MOST_TICKS,
     draw_boundaries,
@@ -63,7 +62,7 @@ def test_inputs_are_seen_by_their_bounds(axes, short_flight, vehicle):
     qddot[:, 2] = -0.5 * vehicle.acceleration[2]
     a_Bd = np.zeros_like(log["a_Bd_m_s2"])
     a_Bd[:, 2] = scenario.mpc.base_acceleration_m_s2[2]
-    log = FlightLog({**log.signals, "qddot_d_rad_s2": qddot, "a_Bd_m_s2": a_Bd}, "", "", 1.0)
+    log = replace(log, signals={**log.signals, "qddot_d_rad_s2": qddot, "a_Bd_m_s2": a_Bd})
     draw_inputs(axes, log, scenario)
     drawn = lines(axes)
     np.testing.assert_allclose(drawn["joints"][:, 1], 0.5)
@@ -72,9 +71,9 @@ def test_inputs_are_seen_by_their_bounds(axes, short_flight, vehicle):
 
 def test_distances_and_their_boundaries_are_all_within_the_panel(axes, short_flight):
     scenario, log = short_flight
-    far = FlightLog({**log.signals, "p_E_m": log["p_E_m"] + [0.0, 0.0, 0.9]}, "", "", 1.0)
+    far = replace(log, signals={**log.signals, "p_E_m": log["p_E_m"] + [0.0, 0.0, 0.9]})
     for flown in (log, far):
-        draw_distance(axes, flown, scenario)
+        draw_distance(axes, flown)
     draw_boundaries(axes, scenario)
     low, high = axes.get_ylim()
     assert low == 0 and high > 0.85

@@ -1,9 +1,10 @@
 """The figures of a flight, beside the paper's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import summarize
 from aerodrake.reports.flight_table import highlights, table
 
@@ -58,7 +59,12 @@ def test_it_says_how_the_flight_ended(summary):
 
 def test_table_of_a_flight_that_never_came_to_reference_time(short_flight):
     scenario, log = short_flight
-    early = FlightLog({k: v[:5] for k, v in log.signals.items()}, "interrupted", "at 0 s", 1.0)
+    early = replace(
+        log,
+        signals={k: v[:5] for k, v in log.signals.items()},
+        exit_reason="interrupted",
+        exit_cause="at 0 s",
+    )
     text = table(summarize(scenario, early), "clover")
     assert "None" not in text and "nan" not in text
 

@@ -19,11 +19,10 @@ RATE = 3.0
 def watched(short_flight):
     """A view, its lines, and the log of the flight that it showed."""
     scenario, _ = short_flight
-    with LiveView(scenario, RATE) as view:
+    flight = FlightSimulation(scenario)
+    with LiveView(flight, RATE) as view:
         lines = []
-        log = FlightSimulation(scenario).fly(
-            lambda simulated_s: lines.append(view.line()), RATE, view.attach
-        )
+        log = flight.fly(lambda simulated_s: lines.append(view.line()), RATE, view.attach)
         yield view, lines, log
 
 

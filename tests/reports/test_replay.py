@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aerodrake.flight.log import FlightLog
 from aerodrake.reports.replay import replay_page
 from aerodrake.reports.scene import DOT_SPACING_M
 from aerodrake.scenario import Payload
@@ -78,7 +77,7 @@ def test_flights_that_ended_early_are_shown(samples, short_flight):
     """Before and just after reference time 0 (sample 11)."""
     scenario, log = short_flight
     signals = {key: rows[:samples] for key, rows in log.signals.items()}
-    early = FlightLog(signals, "interrupted", "", 1.0)
+    early = replace(log, signals=signals, exit_reason="interrupted", exit_cause="")
     assert b"/paths/end_effector" in messages(replay_page(early, scenario))
 
 
@@ -87,7 +86,7 @@ def test_a_flight_that_was_lost_to_numbers_is_shown_up_to_there(short_flight):
     signals = {key: rows.copy() for key, rows in log.signals.items()}
     for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
         signals[key][-1] = np.nan
-    lost = FlightLog(signals, "lost", "the state is not finite", 1.0)
+    lost = replace(log, signals=signals, exit_reason="lost", exit_cause="the state is not finite")
     assert len(replay_page(lost, scenario)) > 100_000
 
 
@@ -102,6 +101,6 @@ def test_a_page_does_not_grow_with_the_flight(short_flight):
     scenario, log = short_flight
     sizes = []
     for stretch in (200, 1600):
-        long = FlightLog({**log.signals, "time_s": stretch * log.time_s}, "completed", "", 1.0)
+        long = replace(log, signals={**log.signals, "time_s": stretch * log.time_s})
         sizes.append(len(replay_page(long, scenario)))
     assert sizes[1] < 1.02 * sizes[0]

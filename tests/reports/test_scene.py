@@ -5,8 +5,8 @@ import socket
 from aerodrake.reports.scene import Scene
 
 
-def test_its_server_is_gone(scenario):
-    with Scene(scenario) as scene:
+def test_its_server_is_gone(scenario, vehicle):
+    with Scene(scenario, vehicle) as scene:
         port = scene.meshcat.port()
         with socket.create_connection(("localhost", port)):
             pass
