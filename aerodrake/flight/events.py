@@ -1,4 +1,4 @@
-"""What the supervisor noticed on a flight, and when."""
+"""Faults of a flight and conditions that its supervisor detected, over time."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from aerodrake.scenario import Scenario
 
 
 def events(scenario: Scenario, log: FlightLog) -> list[dict[str, Any]]:
-    """Each trigger and clearing of a condition, in order of time.
+    """Returns each trigger and clearing of a condition, in order of time.
 
     Keys:
         time_s: Reference time.
-        cause: The condition's name.
-        mode: What it asks for, a `SafeMode`'s label.
+        cause: Name of the condition.
+        mode: Label of the `SafeMode` that it requests.
         event: `triggered` or `cleared`.
     """
-    watched = conditions(scenario.supervisor)
+    defined = conditions(scenario.supervisor)
     active = log["conditions"] > 0.5
     changes = np.diff(active, axis=0, prepend=np.zeros((1, active.shape[1]), dtype=bool))
     return [
         {
             "time_s": float(log.time_s[row]),
-            "cause": watched[i].name,
-            "mode": watched[i].mode.label,
+            "cause": defined[i].name,
+            "mode": defined[i].mode.label,
             "event": "triggered" if active[row, i] else "cleared",
         }
         for row, i in zip(*np.nonzero(changes), strict=True)
@@ -36,17 +36,17 @@ def events(scenario: Scenario, log: FlightLog) -> list[dict[str, Any]]:
 
 
 def safe_modes(log: FlightLog, period: float) -> dict[str, float]:
-    """s in each safe mode, by its label, of samples `period` s apart; 0 where it was not in it."""
+    """Returns the time in s in each safe mode, by its label, of samples `period` s apart."""
     samples = np.bincount(log["supervisor_mode"][:-1].astype(int), minlength=len(SafeMode))
     return {mode.label: float(round(samples[mode] * period, 9)) for mode in SafeMode}
 
 
 class Span(NamedTuple):
-    """Something that lasts: a fault that is injected, or a condition that is active.
+    """Time span of an injected fault, or of an active condition.
 
     Attributes:
-        name: Of the fault's kind, or of the condition.
-        mode: That the condition asks for; None of a fault.
+        name: Kind of the fault, or name of the condition.
+        mode: Safe mode that the condition requests; None for a fault.
         start_s, end_s: Reference time, within the flight.
     """
 
@@ -57,18 +57,18 @@ class Span(NamedTuple):
 
 
 def spans(scenario: Scenario, log: FlightLog) -> list[Span]:
-    """The scenario's faults as far as they were flown, then the supervisor's conditions."""
+    """Returns the scenario's faults within the flight, then the supervisor's conditions."""
     begin, end = log.time_s[0], log.time_s[-1]
-    found = [
+    result = [
         Span(fault.kind, None, max(fault.start_s, begin), min(fault.end_s, end))
         for fault in scenario.faults
         if fault.start_s < end and fault.end_s > begin
     ]
-    watched = conditions(scenario.supervisor)
+    defined = conditions(scenario.supervisor)
     active = np.pad(log["conditions"] > 0.5, ((1, 1), (0, 0))).astype(int)
     times = np.append(log.time_s, end)
-    for i, condition in enumerate(watched):
+    for i, condition in enumerate(defined):
         change = np.diff(active[:, i])
         for first, last in zip(np.flatnonzero(change > 0), np.flatnonzero(change < 0), strict=True):
-            found.append(Span(condition.name, condition.mode, times[first], times[last]))
-    return found
+            result.append(Span(condition.name, condition.mode, times[first], times[last]))
+    return result

@@ -1,4 +1,4 @@
-"""Flying the station along prescribed setpoints, sampled as the coordinator would."""
+"""Open-loop flights of the station along prescribed setpoints."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from aerodrake.support.threads import single_thread
 
 @dataclass(frozen=True)
 class Excitation:
-    """What was commanded and measured at each tick of the MPC's period.
+    """Setpoints and measurements at each tick of the MPC's period.
 
     Attributes:
         time_s: (T,) 0, period, 2 period, ...
-        state: (T, 13 + 2 n) as measured at these times.
-        specific_thrust: (T, 1) m/s^2, as the flight controller tells it then.
-        external_acceleration: (T, 3) m/s^2, as the state filter tells it then.
-        disturbance: (T, 6) m/s^2 and rad/s^2, of the flight controller.
-        base_setpoint: (T, 9) p_d, v_d and the a_d held from then on.
-        joint_setpoint: (T, 3 n) likewise.
+        state: (T, 13 + 2 n) measured state.
+        specific_thrust: (T, 1) m/s^2, output of the flight controller.
+        external_acceleration: (T, 3) m/s^2, output of the state filter.
+        disturbance: (T, 6) m/s^2 and rad/s^2, output of the flight controller.
+        base_setpoint: (T, 9) p_d, v_d, and a_d until the next tick.
+        joint_setpoint: (T, 3 n) q_d, qdot_d and qddot_d likewise.
     """
 
     time_s: np.ndarray
@@ -47,13 +47,13 @@ def excite(
     """Flies the scenario's station from trim along both motions, to the end of `base`.
 
     Args:
-        scenario: Its vehicle, station, rates and seed; its reference is not flown.
+        scenario: The scenario; its reference is not flown.
         base: (3,) m, p_d from time 0, at rest at its start.
-        joints: (n,) rad, q_d likewise, at least as long.
+        joints: (n,) rad, q_d likewise, for at least the same time.
         progress: Called with the simulated time in s as it advances.
 
     Raises:
-        RuntimeError: if the plant cannot step, as after a crash.
+        RuntimeError: if the plant cannot step, for example after a crash.
     """
     period, step = scenario.rates.mpc_period_s, scenario.rates.plant_step_s
     diagram = make_open_loop(scenario, base, joints)
@@ -65,7 +65,7 @@ def excite(
     rows: list[list[np.ndarray]] = []
     with single_thread():
         for tick in ticks:
-            simulator.AdvanceTo(tick + step / 4)  # Just after its sample was taken.
+            simulator.AdvanceTo(tick + step / 4)  # Just after the sample.
             rows.append([port.Eval(context).copy() for port in ports])
             progress(tick)
     measured = map(np.array, zip(*rows, strict=True))
@@ -73,6 +73,6 @@ def excite(
 
 
 def _setpoint(motion: Trajectory, ticks: np.ndarray) -> np.ndarray:
-    """(T, 3 m), position, velocity and acceleration."""
+    """Returns (T, 3 m): position, velocity and acceleration at the ticks."""
     orders = (motion, motion.MakeDerivative(1), motion.MakeDerivative(2))
     return np.hstack([order.vector_values(ticks).T for order in orders])

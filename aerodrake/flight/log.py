@@ -1,4 +1,4 @@
-"""What a flight leaves behind: signals over reference time."""
+"""The log of a flight: signals over reference time."""
 
 from __future__ import annotations
 
@@ -85,29 +85,29 @@ MPC's last tick. NaN and infinite values are replaced by the last finite ones.
 DERIVED = {
     "time_s": "(T,) reference time; negative during the initial hover",
     "p_E_m": "(T, 3) end-effector, from the true state",
-    "tool_axis": "(T, 3) direction in the world in which the tool points, from the true state",
+    "tool_axis": "(T, 3) direction of the tool's axis in the world, from the true state",
     "tick_ms": "(ticks,) wall time of forming and solving each program of the MPC",
 }
-"""Keys that are not a port's, with their meaning."""
+"""Keys that are not of a port, with their meaning."""
 
 PER_TICK = ("tick_ms",)
-"""Keys with a row for each tick of the MPC; all others have one for each sample."""
+"""Keys with a row for each tick of the MPC; the others have one for each sample."""
 
-ROWS_A_WRITE = 4096
-"""Of the file of a log: what is compressed at a time."""
+ROWS_PER_WRITE = 4096
+"""Number of rows that are compressed at a time."""
 
 
 @dataclass(frozen=True)
 class FlightLog:
-    """Signals of one flight, and how it ended.
+    """Signals and ending of one flight.
 
     Attributes:
         signals: Arrays by the keys of `PORTS` and `DERIVED`, in their shapes and units: (T, ...)
-            with a row for each sample, or for each tick those of `PER_TICK`. They may be
-            read from a file at each access.
-        exit_reason: `completed`; `hold` or `descend`, the safe mode in which time was up;
+            with a row for each sample, those of `PER_TICK` for each tick. Each access may read
+            from a file.
+        exit_reason: `completed`; `hold` or `descend`, the safe mode at the scenario's end;
             `landed` or `stopped`, by the supervisor; `lost`; or `interrupted`.
-        exit_cause: One line on why it did not complete; empty if it did.
+        exit_cause: Cause of another exit reason than `completed`, in one line; else empty.
         wall_s: Wall time of the simulation.
         vehicle: The vehicle that flew.
     """
@@ -128,7 +128,7 @@ class FlightLog:
 
     @property
     def is_flown(self) -> np.ndarray:
-        """(T,) which samples are from reference time 0 on; all, if the flight ended before it."""
+        """(T,) True from reference time 0 on; all True if the flight ended before."""
         is_flown = self.time_s >= 0
         return is_flown if is_flown.any() else ~is_flown
 
@@ -139,11 +139,11 @@ class FlightLog:
 
     @property
     def tool_angle_rad(self) -> np.ndarray | None:
-        """(T,) of the tool's axis from its wanted direction; None without an orientation task."""
+        """(T,) angle of the tool's axis to its desired direction; None without the task."""
         t, d = self["tool_axis"], self["tool_axis_d"]
         if not d.any():
             return None
-        # Unlike the arc cosine of their product, it tells small angles.
+        # Unlike the arc cosine of their product, it is accurate for small angles.
         return np.arctan2(np.linalg.norm(np.cross(t, d), axis=1), np.sum(t * d, axis=1))
 
     @property
@@ -163,23 +163,23 @@ class FlightLog:
         return np.linalg.norm(self["p_B_m"] - self["p_Bd_m"], axis=1)
 
     def thinned(self, most: int) -> FlightLog:
-        """`most` of its samples or fewer, evenly spaced up to the last: what a figure can show."""
+        """Returns a log of `most` samples or fewer, evenly spaced up to the last, for a figure."""
         stride = -(-len(self.time_s) // most)
         return replace(self, signals=_Thinned(self.signals, stride)) if stride > 1 else self
 
     def loaded(self) -> FlightLog:
-        """The same with its signals in memory, for whoever reads them more than once."""
+        """Returns a log with its signals in memory, to read them more than once."""
         return replace(self, signals=dict(self.signals))
 
     def save(self, path: Path) -> None:
-        """Writes the signals as a compressed `.npz`, of which no more than one is in memory."""
+        """Writes the signals as a compressed `.npz`, one at a time."""
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
             for key, rows in self.signals.items():
                 header = np.lib.format.header_data_from_array_1_0(np.ascontiguousarray(rows))
                 with archive.open(f"{key}.npy", "w", force_zip64=True) as file:
                     np.lib.format.write_array_header_1_0(file, header)
-                    for start in range(0, len(rows), ROWS_A_WRITE):
-                        file.write(rows[start : start + ROWS_A_WRITE].tobytes())
+                    for start in range(0, len(rows), ROWS_PER_WRITE):
+                        file.write(rows[start : start + ROWS_PER_WRITE].tobytes())
 
     @classmethod
     def read(cls, path: Path, summary: Mapping[str, Any], vehicle: VehicleModel) -> FlightLog:
@@ -215,7 +215,7 @@ class _Thinned(Mapping[str, np.ndarray]):
 
 
 def rotate(quaternion: np.ndarray, r: np.ndarray) -> np.ndarray:
-    """(T, 3) vectors r (T, 3), each turned by its quaternion (T, 4); NaN where one is."""
+    """Returns (T, 3): vectors r (T, 3), each rotated by its quaternion (T, 4); NaN stays NaN."""
     q = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
     with np.errstate(invalid="ignore"):
         turn = 2 * np.cross(q[:, 1:], r)
@@ -223,13 +223,10 @@ def rotate(quaternion: np.ndarray, r: np.ndarray) -> np.ndarray:
 
 
 def key_columns(sizes: Mapping[str, int]) -> dict[str, int | slice]:
-    """Where the parts are, by key, in a vector of the samples of ports one after another.
+    """Returns the column of each key of width 1, and the slice of columns of each other key.
 
     Args:
-        sizes: Of the ports, in the order of the vector.
-
-    Returns:
-        A column for a part of width 1, a slice for the others.
+        sizes: Size of each port, in the order in which a sample has them.
     """
     fixed = {"1": 1, "3": 3, "4": 4}
     columns: dict[str, int | slice] = {}

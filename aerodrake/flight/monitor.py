@@ -1,4 +1,4 @@
-"""When a flight is over, and why."""
+"""Ends of a flight: completed, in a safe mode, or lost."""
 
 from __future__ import annotations
 
@@ -15,24 +15,28 @@ from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.rotation import rotation_matrix
 from aerodrake.scenario import Scenario
+from aerodrake.support.errors import BadInput
 
 MONITOR_PERIOD_S = 0.1
-"""How often a flight is looked at."""
+"""Simulated time between two checks of a flight."""
 
 LOST_TILT_RAD = math.radians(60)
-"""Tilt of the base beyond which a flight is lost,"""
+"""Tilt of the base beyond which the vehicle is lost."""
 LOST_ERROR_M = 1.0
-"""and what is too far off its reference, or in safe modes off its setpoint."""
+"""Distance from the reference, in safe modes from the setpoint, beyond which it is lost."""
+
+REFUSALS = (BadInput, OSError, MemoryError)
+"""Errors of the machine or of the remote coordinator, which never mean a lost vehicle."""
 
 
 class Monitor:
-    """Tells when a flight is over, and why. Its times are reference times.
+    """Detects the end of a flight and its cause, with reference times.
 
     Args:
-        scenario: What is flown.
-        closed_loop: With the outputs that `Flight` exports.
-        context: Of the closed loop.
-        p_E: (3,) m, the end-effector at a state (13 + 2 n,).
+        scenario: The scenario that is flown.
+        closed_loop: A diagram with the outputs that `FlightSimulation` exports.
+        context: Context of the closed loop.
+        p_E: Function from a state (13 + 2 n,) to the end-effector (3,) m.
     """
 
     def __init__(
@@ -51,29 +55,29 @@ class Monitor:
         self._begin_approach(p_E(self._eval("true_state")))
 
     def time(self) -> float:
-        """Reference time, s."""
+        """Returns the reference time in s."""
         return self._context.get_time() - self._scenario.settle_s
 
-    def ended(self, in_time: bool = False) -> tuple[str, str]:
-        """Why a flight is over, and what made it so; both are empty if it is not.
+    def ending(self, time_is_up: bool = False) -> tuple[str, str]:
+        """Returns the exit reason and cause of the flight; both are empty if it continues.
 
-        A condition of the supervisor is told by its name, all else with its time.
+        The cause is the name of a supervisor's condition, or a sentence with the time.
 
         Args:
-            in_time: Whether it is, since the scenario's time is flown.
+            time_is_up: True at the scenario's end.
         """
         if cause := self.lost():
             return "lost", cause
         mode = SafeMode(int(self._eval("mode")[0]))
         if mode is SafeMode.NOMINAL:
-            return ("completed", "") if in_time else ("", "")
+            return ("completed", "") if time_is_up else ("", "")
         condition = self._conditions[int(self._eval("cause")[0])]
         if mode is SafeMode.STOP:
             return condition.exit_reason, condition.name
-        return (mode.label, condition.name) if in_time else ("", "")
+        return (mode.label, condition.name) if time_is_up else ("", "")
 
     def lost(self) -> str:
-        """Why the vehicle is lost; empty if it is not."""
+        """Returns the cause if the vehicle is lost; empty if it is not."""
         x, when = self._eval("true_state"), f"at {self.time():.2f} s"
         if not np.isfinite(x).all():
             return f"the state is not finite {when}"
@@ -86,7 +90,7 @@ class Monitor:
         self._target = reference[:3]
         has_jumped = moved > JUMP_M + MONITOR_PERIOD_S * np.linalg.norm(reference[3:])
         if self._eval("mode")[0] != SafeMode.NOMINAL:
-            # It follows its setpoints then, not the reference.
+            # Safe modes follow the setpoint, not the reference.
             self._begin_approach(p_E)
             away = math.dist(x[4:7], self._eval("base_setpoint")[:3])
             return f"{away:.2f} m off its setpoint {when}" if away > LOST_ERROR_M else ""
@@ -98,21 +102,28 @@ class Monitor:
             return f"error of {error:.2f} m {when}"
         return ""
 
-    def broken(self, error: BaseException) -> str:
-        """Why the vehicle is lost where a step could not be made; empty if that is a defect.
+    def cause_of_loss(self, error: BaseException) -> str:
+        """Returns the cause if the vehicle is lost after a step that failed.
 
-        The plant, for one, cannot step from or by what is not finite.
+        The plant cannot step with a state or input that is not finite, for example.
 
         Args:
-            error: What the step ended by.
+            error: The exception that ended the step.
+
+        Raises:
+            BaseException: `error` itself, if the vehicle is not lost.
         """
-        spoilt = ", ".join(not_finite(self._closed_loop, self._context))
-        cause = f"{spoilt} not finite at {self.time():.2f} s" if spoilt else self.lost()
-        said = re.sub(r"^Failure at \S+ in ", "", str(error)).partition("\n")[0]
-        return f"{cause}; {said}" if cause else ""
+        if isinstance(error, REFUSALS):
+            raise error
+        ports = ", ".join(not_finite(self._closed_loop, self._context))
+        cause = f"{ports} not finite at {self.time():.2f} s" if ports else self.lost()
+        if not cause:
+            raise error
+        message = re.sub(r"^Failure at \S+ in ", "", str(error)).partition("\n")[0]
+        return f"{cause}; {message}"
 
     def _begin_approach(self, p_E: np.ndarray) -> None:
-        """A target that is far at first is to be approached before it can be left."""
+        """Permits the distance to a new target until the end-effector has approached it."""
         self._approached = False
         self._farthest = LOST_ERROR_M + math.dist(self._target, p_E)
 

@@ -1,4 +1,4 @@
-"""The station flown along prescribed setpoints, without a coordinator."""
+"""The station with prescribed setpoints, without a coordinator."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from aerodrake.station import make_station
 
 
 def make_open_loop(scenario: Scenario, base: Trajectory, joints: Trajectory) -> Diagram:
-    """The station behind two sources in the coordinator's place.
+    """Makes the station with two sources of setpoints in place of the coordinator.
 
-    Outputs: all of the station's, and `base_setpoint` (9) and `joint_setpoint` (3 n).
+    Outputs: all outputs of the station, and `base_setpoint` (9) and `joint_setpoint` (3 n).
 
     Args:
-        scenario: Whose station it is.
+        scenario: The scenario of the station.
         base: (3,) m, p_d over time.
         joints: (n,) rad, q_d over time.
     """

@@ -1,4 +1,4 @@
-"""Signals of a flight that are too long to be held in memory."""
+"""Signals of a flight in a temporary file, since they may be larger than the memory."""
 
 from __future__ import annotations
 
@@ -12,37 +12,37 @@ from aerodrake.support.errors import BadInput
 
 
 class Recording(Mapping[str, np.ndarray]):
-    """Signals by key, of which the samples are in a file without a name.
+    """Signals by key, with their samples in a temporary file.
 
-    What is asked for is read: an array (T,) or (T, width), new each time. The
-    file goes with the last who knows of it.
+    Each access reads a new array (T,) or (T, width) from the file. The file is deleted with the
+    recording.
 
     Args:
-        columns: Of each key in a sample: one, for a plain series, or a range.
+        columns: Column of each key in a sample for a plain series, or its range of columns.
     """
 
     def __init__(self, columns: Mapping[str, int | slice]):
         self._columns = columns
         self._times: list[np.ndarray] = []
         self._others: dict[str, np.ndarray] = {}
-        self._blocks: list[tuple[int, int]] = []  # Where each begins, and how many samples it has.
+        self._blocks: list[tuple[int, int]] = []  # Offset and number of samples of each.
         self._newest: np.ndarray | None = None
         self._file = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115
         weakref.finalize(self, self._file.close)
 
     def append(self, times: np.ndarray, samples: np.ndarray) -> None:
-        """Adds samples (size, T), one a column, that were taken at times (T,) in s.
+        """Adds samples (size, T), one in each column, of times (T,) in s.
 
         Raises:
-            BadInput: if there is no room for them.
+            BadInput: if the disk is full.
         """
-        # After the last whole block: what an interrupt left of another is written over.
+        # After the last complete block, over an incomplete one that an interrupt left.
         before = sum(length for _, length in self._blocks)
         offset = self._file.seek(before * len(samples) * samples.itemsize)
-        # Row by row: those of one key are together, and the others need not be read.
+        # Row by row, so that the samples of one key are adjacent in the file.
         rest = memoryview(samples.tobytes())
         try:
-            while rest:  # A disk takes less than it is given before it is full.
+            while rest:  # A write to an almost full disk can be incomplete.
                 rest = rest[self._file.write(rest) :]
         except OSError as error:
             problem = f"cannot be written during the flight: {error.strerror}"
@@ -51,10 +51,7 @@ class Recording(Mapping[str, np.ndarray]):
         self._blocks.append((offset, samples.shape[1]))
 
     def fill(self, samples: np.ndarray) -> None:
-        """Puts in place of what is no number, in samples (size, T) to be added, the last one.
-
-        Where there was none, zero.
-        """
+        """Replaces NaN and infinity in samples (size, T) by the last finite value, or zero."""
         first = np.zeros(len(samples)) if self._newest is None else self._newest
         if not np.isfinite(samples).all():
             before = np.column_stack([first, samples])
@@ -65,16 +62,16 @@ class Recording(Mapping[str, np.ndarray]):
 
     @property
     def times(self) -> np.ndarray:
-        """(T,) s, when the samples were taken."""
+        """(T,) s, times of the samples."""
         return np.concatenate(self._times)
 
     @property
     def end(self) -> float:
-        """s, when the last one was; before all time if there is none."""
+        """Time of the last sample in s; minus infinity without samples."""
         return self._times[-1][-1] if self._times else -np.inf
 
     def add(self, signals: Mapping[str, np.ndarray]) -> None:
-        """Adds signals (T, ...), by key, that are held in memory."""
+        """Adds signals (T, ...) by key, which stay in memory."""
         self._others.update(signals)
 
     def __getitem__(self, key: str) -> np.ndarray:

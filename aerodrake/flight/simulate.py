@@ -1,4 +1,4 @@
-"""Flying a scenario: the closed loop, a Simulator, a monitor and logs."""
+"""Simulates a scenario's closed loop, with a monitor and a log."""
 
 from __future__ import annotations
 
@@ -22,7 +22,6 @@ from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import add_closed_loop, make_context
-from aerodrake.support.errors import BadInput
 from aerodrake.support.threads import single_thread
 from aerodrake.support.tick_timer import TickTimer
 from aerodrake.wire.link import Link
@@ -31,25 +30,25 @@ from aerodrake.wire.remote_coordinator import make_remote_coordinator
 from aerodrake.wiring.replacements import Replacements
 
 LOG_SAMPLES = 1000
-"""Samples that are held in memory before they are moved to a file."""
-
-REFUSALS = (BadInput, OSError, MemoryError)
-"""Of the machine, or of the other end of a wire: no fault of the flight's."""
+"""Number of samples in memory from which they are written to a file."""
 
 
 class FlightSimulation:
-    """A scenario's closed loop with logs on its ports, ready to fly.
+    """A scenario's closed loop with a log of its ports, ready to fly.
 
     Attributes:
-        scenario: What is flown.
-        closed_loop: Its diagram: station, coordinator and log; out `true_state`, and of the
-            coordinator `reference`, `base_setpoint`, `mode` and `cause`.
+        scenario: The scenario to fly.
         vehicle: The vehicle that flies.
+        closed_loop: Diagram of station, coordinator and log. Its outputs are `true_state`, and
+            `reference`, `base_setpoint`, `mode` and `cause` of the coordinator.
 
     Args:
-        scenario: What is flown.
-        replacements: Of systems of its diagram; None for none.
-        link: The station's end of the wire to a coordinator elsewhere, if it is not here.
+        scenario: The scenario to fly.
+        replacements: Replacements of systems in the closed loop; None for none.
+        link: The station's end of the link to a remote coordinator; None for a local one.
+
+    Raises:
+        BadInput: if the scenario cannot be flown, or a replacement does not fit.
     """
 
     def __init__(
@@ -62,11 +61,12 @@ class FlightSimulation:
         self._link = link
         builder = DiagramBuilder()
         self.vehicle = VehicleModel.load(scenario)
+        self._kinematics = Kinematics(self.vehicle.plant)
         remote = make_remote_coordinator(scenario, self.vehicle, link) if link else None
-        # Beside station and coordinator, since each diagram around them costs at every step.
+        # Without a diagram around both: each level of diagrams costs time at every step.
         ports = add_closed_loop(builder, scenario, replacements, remote, self.vehicle)
         sizes = {name: ports[name].size() for name in PORTS if name in ports}
-        # Side by side in one sink: each sink would be an event of its own.
+        # One sink for all ports: each sink is an event of its own.
         samples = builder.AddNamedSystem("samples", Multiplexer(list(sizes.values())))
         for i, name in enumerate(sizes):
             builder.Connect(ports[name], samples.get_input_port(i))
@@ -82,16 +82,7 @@ class FlightSimulation:
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
         self._tick_ms = link.tick_ms if link else _tick_ms(self.closed_loop, scenario.controller)
-        self._kinematics = Kinematics(self.vehicle.plant)
-        # What is compiled is loaded now, lest the first ticks wait for it.
-        with single_thread():
-            context = make_context(self.closed_loop, scenario.seed)
-            try:
-                Simulator(self.closed_loop, context).AdvanceTo(scenario.rates.mpc_period_s)
-            except REFUSALS:
-                raise
-            except (Exception, SystemExit):
-                pass  # What is wrong with the vehicle is so again in flight.
+        self._load_compiled_code()
 
     def fly(
         self,
@@ -99,31 +90,26 @@ class FlightSimulation:
         rate: float = 0.0,
         attach: Callable[[FlightSimulation, Simulator], None] = lambda flight, simulator: None,
     ) -> FlightLog:
-        """Flies from trim to the scenario's end, or until the vehicle is lost, or stops.
+        """Flies from trim to the scenario's end, or until the vehicle is lost or stops.
 
-        With a coordinator elsewhere it waits in trim until that is there, and does not fly by
-        one of another scenario.
+        With a remote coordinator the flight begins when that is connected.
 
         Args:
             progress: Called with the simulated time in s as it advances.
-            rate: Of simulated over wall time, where the wall clock is to be followed; 0 for as
-                fast as it can.
-            attach: Called with the flight and its Simulator before that flies: for who
-                watches it.
+            rate: Simulated time over wall time, to follow the wall clock; 0 for full speed.
+            attach: Called with the flight and its Simulator before the flight begins, for
+                observers.
 
         Raises:
-            BadInput: if the coordinator that is there has another scenario.
+            BadInput: if the connected coordinator has another scenario, or the log cannot be
+                written.
         """
-        scenario = self.scenario
-        context = make_context(self.closed_loop, scenario.seed)
+        context = make_context(self.closed_loop, self.scenario.seed)
         simulator = Simulator(self.closed_loop, context)
         attach(self, simulator)
-        # Times are rounded, lest they land beyond a tick that is not to be flown.
-        end = round(scenario.settle_s + scenario.duration, 9)
         self._tick_ms.clear()
-        monitor = Monitor(scenario, self.closed_loop, context, self.p_E)
+        monitor = Monitor(self.scenario, self.closed_loop, context, self.p_E)
         recording = Recording(self._columns)
-        reason = cause = ""
         if self._link:
             self._link.wait(lambda: progress(0.0))
             self._link.phase = Phase.FLYING
@@ -131,31 +117,18 @@ class FlightSimulation:
         start = time.perf_counter()
         with single_thread():
             try:
-                for step in range(1, math.ceil(end / MONITOR_PERIOD_S - 1e-9) + 1):
-                    simulator.AdvanceTo(min(round(step * MONITOR_PERIOD_S, 9), end))
-                    self._record(recording, context, LOG_SAMPLES)
-                    progress(context.get_time())
-                    reason, cause = monitor.ended()
-                    if reason:
-                        self._log_end(recording, context)
-                        break
-                else:
-                    reason, cause = monitor.ended(in_time=True)
+                reason, cause = self._advance(simulator, monitor, recording, progress)
             except KeyboardInterrupt:
                 reason, cause = "interrupted", f"at {monitor.time():.2f} s"
-            except REFUSALS:
-                raise
-            except (Exception, SystemExit) as error:  # Drake's conditions are the latter.
-                reason, cause = "lost", monitor.broken(error)
-                if not cause:
-                    raise
+            except (Exception, SystemExit) as error:  # Drake raises SystemExit if a check fails.
+                reason, cause = "lost", monitor.cause_of_loss(error)
             finally:
                 if self._link:
                     self._link.close(context.get_time())
         wall_s = time.perf_counter() - start
         self._record(recording, context)
-        time_s = np.round(recording.times - scenario.settle_s, 9)
-        if cause in {condition.name for condition in conditions(scenario.supervisor)}:
+        time_s = np.round(recording.times - self.scenario.settle_s, 9)
+        if cause in {condition.name for condition in conditions(self.scenario.supervisor)}:
             causes = recording["supervisor_cause"]
             others = np.flatnonzero(causes != causes[-1])
             cause += f" since {time_s[others[-1] + 1 if len(others) else 0]:.2f} s"
@@ -163,26 +136,60 @@ class FlightSimulation:
         return FlightLog(recording, reason, cause, wall_s, self.vehicle)
 
     def p_E(self, state: np.ndarray) -> np.ndarray:
-        """(3,) m, the end-effector at a state (13 + 2 n,)."""
+        """Returns (3,) m, the end-effector at a state (13 + 2 n,)."""
         quaternion, p_B, q, _, _, _ = split_state(state)
         return p_B + rotation_matrix(quaternion) @ self._kinematics.tool(q)[0]
 
+    def _load_compiled_code(self) -> None:
+        """Simulates one tick of the MPC, so that the first ticks of a flight do not wait.
+
+        Raises what the closed loop raises, unless the vehicle is lost: then a flight reports it.
+        """
+        with single_thread():
+            context = make_context(self.closed_loop, self.scenario.seed)
+            monitor = Monitor(self.scenario, self.closed_loop, context, self.p_E)
+            try:
+                Simulator(self.closed_loop, context).AdvanceTo(self.scenario.rates.mpc_period_s)
+            except (Exception, SystemExit) as error:
+                monitor.cause_of_loss(error)
+
+    def _advance(
+        self,
+        simulator: Simulator,
+        monitor: Monitor,
+        recording: Recording,
+        progress: Callable[[float], None],
+    ) -> tuple[str, str]:
+        """Simulates the flight; returns the exit reason and cause."""
+        context = simulator.get_mutable_context()
+        # Rounded, so that rounding errors add no tick at the end.
+        end = round(self.scenario.settle_s + self.scenario.duration, 9)
+        for step in range(1, math.ceil(end / MONITOR_PERIOD_S - 1e-9) + 1):
+            simulator.AdvanceTo(min(round(step * MONITOR_PERIOD_S, 9), end))
+            self._record(recording, context, LOG_SAMPLES)
+            progress(context.get_time())
+            reason, cause = monitor.ending()
+            if reason:
+                self._log_end(recording, context)
+                return reason, cause
+        return monitor.ending(time_is_up=True)
+
     def _log_end(self, recording: Recording, context: Context) -> None:
-        """Logs the instant at which a flight was stopped, if the log has not come to it."""
+        """Logs the time at which a flight stopped, unless it is a sample's."""
         last = max(recording.end, *self._sink.FindLog(context).sample_times()[-1:], -np.inf)
         if last < context.get_time() - 1e-9:
             self.closed_loop.ForcedPublish(context)
 
     def _record(self, recording: Recording, context: Context, least: int = 1) -> None:
-        """Moves what the sink holds to the recording, if it is `least` samples or more."""
+        """Moves the samples from the sink to the recording, if they are at least `least`."""
         log = self._sink.FindMutableLog(context)
-        # What an interrupt kept from being cleared is there already.
-        fresh = log.sample_times() > recording.end
-        if np.count_nonzero(fresh) < least:
+        # After an interrupt the sink may still have samples that the recording has, too.
+        is_new = log.sample_times() > recording.end
+        if np.count_nonzero(is_new) < least:
             return
-        times, samples = log.sample_times()[fresh], log.data()[:, fresh]
+        times, samples = log.sample_times()[is_new], log.data()[:, is_new]
         recording.fill(samples)
-        # Setpoints in the place of the polynomials that they follow.
+        # Setpoints replace the polynomials.
         rows = samples[self._segment]
         p, v, u, tick_s = split_segment(rows)
         rows[: 2 * len(p)] = np.vstack(integrate(p, v, u, times - tick_s))
@@ -192,7 +199,7 @@ class FlightSimulation:
     def _derived(
         self, time_s: np.ndarray, signals: Mapping[str, np.ndarray]
     ) -> dict[str, np.ndarray]:
-        """Returns the signals of `DERIVED`, and those of ports that the closed loop lacks."""
+        """Returns the signals of `DERIVED`, and zeros for ports that the closed loop lacks."""
         quaternion = signals["quaternion"]
         p_EB, t_B = np.empty((2, len(time_s), 3))
         for i, q in enumerate(signals["q_rad"]):
@@ -208,7 +215,7 @@ class FlightSimulation:
 
 
 def _tick_ms(closed_loop: Diagram, controller: str) -> list[float]:
-    """Returns a list that each tick appends its wall time to, if the controller has that."""
+    """Returns the list of a timer on the controller; empty if that is not ours."""
     coordinator = closed_loop.GetSubsystemByName("coordinator")
     if not isinstance(coordinator, Diagram) or not coordinator.HasSubsystemNamed(controller):
         return []

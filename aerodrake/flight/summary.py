@@ -1,4 +1,4 @@
-"""Figures of one flight, as `summary.json` has them."""
+"""The summary of a flight, as in `summary.json`."""
 
 from __future__ import annotations
 
@@ -20,47 +20,48 @@ from aerodrake.model.vehicle.reach import farthest_reach
 from aerodrake.scenario import Scenario
 
 SETTLED_AFTER_S = 15.0
-"""Reference time from which the paper calls the pursuit of a moving target stable."""
+"""Reference time in s from which errors count as settled, as in the paper's pursuit."""
 
 HEADLINES = {"lap_mean_m": "one lap", "settled_mean_m": "after 15 s", "mean_m": "mean"}
-"""By key of `error` that flights are compared by: what it is, in the order of preference."""
+"""Keys of `error` to compare flights by, in the order of preference, and their labels."""
 
 Summaries = Mapping[str, Mapping[str, Any]]
-"""By the name of each flight; of those that failed, without `error`."""
+"""Summaries by the name of the flight; those of failed flights have no `error`."""
 
 
 def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
-    """The figures of a flight. Errors are of the true state; null where not flown.
+    """Returns the figures of a flight, null if undefined. Errors are of the true state.
 
     Keys:
-        error: m, distance of the end-effector from its reference over
-            reference time: mean, rms, max; over one whole lap after the smooth
-            start; settled (after 15 s); and the time in s at which it first
-            came within d_h.
-        orientation: rad, angle between the tool's axis and its wanted direction
-            over reference time: mean, rms, max, and settled; null without the task.
-        base_error: the same for the base and its setpoint.
-        mpc: ticks, wall time in ms, and ticks that took a fallback, did not
-            happen, or took longer than the period.
+        error: m, distance of the end-effector from its reference from reference
+            time 0 on: mean, rms, max; mean of one whole lap after the smooth
+            start; settled mean (after 15 s); and the time in s at which it is
+            first within d_h.
+        orientation: rad, angle between the tool's axis and its desired direction
+            from reference time 0 on: mean, rms, max and settled mean; null without
+            the task.
+        base_error: the same as `error` for the base and its setpoint.
+        mpc: number of ticks, wall time in ms, and numbers of ticks with a
+            fallback, without a solution (missed), and longer than the period.
         modes: s in each mode of the weight allocation.
-        safe_modes: s in each mode of the supervisor, the hover before included.
-        events: What the supervisor noticed, as `aerodrake.flight.events.events` has it.
-        arm: m, the farthest the joint limits let the end-effector get from the
-            centre of the learning space, and the d_edge that gamma uses; the
-            farthest it was (d_o), s that it was beyond d_h, and the least that
-            a joint was from its limits, in rad (negative: beyond one).
-        residual: RMS of the error in m/s with which one period of base velocity
-            is predicted, with and without the network.
+        safe_modes: s in each mode of the supervisor, including the initial hover.
+        events: Changes of the supervisor's conditions, see `aerodrake.flight.events`.
+        arm: m, largest distance of the end-effector from the centre of the
+            learning space within the joint limits, d_edge of the scenario, and
+            largest d_o of the flight; s with d_o beyond d_h; and rad, smallest
+            distance of a joint to its limits (negative: beyond one).
+        residual: RMS error in m/s of predicting the base velocity over one
+            period, with and without the network.
     """
     flown = log.time_s >= 0
     lap = make_reference(scenario.reference, log["p_E_m"][0]).lap
     period_s = scenario.rates.mpc_period_s
     ticks = log["tick_ms"]
-    # The status port shows the last tick; logs run several times a tick.
+    # The status port has the last tick, and the log several samples for each tick.
     stride = round(period_s / scenario.rates.flight_period_s)
     statuses = log["qp_status"][stride::stride]
     simulated_s = log.time_s[-1] + scenario.settle_s
-    # Each sample stands for the time until the next, so the last one for none.
+    # Each sample counts for the time until the next, so the last one does not count.
     mode_s = np.bincount(log["mode"][:-1][flown[:-1]].astype(int), minlength=len(Mode))
     return {
         "scenario": scenario.name,
@@ -100,13 +101,13 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
 
 
 def headline(summaries: Summaries) -> str:
-    """The key of `error` by which flights are compared: the first that any of them has."""
+    """Returns the key of `error` to compare flights by: the first that any of them has."""
     flown = [s["error"] for s in summaries.values() if "error" in s]
     return next((k for k in HEADLINES if any(e[k] is not None for e in flown)), "mean_m")
 
 
 def failure(error: Exception) -> dict[str, str]:
-    """What stands for the summary of a flight whose process raised or died."""
+    """Returns the summary of a flight whose process raised an exception or died."""
     lines = str(error).splitlines() or [""]
     cause = f"{type(error).__name__}: {lines[0]}".removesuffix(": ")
     return {"exit_reason": "failed", "exit_cause": cause}
@@ -117,14 +118,14 @@ MPC_WALL_TIMES = ("median_ms", "p99_ms", "overruns")
 
 
 def repeatable(summary: dict[str, Any]) -> dict[str, Any]:
-    """The figures of a flight without wall times: the same whenever and wherever it is flown."""
+    """Returns the figures without wall times, which are the same each time it is flown."""
     figures = {key: value for key, value in summary.items() if key not in WALL_TIMES}
     mpc = {key: value for key, value in summary["mpc"].items() if key not in MPC_WALL_TIMES}
     return {**figures, "mpc": mpc}
 
 
 def to_json(summary: dict[str, Any]) -> str:
-    """Figures as strict JSON (no NaN), with their keys in order."""
+    """Returns figures as strict JSON (no NaN), with their keys in order."""
     return json.dumps(summary, indent=2, allow_nan=False) + "\n"
 
 
@@ -132,14 +133,14 @@ def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
     vehicle, flown = log.vehicle, log.time_s >= 0
     d_o = log.d_o_m[flown]
     q = log["q_rad"][flown]
-    room = np.minimum(q - vehicle.lower, vehicle.upper - q)
+    clearance = np.minimum(q - vehicle.lower, vehicle.upper - q)
     outside = np.count_nonzero(d_o[:-1] > scenario.allocation.d_h_m)
     return {
         "farthest_reach_m": rounded(farthest_reach(vehicle)),
         "d_edge_m": scenario.allocation.d_edge_m,
         "farthest_d_o_m": rounded(d_o.max()) if len(d_o) else None,
         "outside_s": rounded(outside * scenario.rates.flight_period_s),
-        "least_room_rad": rounded(room.min()) if len(d_o) else None,
+        "least_room_rad": rounded(clearance.min()) if len(d_o) else None,
     }
 
 
@@ -151,7 +152,7 @@ def _orientation(log: FlightLog) -> dict[str, float | None]:
 
 
 def _spread(values: np.ndarray, time_s: np.ndarray, unit: str) -> dict[str, float | None]:
-    """Figures over reference time; null where it was not flown."""
+    """Returns statistics from reference time 0 on; null without samples."""
     flown = values[time_s >= 0]
     return {
         f"mean_{unit}": _mean(flown),
@@ -182,16 +183,16 @@ def _mean(values: np.ndarray) -> float | None:
 
 
 def _rms(values: np.ndarray) -> float | None:
-    """Root of the mean squared length of the rows."""
+    """Returns the root mean square length of the rows; null without rows."""
     return rounded(math.sqrt((values**2).sum() / len(values))) if len(values) else None
 
 
 def rounded(value: float) -> float | None:
-    """A figure as JSON files have it: twelve digits at most, null for what is not finite."""
+    """Returns a figure for a JSON file: with twelve digits, null for NaN and infinity."""
     return float(f"{value:.12g}") if math.isfinite(value) else None
 
 
 def millimetres(length_m: float) -> str:
-    """A length as tables have it: in hundredths of a millimetre, below one in micrometres."""
+    """Formats a length in mm for a table, with two digits, below 1 mm with three."""
     length = f"{1e3 * length_m:.2f}"
     return length if float(length) >= 1 else f"{1e3 * length_m:.3f}"

@@ -1,7 +1,7 @@
 """A page of documentation for one system or diagram, made from its code.
 
-Tables of ports, state and rate are those of the system as it was built; what
-they mean is read from docstrings, its own and those of the equations that it calls.
+Ports, state and rate are those of the system itself; their meaning is from its docstring, and
+the equations are those that its module imports.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 
 from pydrake.systems.framework import (
     Diagram,
+    DiscreteStateIndex,
     InputPort,
     OutputPort,
     PortDataType,
@@ -22,6 +23,7 @@ from aerodrake.coordinator import make_coordinator
 from aerodrake.gallery.docstring import Docstring
 from aerodrake.gallery.graph import systems_by_name, to_mermaid
 from aerodrake.station import make_closed_loop, make_station
+from aerodrake.systems.named_state import NamedState
 from aerodrake.wiring.guidance import make_guidance
 from aerodrake.wiring.sensors import make_sensors
 from aerodrake.wiring.wind import make_wind
@@ -34,30 +36,30 @@ MAKERS: dict[str, Callable[..., Diagram]] = {
     "sensors": make_sensors,
     "wind": make_wind,
 }
-"""Who tells what a diagram is for, by its name: unlike a leaf system it has no class of ours."""
+"""Function that makes each diagram, by its name; its docstring describes the diagram."""
 
 EQUATIONS = "aerodrake.model."
 
 
 def system_page(name: str, system: System, depth: int) -> str:
-    """Markdown: what it is, its graph, ports, state, rate and equations.
+    """Returns Markdown: kind, graph, ports, state, rate and equations.
 
     Args:
-        name: Its title.
+        name: Title of the page.
         system: A diagram or a leaf system.
-        depth: Levels of diagrams to open in the graph.
+        depth: Number of levels of diagrams that the graph shows.
     """
     maker = MAKERS.get(name) if isinstance(system, Diagram) else None
-    said = Docstring.of(maker or (type(system) if _is_ours(system) else None))
+    docstring = Docstring.of(maker or (type(system) if _is_ours(system) else None))
     blocks = [
         f"# {name}",
         f"*{_kind(system, maker)}*",
-        said.text,
+        docstring.text,
         f"```mermaid\n{to_mermaid(system, depth).rstrip()}\n```",
         *_ports("Inputs", "in", system),
         *_ports("Outputs", "out", system),
-        *_state(system, said),
-        *_rate(system, said),
+        *_state(system, docstring),
+        *_rate(system, docstring),
         *_parts(system),
         *_wiring(maker),
         *_equations(system),
@@ -71,7 +73,7 @@ def _kind(system: System, maker: Callable[..., Diagram] | None) -> str:
     if _is_ours(system):
         return f"A LeafSystem of {_place(type(system))}."
     kind = type(system)
-    return f"{kind.__name__} of {kind.__module__}: see Drake's own documentation."
+    return f"{kind.__name__} of {kind.__module__}: see Drake's documentation."
 
 
 def _place(thing: type | Callable[..., object]) -> str:
@@ -79,7 +81,7 @@ def _place(thing: type | Callable[..., object]) -> str:
 
 
 def _is_ours(system: System) -> bool:
-    """Whether it is written in Python, as ours and those of a person's own are."""
+    """Returns True if the system is written in Python, and not one of Drake's."""
     return not type(system).__module__.startswith("pydrake")
 
 
@@ -94,7 +96,7 @@ def _ports(title: str, direction: str, system: System) -> Iterator[str]:
     rows = []
     for port in ports:
         ends = _ends(port)
-        # A signal that is the same to all who have it is explained by the first that explains it.
+        # The first docstring that explains a shared signal.
         meaning = next(filter(None, (_meaning(end) for end in ends)), "")
         at = "" if ends == [port] else ", ".join(f"`{e.get_system().get_name()}`" for e in ends)
         rows.append((f"`{port.get_name()}`", _size(port), _feeds(port), at, meaning))
@@ -104,7 +106,7 @@ def _ports(title: str, direction: str, system: System) -> Iterator[str]:
 
 
 def _is_shown(port: InputPort | OutputPort) -> bool:
-    """Ports of size zero are Drake's for what a robot has not."""
+    """Returns False for ports of size zero, which plants have for absent parts."""
     return port.size() > 0 or port.get_data_type() == PortDataType.kAbstractValued
 
 
@@ -113,7 +115,7 @@ def _size(port: InputPort | OutputPort) -> str:
 
 
 def _feeds(port: InputPort | OutputPort) -> str:
-    """The inputs that an output changes with at once."""
+    """Returns the inputs with direct feedthrough to an output."""
     if isinstance(port, InputPort):
         return ""
     system = port.get_system()
@@ -126,37 +128,37 @@ def _feeds(port: InputPort | OutputPort) -> str:
 
 
 def _ends(port: InputPort | OutputPort) -> list[InputPort | OutputPort]:
-    """The ports of leaf systems that a port of a diagram stands for; of a leaf, itself."""
+    """Returns the ports of leaf systems that a port of a diagram exports; of a leaf, itself."""
     system = port.get_system()
     if not isinstance(system, Diagram):
         return [port]
     if isinstance(port, OutputPort):
         inner, index = system.get_output_port_locator(port.get_index())
         return _ends(inner.get_output_port(index))
-    order = system.GetSystems().index  # Drake has them by address.
+    order = system.GetSystems().index  # Drake orders them by address.
     locators = system.GetInputPortLocators(port.get_index())
     locators = sorted(locators, key=lambda locator: (order(locator[0]), locator[1]))
     return [end for inner, index in locators for end in _ends(inner.get_input_port(index))]
 
 
 def _meaning(port: InputPort | OutputPort) -> str:
-    """What the class of a leaf system, or one that it derives from, says of its port."""
+    """Returns the meaning of a port from the docstring of its system's class or a base class."""
     key = ("in" if isinstance(port, InputPort) else "out", port.get_name())
     for kind in type(port.get_system()).__mro__:
-        if "Ports" in (said := Docstring.of(kind)).sections and key in said.ports:
-            return said.ports[key]
+        if "Ports" in (docstring := Docstring.of(kind)).sections and key in docstring.ports:
+            return docstring.ports[key]
     return ""
 
 
-def _state(system: System, said: Docstring) -> Iterator[str]:
+def _state(system: System, docstring: Docstring) -> Iterator[str]:
     if isinstance(system, Diagram):
-        return  # That of its parts.
-    context = system.CreateDefaultContext()
+        return  # Its parts have pages of their own.
+    context, names = system.CreateDefaultContext(), _group_names(system)
     groups = [
-        (str(i), str(context.get_discrete_state(i).size()))
+        (f"`{names.get(i, i)}`", str(context.get_discrete_state(i).size()))
         for i in range(context.num_discrete_state_groups())
     ]
-    text = said.sections.get("State", said.sections.get("State, rate", ""))
+    text = docstring.sections.get("State", docstring.sections.get("State, rate", ""))
     if groups or text:
         yield "## State"
         yield text
@@ -166,7 +168,25 @@ def _state(system: System, said: Docstring) -> Iterator[str]:
             yield f"Abstract states: {context.num_abstract_states()}."
 
 
-def _rate(system: System, said: Docstring) -> Iterator[str]:
+def _group_names(system: System) -> dict[int, str]:
+    """Returns the names of discrete groups by index, from the attributes of the system.
+
+    They are the fields of a `NamedState`, with a prefix if there is a NamedTuple of several, the
+    keys of a dictionary of groups, or the name of the attribute with a single group.
+    """
+    names: dict[int, str] = {}
+    for attribute, value in getattr(system, "__dict__", {}).items():
+        name = attribute.lstrip("_").removeprefix("x_")
+        parts = value._asdict() if hasattr(value, "_asdict") else {"": value}
+        for prefix, part in parts.items():
+            groups = part.groups if isinstance(part, NamedState) else part
+            for group, index in (groups if isinstance(groups, dict) else {name: groups}).items():
+                if isinstance(index, DiscreteStateIndex):
+                    names[int(index)] = f"{prefix}.{group}".lstrip(".")
+    return names
+
+
+def _rate(system: System, docstring: Docstring) -> Iterator[str]:
     if isinstance(system, Diagram):
         rows = [
             (f"`{name}`", *_period(part))
@@ -175,11 +195,11 @@ def _rate(system: System, said: Docstring) -> Iterator[str]:
         ]
         if rows:
             yield "## Rates"
-            yield "Discrete updates. What is missing here has none, or unrestricted ones."
+            yield "Discrete updates. Other systems have none, or unrestricted ones."
             yield _table(("system", "every", "after"), rows)
         return
     period, offset = _period(system)
-    text = said.sections.get("Rate", "")
+    text = docstring.sections.get("Rate", "")
     if period or text:
         yield "## Rate"
         yield text
@@ -188,7 +208,7 @@ def _rate(system: System, said: Docstring) -> Iterator[str]:
 
 
 def _period(system: System) -> tuple[str, str]:
-    """Period and offset of a system's discrete update; empty if there is none."""
+    """Returns period and offset of a system's discrete update; empty if it has none."""
     attribute = system.GetUniquePeriodicDiscreteUpdateAttribute()
     if attribute is None:
         return "", ""
@@ -220,22 +240,22 @@ def _wiring(maker: Callable[..., Diagram] | None) -> Iterator[str]:
 
 
 def _equations(system: System) -> Iterator[str]:
-    """What its module has of the equations' storey, as that describes itself."""
+    """Yields the functions and classes of the model that the system's module imports."""
     if isinstance(system, Diagram) or not _is_ours(system):
         return
-    found = []
+    equations = []
     for thing in vars(sys.modules[type(system).__module__]).values():
-        thing = getattr(thing, "py_func", thing)  # Of what is compiled.
+        thing = getattr(thing, "py_func", thing)  # Of a compiled function.
         is_named = inspect.isclass(thing) or inspect.isfunction(thing)
         if is_named and thing.__module__.startswith(EQUATIONS) and inspect.getdoc(thing):
-            found.append(f"### {_place(thing)}\n\n```text\n{inspect.getdoc(thing)}\n```")
-    if found:
+            equations.append(f"### {_place(thing)}\n\n```text\n{inspect.getdoc(thing)}\n```")
+    if equations:
         yield "## Equations"
-        yield from found
+        yield from equations
 
 
 def _table(titles: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """Rows as Markdown, without columns that say nothing."""
+    """Returns rows as a Markdown table, without empty columns."""
     used = [i for i in range(len(titles)) if any(row[i] for row in rows)]
     lines = [[titles[i] for i in used], ["---"] * len(used)]
     lines += [[row[i].replace("|", "\\|") for i in used] for row in rows]

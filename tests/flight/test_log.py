@@ -8,7 +8,7 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RotationMatrix
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.flight.log import DERIVED, PORTS, ROWS_A_WRITE, FlightLog, key_columns
+from aerodrake.flight.log import DERIVED, PORTS, ROWS_PER_WRITE, FlightLog, key_columns
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.scenario import FixedAxis, Mpc, Scenario, Supervisor
 from aerodrake.station import make_closed_loop, make_context
@@ -134,7 +134,7 @@ def test_loaded_it_is_read_no_more(short_flight, tmp_path):
     assert list(loaded.signals) == list(log.signals)
 
 
-@pytest.mark.parametrize("samples", [0, 1, ROWS_A_WRITE, 2 * ROWS_A_WRITE + 1])
+@pytest.mark.parametrize("samples", [0, 1, ROWS_PER_WRITE, 2 * ROWS_PER_WRITE + 1])
 def test_saved_piece_by_piece(vehicle, samples, tmp_path):
     """However an array lies in memory."""
     rows = np.random.default_rng(0).normal(size=(samples, 3))

@@ -1,4 +1,4 @@
-"""How flights end, and what their logs hold."""
+"""Tests of flights: their endings and their logs."""
 
 import os
 import subprocess
@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydrake.systems.framework import LeafSystem
 
 import aerodrake.flight.simulate
 from aerodrake.flight.recording import Recording
@@ -25,9 +26,11 @@ from aerodrake.scenario import (
     Sensors,
     Vehicle,
 )
+from aerodrake.support.errors import BadInput
+from aerodrake.wiring.replacements import Replacements
 
 WEAK = Vehicle(rotor=Rotor(max_thrust_n=2.0))
-"""Four rotors that give 8 N, where it weighs 37 N."""
+"""Four rotors with 8 N in total; the vehicle weighs 37 N."""
 
 
 def test_a_flight_completes(short_flight):
@@ -38,7 +41,7 @@ def test_a_flight_completes(short_flight):
 
 
 def test_time_axis(short_flight):
-    """Reference time: from before the hover to the end, each 10 ms, with 0 itself among it."""
+    """Reference time from the hover to the end, each 10 ms, including 0."""
     _, log = short_flight
     np.testing.assert_allclose(log.time_s, np.linspace(-0.1, 0.5, 61), atol=1e-12)
     assert list(log.time_s) == [round(t, 9) for t in log.time_s]  # Windows end on a sample.
@@ -59,8 +62,8 @@ def test_all_signals_are_as_long_as_the_time_axis(short_flight):
     ("settle_s", "duration", "ticks"),
     [(0.1, 0.2, 15), (0.0, 0.3, 15), (0.2, 0.4, 30), (0.0, 0.31, 16), (0.013, 0.02, 2)],
 )
-def test_as_many_ticks_as_periods(settle_s, duration, ticks):
-    """0.1 + 0.2 is a little more than 0.3 in floating point; a tick at the end is not flown."""
+def test_the_number_of_ticks_is_that_of_periods(settle_s, duration, ticks):
+    """0.1 + 0.2 exceeds 0.3 in floating point; a tick at the end does not count."""
     log = FlightSimulation(Scenario(settle_s=settle_s, duration=duration)).fly()
     assert len(log["tick_ms"]) == ticks
     assert len(log.time_s) == int((settle_s + duration) / 0.01 + 1e-9) + 1
@@ -72,17 +75,17 @@ def test_logs_are_at_the_flight_controllers_rate():
     np.testing.assert_allclose(np.diff(log.time_s), 0.005)
 
 
-def test_progress_is_told_up_to_the_end():
-    told = []
-    FlightSimulation(Scenario(settle_s=0.1, duration=0.35)).fly(progress=told.append)
-    np.testing.assert_allclose(told, [0.1, 0.2, 0.3, 0.4, 0.45])
+def test_progress_is_reported_up_to_the_end():
+    times = []
+    FlightSimulation(Scenario(settle_s=0.1, duration=0.35)).fly(progress=times.append)
+    np.testing.assert_allclose(times, [0.1, 0.2, 0.3, 0.4, 0.45])
 
 
 # Lost.
 
 
 def ended(scenario: Scenario):
-    """The log of a flight that does not complete; its figures are strict JSON all the same."""
+    """Returns the log of a flight that does not complete; its summary is strict JSON."""
     log = FlightSimulation(scenario).fly()
     figures = summarize(scenario, log)
     assert to_json(figures)
@@ -99,14 +102,14 @@ def test_lost_by_error_after_the_approach():
     log = ended(Scenario(reference=Hover(), vehicle=high, settle_s=0, duration=3))
     assert log.exit_reason == "lost" and log.exit_cause.startswith("error of 1.")
     assert log.error_m[-1] > 1.0 and log.error_m[-11] <= 1.0
-    # It falls at (37 - 8) / 37 of gravity; the arm reaches up, and pushes the base further down.
+    # It falls at (37 - 8) / 37 of gravity; the arm moves up and pushes the base further down.
     fallen = 0.5 * 9.81 * (1 - 8 / (3.8 * 9.81)) * log.time_s[-1] ** 2
     assert 9.0 - log["p_B_m"][-1, 2] == pytest.approx(fallen, rel=0.15)
 
 
 def test_lost_in_the_initial_hover():
-    """It lies on the ground when reference time begins: a flight that is far from completed."""
-    high = replace(WEAK, base_position_m=(0.0, 0.0, 4.0))  # Its arm reaches up from the ground.
+    """The vehicle is on the ground before reference time 0."""
+    high = replace(WEAK, base_position_m=(0.0, 0.0, 4.0))  # On the ground its arm points up.
     log = ended(Scenario(reference=Hover(), vehicle=high, settle_s=3, duration=1))
     assert log.exit_reason == "lost" and log.time_s[-1] < -1
 
@@ -118,7 +121,7 @@ def test_a_far_target_is_not_lost_before_it_is_approached():
 
 
 def test_lost_by_tilt():
-    """The position is known to a metre only: it throws itself about."""
+    """With 1 m of position noise the vehicle tumbles."""
     sensors = Sensors(position_noise_m=1.0, velocity_noise_m_s=1.0)
     scenario = Scenario(reference=MovingTarget(), sensors=sensors, settle_s=0.5, duration=4)
     log = ended(replace(scenario, filter=Filter(kind="none")))
@@ -177,9 +180,30 @@ def test_an_interrupt_keeps_what_was_flown(short_flight):
         np.testing.assert_array_equal(log[key], whole[key][:31], err_msg=key)
 
 
-def test_a_bug_is_not_taken_for_a_lost_flight(short_flight):
+def test_a_defect_is_not_reported_as_a_lost_flight(short_flight):
     with pytest.raises(RuntimeError, match="^a bug$"):
         FlightSimulation(short_flight[0]).fly(progress=raising(RuntimeError("a bug"), 0.1))
+
+
+class Defect(LeafSystem):
+    """An allocator whose output raises an exception."""
+
+    def __init__(self, error: BaseException):
+        super().__init__()
+        self.DeclareVectorInputPort("d_g", 1)
+        self.DeclareVectorInputPort("distances", 2)
+        self.DeclareVectorOutputPort("weights", 5, lambda context, output: fail(error))
+
+
+def fail(error: BaseException):
+    raise error
+
+
+@pytest.mark.parametrize("error", [RuntimeError("a bug"), BadInput("file", "", "a refusal")])
+def test_making_a_flight_raises_what_its_first_tick_raises(short_flight, error):
+    replacements = Replacements({"weight_allocator": lambda ours: Defect(error)})
+    with pytest.raises(type(error), match="a bug|a refusal"):
+        FlightSimulation(short_flight[0], replacements)
 
 
 def test_a_flight_can_be_flown_again_after_an_interrupt(short_flight):
@@ -216,9 +240,9 @@ def test_an_interrupt_while_samples_are_moved_neither_loses_nor_doubles_any(
 
 
 def test_a_flight_without_network_needs_no_torch():
-    """Nor do its figures and its replay: torch takes a second to import.
+    """Summary and replay do not import torch either, which takes a second.
 
-    Processes of sweeps and trainings do without figures, too.
+    Processes of sweeps and trainings do not import matplotlib.
     """
     code = (
         "import sys; from aerodrake.scenario import Scenario\n"
@@ -235,8 +259,8 @@ def test_a_flight_without_network_needs_no_torch():
 
 
 @pytest.mark.parametrize("start_s", [1.0, 1.05])
-def test_what_stops_a_flight_is_logged_once(start_s):
-    """Whether or not the monitor looks at that very instant."""
+def test_the_sample_at_which_a_flight_stops_is_logged_once(start_s):
+    """The monitor checks the flight at that time, or later."""
     fault = SampleStale(group="attitude", start_s=start_s, duration_s=9.0)
     log = FlightSimulation(Scenario(settle_s=0.5, duration=2.0, faults=(fault,))).fly()
     assert (log.exit_reason, log.exit_cause.split()[0]) == ("stopped", "attitude_lost")

@@ -1,4 +1,4 @@
-"""Pages of systems: what is in the tables is what Drake says of the system."""
+"""Tests of pages of systems: their tables are those of Drake's systems."""
 
 import re
 
@@ -30,13 +30,13 @@ def test_ports_are_those_of_the_system(name):
         ("Inputs", system.get_input_port, system.num_input_ports()),
         ("Outputs", system.get_output_port, system.num_output_ports()),
     ):
-        said = {row["port"].strip("`"): row["size"] for row in table(page, title)}
+        shown = {row["port"].strip("`"): row["size"] for row in table(page, title)}
         ports = map(get, range(count))
         has = {port.get_name(): port.size() for port in ports}
-        assert {port: int(size) for port, size in said.items() if size != "abstract"} == {
+        assert {port: int(size) for port, size in shown.items() if size != "abstract"} == {
             port: size for port, size in has.items() if size
         }
-        assert all(has[port] == 0 for port, size in said.items() if size == "abstract")
+        assert all(has[port] == 0 for port, size in shown.items() if size == "abstract")
 
 
 @pytest.mark.parametrize("name", OURS)
@@ -54,7 +54,22 @@ def test_state_and_equations(name):
     assert "## Equations" in page and "in `aerodrake/model/" in page
 
 
-def test_what_feeds_through_is_said():
+@pytest.mark.parametrize("name", OURS)
+def test_discrete_groups_have_names(name):
+    groups = [row["discrete group"] for row in table(system_page(name, SYSTEMS[name], 1), "State")]
+    assert all(re.fullmatch(r"`[a-zA-Z]\w*(\.\w+)?`", group) for group in groups)
+    assert len(groups) == len(set(groups))
+
+
+def test_discrete_groups_are_fields_or_attributes():
+    rows = table(system_page("mpc", SYSTEMS["mpc"], 1), "State")
+    sizes = {row["discrete group"].strip("`"): int(row["size"]) for row in rows}
+    assert sizes["u"] == 9 and sizes["status"] == 3 and sizes["delta"] == 3
+    rows = table(system_page("weight_allocator", SYSTEMS["weight_allocator"], 1), "State")
+    assert rows == [{"discrete group": "`mode`", "size": "1"}]
+
+
+def test_direct_feedthrough_is_shown():
     rows = table(system_page("mpc", SYSTEMS["mpc"], 1), "Outputs")
     assert all("feeds through from" not in row for row in rows)
     (row,) = table(system_page("weight_allocator", SYSTEMS["weight_allocator"], 1), "Outputs")
@@ -76,7 +91,7 @@ def test_links_lead_to_other_pages():
     assert {"mpc", "guidance", "reference"} <= links <= set(SYSTEMS)
 
 
-def test_a_system_of_a_persons_own():
+def test_a_users_own_system():
     class Filter(LeafSystem):
         """Half of it.
 
