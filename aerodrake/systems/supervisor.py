@@ -19,7 +19,7 @@ from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.systems.named_state import NamedState
 
-HEALTHY, EFFECTIVE = np.zeros(6), np.ones(1)
+HEALTHY, EFFECTIVE, GATE_OPEN = np.zeros(6), np.ones(1), np.zeros(2)
 """Values of ports that are not connected."""
 
 
@@ -84,16 +84,18 @@ class SupervisorSystem(LeafSystem):
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         last = self._state.read(context)
+        _, _, plan_age = self._status.Eval(context)
+        learner_cause, _ = self._value(context, self._learner_health, GATE_OPEN)
         status = FlightStatus(
             state=self._vehicle_state.Eval(context),
             mode=last.mode,
             specific_thrust=self._thrust.Eval(context)[0],
-            plan_age=self._status.Eval(context)[2],
+            plan_age=plan_age,
             outage_s=split_health(self._value(context, self._sample_health, HEALTHY)).ages,
             rotor_effectiveness=self._value(context, self._effectiveness, EFFECTIVE),
             saturated=self._saturated.Eval(context)[0],
             reference_verdict=self._verdict.Eval(context)[0],
-            learner_cause=self._value(context, self._learner_health, HEALTHY)[0],
+            learner_cause=learner_cause,
         )
         signals = compute_signals(status, self._feet, self._mpc_period)
         self._state.write(discrete, supervise(self._table, last, signals, self._period))
