@@ -191,7 +191,7 @@ def add_closed_loop(
         builder.AddSystem(replacements.instead_of(side.get_name(), side))
         for side in (station, coordinator)
     ]
-    replacements.check_met()
+    replacements.check_used()
     CLOSED_LOOP_WIRING.apply(builder)
     ports = [side.get_output_port(i) for side in sides for i in range(side.num_output_ports())]
     return {port.get_name(): port for port in ports}

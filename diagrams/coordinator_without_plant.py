@@ -1,4 +1,4 @@
-"""The coordinator without a plant: what it asks of a vehicle that is held still."""
+"""Simulates the coordinator without a plant, with a constant measured state."""
 
 import numpy as np
 from pydrake.systems.analysis import Simulator

@@ -1,4 +1,4 @@
-"""The coordinator alone, told that the vehicle stands still."""
+"""Coordinator alone, with the measured state constant."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from tests.trim import hovering
 
 
 def coordinate(scenario, vehicle, duration: float):
-    """The coordinator alone, told that the vehicle stands still in trim.
+    """Simulates the coordinator alone with the measured state in trim.
 
     Returns its setpoints and u every 10 ms: (samples, 9), (samples, 3 n), (samples, 3 + n).
     """
@@ -46,7 +46,7 @@ def test_the_coordinator_alone_waits_and_then_goes_to_its_target(scenario, vehic
     flown = replace(scenario, settle_s=0.2, reference=target)
     base, joints, u = coordinate(flown, vehicle, 1.0)
     expected_base, expected_joints = hovering(vehicle)
-    # Until then it holds the tool where it is.
+    # Until then the setpoints are constant.
     np.testing.assert_allclose(base[:20], np.tile(expected_base, (20, 1)), atol=1e-9)
     np.testing.assert_allclose(joints[:20], np.tile(expected_joints, (20, 1)), atol=1e-9)
     assert np.any(u[5] != 0)

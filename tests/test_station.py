@@ -1,4 +1,4 @@
-"""The station and the closed loop: ports, and each flown alone."""
+"""Station and closed loop: ports, and flights of each alone."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ from tests.trim import hovering
 N, JOINTS, ROTORS = 15, 6, 4
 STATE = 13 + 2 * JOINTS
 FEET_M = 0.38
-"""From the base's origin down to the bottom of its feet."""
+"""Distance from the base's origin down to the bottom of its feet."""
 
 STATION_OUTPUTS = {
     "state": STATE,
@@ -64,7 +64,7 @@ def closed_loop(scenario):
 
 
 def ports(diagram) -> tuple[dict[str, int], dict[str, int]]:
-    """Names and sizes of inputs and outputs."""
+    """Returns the sizes of inputs and of outputs by name."""
     inputs = map(diagram.get_input_port, range(diagram.num_input_ports()))
     outputs = map(diagram.get_output_port, range(diagram.num_output_ports()))
     return ({p.get_name(): p.size() for p in inputs}, {p.get_name(): p.size() for p in outputs})
@@ -73,27 +73,27 @@ def ports(diagram) -> tuple[dict[str, int], dict[str, int]]:
 def test_ports(station, closed_loop, scenario):
     coordinator = make_coordinator(replace(scenario, mpc=replace(scenario.mpc, horizon=N)))
     assert ports(station) == (SETPOINTS, STATION_OUTPUTS)
-    heard = {"state": STATE, "external_acceleration": 3, "specific_thrust": 1}
-    heard |= {"disturbance": 6, "saturated": 1}
-    heard |= {"sample_health": 6, "rotor_effectiveness": ROTORS}
-    # It can be told which setpoints are followed, but in the closed loop it knows.
-    heard |= {"followed": 3 * (3 + JOINTS) + 1}
-    assert ports(coordinator) == (heard, COORDINATOR_OUTPUTS)
+    inputs = {"state": STATE, "external_acceleration": 3, "specific_thrust": 1}
+    inputs |= {"disturbance": 6, "saturated": 1}
+    inputs |= {"sample_health": 6, "rotor_effectiveness": ROTORS}
+    # Connected only over a wire.
+    inputs |= {"followed": 3 * (3 + JOINTS) + 1}
+    assert ports(coordinator) == (inputs, COORDINATOR_OUTPUTS)
     assert scenario.mpc.horizon == N
     assert ports(closed_loop) == ({}, STATION_OUTPUTS | COORDINATOR_OUTPUTS)
 
 
-def test_the_closed_loop_is_the_two_and_nothing_else(closed_loop):
+def test_the_closed_loop_consists_of_station_and_coordinator(closed_loop):
     names = [system.get_name() for system in closed_loop.GetSystems()]
     assert sorted(names) == ["coordinator", "station"]
     assert closed_loop.get_name() == "closed_loop"
 
 
 def fly(station, setpoints, duration: float, step: float = 0.01) -> np.ndarray:
-    """(samples, 13 + 2 n) true states, every `step` s, from trim.
+    """Returns true states (samples, 13 + 2 n), every `step` s, from trim.
 
     Args:
-        setpoints: From time to (base setpoint, joint setpoint).
+        setpoints: Function from time to (base setpoint, joint setpoint).
     """
     context = make_context(station, 0)
     simulator = Simulator(station, context)
@@ -108,7 +108,7 @@ def fly(station, setpoints, duration: float, step: float = 0.01) -> np.ndarray:
 
 
 def minimum_jerk(t: float, duration: float) -> tuple[float, float, float]:
-    """Way, speed and acceleration of the smooth motion from 0 to 1."""
+    """Returns position, velocity and acceleration of the smooth motion from 0 to 1."""
     s = min(max(t / duration, 0.0), 1.0)
     return (
         10 * s**3 - 15 * s**4 + 6 * s**5,
@@ -118,7 +118,7 @@ def minimum_jerk(t: float, duration: float) -> tuple[float, float, float]:
 
 
 def swing(vehicle, target, t: float, duration: float) -> np.ndarray:
-    """(3 n,) joint setpoint of a smooth motion from the working configuration to `target`."""
+    """Returns the joint setpoint (3 n,) of a smooth motion from the working one to `target`."""
     way = np.asarray(target) - vehicle.working
     p, v, a = minimum_jerk(t, duration)
     return np.concatenate([vehicle.working + p * way, v * way, a * way])
@@ -143,8 +143,8 @@ def test_base_step(scenario, vehicle, interface, axis):
     assert (states[:, 4 + axis] - base[axis]).max() < 0.05  # Little overshoot.
 
 
-def test_what_lifts_the_vehicle_is_the_thrust_of_lagging_rotors(station, vehicle):
-    """Newton's law of the centre of mass, within a climb's first milliseconds."""
+def test_the_vehicle_is_lifted_by_the_thrust_of_lagging_rotors(station, vehicle):
+    """Newton's law for the centre of mass in the first milliseconds of a climb."""
     context = make_context(station, 0)
     base, joints = hovering(vehicle)
     base[2] += 0.3
@@ -167,8 +167,8 @@ def test_what_lifts_the_vehicle_is_the_thrust_of_lagging_rotors(station, vehicle
     assert (climb() - before) / 0.001 == pytest.approx(lift / 3.8 - 9.81, abs=1e-3)
 
 
-def test_saturation_is_told_from_the_command_after_the_sample(station, vehicle):
-    """Half a plant step after it, until a command can be given in full again."""
+def test_saturation_is_output_from_the_command_after_the_sample(station, vehicle):
+    """From half a plant step after it, until a command is within limits again."""
     context = make_context(station, 0)
     base, joints = hovering(vehicle)
     base[2] += 10.0
@@ -190,7 +190,7 @@ def test_saturation_is_told_from_the_command_after_the_sample(station, vehicle):
 
 
 @pytest.mark.parametrize("joint", range(JOINTS))
-def test_a_swing_of_one_joint_hardly_moves_the_base(station, vehicle, joint):
+def test_a_motion_of_one_joint_hardly_moves_the_base(station, vehicle, joint):
     """1 rad in 1 s, towards the middle of the joint's range."""
     target = vehicle.working.copy()
     middle = (vehicle.lower[joint] + vehicle.upper[joint]) / 2
@@ -204,7 +204,7 @@ def test_a_swing_of_one_joint_hardly_moves_the_base(station, vehicle, joint):
 
 
 def test_lands_on_its_feet(station, vehicle):
-    """Folds its arm, and sinks to a setpoint below the ground."""
+    """Folds its arm, and descends to a setpoint below the ground."""
     folded = np.array([0.0, -1.5, 2.6, 0.0, 1.5, 0.0])
     base, _ = hovering(vehicle)
 

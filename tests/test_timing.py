@@ -1,4 +1,4 @@
-"""Rates, offsets and latencies of the closed loop, by the events that really happen."""
+"""Rates, offsets and latencies of the closed loop, measured by its events."""
 
 from collections import defaultdict
 from dataclasses import replace
@@ -43,7 +43,7 @@ BREEZE = Wind(velocity_m_s=(0.5, 0.0, 0.0), gust_m_s=(0.1, 0.1, 0.1))
 
 
 class Recorder:
-    """A closed loop of which every event is written down."""
+    """Closed loop that records its events."""
 
     def __init__(self, scenario):
         self.times = defaultdict(list)
@@ -70,7 +70,7 @@ class Recorder:
 
 
 def make_moving(scenario) -> Recorder:
-    """Not at rest, so that no two samples are alike."""
+    """Returns a closed loop in motion, so that all samples differ."""
     recorder = Recorder(scenario)
     plant = recorder.diagram.GetSubsystemByName("station").GetSubsystemByName("plant")
     velocities = np.zeros(plant.num_velocities())
@@ -81,7 +81,7 @@ def make_moving(scenario) -> Recorder:
 
 @pytest.fixture(scope="module")
 def second(scenario) -> Recorder:
-    """One second of it, in a breeze. Only looked at by tests."""
+    """Returns one recorded second in a breeze, shared by all tests."""
     recorder = make_moving(replace(scenario, wind=BREEZE))
     recorder.instants = []
     recorder.simulator.set_monitor(lambda context: recorder.instants.append(context.get_time()))
@@ -143,7 +143,7 @@ def test_table_of_rates(scenario, rates, controller):
 
 
 def test_plant_and_rotors_step_every_millisecond(scenario):
-    """Looked at every quarter of a millisecond, while all of it is in motion."""
+    """Sampled every quarter of a millisecond, in motion."""
     moving, seen = make_moving(scenario), defaultdict(list)
     for time in 0.05 + 1e-5 + 0.00025 * np.arange(80):
         moving.simulator.AdvanceTo(time)
@@ -155,24 +155,24 @@ def test_plant_and_rotors_step_every_millisecond(scenario):
 
 
 def test_events_of_one_instant_are_at_the_very_same_time(second):
-    """Else their order, and with it the latency, is a matter of rounding."""
+    """Otherwise rounding would decide their order, and with it the latency."""
     assert np.diff(np.unique(second.instants)).min() > 1e-6
 
 
 def test_only_the_noise_comes_before_the_discrete_updates(second):
-    """The unrestricted updates of a second are its draws."""
+    """There is one unrestricted update per sample."""
     assert second.simulator.get_num_unrestricted_updates() == 100
 
 
-def test_the_wind_sees_the_base_of_its_instant(second):
-    """As the sensors do, a quarter of a step before."""
+def test_the_wind_samples_the_base_at_its_instant(second):
+    """The sensors sample the same state a quarter of a step before."""
     seen, sampled = (second.seen[kind, "true_state"] for kind in (WindForce, SensorSystem))
     assert len(np.unique(seen, axis=0)) == 100
     np.testing.assert_array_equal(seen[1:], sampled[:-1])
 
 
 def test_steps_of_the_plant_call_no_python_for_the_wind(scenario, monkeypatch):
-    """What is applied is told anew once a sample, and once at the start."""
+    """The applied force is evaluated once per sample, and once at the start."""
     told = []
     calc = WindForce._calc_generalized_force
 
@@ -195,7 +195,7 @@ def test_controllers_and_mpc_act_on_the_same_sample(second):
     for kind, events in ((FlightController, 2), (ArmController, 4)):
         seen = second.seen[kind, "state"]
         np.testing.assert_array_equal(seen[::events], sampled, err_msg=kind.__name__)
-    # The second of two torques between samples is from the same one, too.
+    # The second of two torques between samples is of the same sample.
     np.testing.assert_array_equal(second.seen[ArmController, "state"][1::4], sampled)
 
 
@@ -210,7 +210,7 @@ def test_controllers_act_on_the_newest_sample_even_if_one_is_taken_at_every_step
 
 
 def test_commands_of_the_mpc_reach_the_controllers_half_a_step_later(scenario):
-    """Not a tick later: a_d and q_d'' are the u of this very sample."""
+    """Not a tick later: a_d and q_d'' are the u of this sample."""
     far = MovingTarget(target_m=(0.3, 0.6, 0.0))
     recorder = Recorder(replace(scenario, settle_s=0.0, reference=far))
     last = np.zeros(9)

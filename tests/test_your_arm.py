@@ -1,4 +1,4 @@
-"""Arms of other numbers of joints fly: from one on, and a vehicle that is not ours at all."""
+"""Arms with one to fifteen joints fly, and so does a user's own vehicle."""
 
 import re
 from dataclasses import replace
@@ -26,8 +26,8 @@ def test_four_joints_below_six_rotors_fly_their_own_clover():
     assert error["lap_mean_m"] < 1e-4 and error["max_m"] < 5e-4
 
 
-def test_all_is_read_from_its_file():
-    """Beside what Drake reads there."""
+def test_the_vehicle_model_matches_the_urdf():
+    """Compared with Drake's own reading of the file."""
     vehicle = VehicleModel.load(load_scenario(str(ARM4)))
     plant = MultibodyPlant(0.0)
     Parser(plant).AddModels(str(DIAGRAMS / "hexarotor_arm4.urdf"))
@@ -45,7 +45,7 @@ def test_all_is_read_from_its_file():
 
 
 def changed(tmp_path, change) -> str:
-    """A scenario with the URDF after a change of its text."""
+    """Writes a scenario whose URDF has its text changed, and returns its path."""
     (tmp_path / ARM4.name).write_text(ARM4.read_text())
     urdf = (DIAGRAMS / "hexarotor_arm4.urdf").read_text()
     (tmp_path / "hexarotor_arm4.urdf").write_text(change(urdf))
@@ -53,7 +53,7 @@ def changed(tmp_path, change) -> str:
 
 
 def reversed_blocks(tag: str, urdf: str) -> str:
-    """With the elements of a name in the opposite order."""
+    """Returns the URDF with the elements of a tag in the opposite order."""
     found = re.findall(rf"  <{tag}[ >].*?\n  </{tag}>\n", urdf, re.DOTALL)
     assert len(found) == 4
     start = urdf.index(found[0])
@@ -63,14 +63,14 @@ def reversed_blocks(tag: str, urdf: str) -> str:
 
 
 def with_wrist(urdf: str, old: str, new: str) -> str:
-    """With another last joint."""
+    """Returns the URDF with its last joint changed."""
     start = urdf.index('<joint name="wrist_pitch"')
     assert old in urdf[start:]
     return urdf[:start] + urdf[start:].replace(old, new, 1)
 
 
 def test_joints_are_in_the_order_of_the_chain(tmp_path):
-    """Wherever they stand in the file."""
+    """In any order in the file."""
     path = changed(tmp_path, lambda urdf: reversed_blocks("joint", urdf))
     vehicle, ours = (
         VehicleModel.load(load_scenario(path)),
@@ -110,21 +110,21 @@ def test_joints_are_in_the_order_of_the_chain(tmp_path):
         ),
     ],
 )
-def test_what_is_no_such_arm_is_refused(change, message, tmp_path):
+def test_other_arms_are_refused(change, message, tmp_path):
     with pytest.raises(ScenarioError, match=message):
         VehicleModel.load(load_scenario(changed(tmp_path, change)))
 
 
 @pytest.mark.parametrize("joints", [*range(1, 11), 15])
-def test_the_clover_is_the_same_to_any_arm(joints, tmp_path):
-    """One second of rest and three of clover; with one joint the base does nearly all of it."""
+def test_any_number_of_joints_flies_the_clover(joints, tmp_path):
+    """One second of hover and three of clover; with one joint the base does most of the motion."""
     scenario = replace(load_scenario("clover"), settle_s=1.0, duration=3.0)
     scenario = with_joints(scenario, joints, tmp_path / "arm.urdf")
     error = summarize(scenario, FlightSimulation(scenario).fly())["error"]
     assert error["max_m"] < (1e-3 if joints == 1 else 2e-4)
 
 
-def test_a_continuous_joint_within_limits_is_as_any_other(tmp_path):
+def test_a_continuous_joint_with_limits_is_accepted(tmp_path):
     path = changed(tmp_path, lambda u: with_wrist(u, 'type="revolute"', 'type="continuous"'))
     vehicle, ours = (
         VehicleModel.load(load_scenario(path)),
@@ -134,7 +134,7 @@ def test_a_continuous_joint_within_limits_is_as_any_other(tmp_path):
     assert vehicle.lower.tolist() == ours.lower.tolist()
 
 
-def test_a_joint_without_limits_is_refused_whatever_it_is_called(tmp_path):
+def test_a_joint_without_limits_is_refused_by_any_type_name(tmp_path):
     def turns_for_ever(urdf):
         urdf = with_wrist(urdf, 'type="revolute"', 'type="continuous"')
         return with_wrist(urdf, 'lower="-2.0" upper="2.0" ', "")
@@ -143,7 +143,7 @@ def test_a_joint_without_limits_is_refused_whatever_it_is_called(tmp_path):
         VehicleModel.load(load_scenario(changed(tmp_path, turns_for_ever)))
 
 
-def test_the_commands_take_it(tmp_path, capsys):
+def test_commands_accept_its_scenario(tmp_path, capsys):
     short = ["--duration", "0.2", "--set", "settle_s=0.1", "--out", str(tmp_path / "run")]
     assert main(["run", str(ARM4), *short]) == 0
     assert "clover_arm4: completed" in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""Systems of a person's own in the place of ours, by name."""
+"""Replacement of systems in station and coordinator by the user's own, by name."""
 
 from __future__ import annotations
 
@@ -16,57 +16,60 @@ from pydrake.systems.framework import (
 from aerodrake.support.errors import BadInput, nearest
 
 Replacement = Callable[[System], System]
-"""Makes a system that takes the place of one of ours, which it is given.
+"""Function that receives the default system and returns the system to use instead.
 
-It has every port of ours, by name, size and type; it may have outputs beside them.
-Rates and state are its own.
+The result must have every port of the default one, by name, size and type. It may have more
+outputs. Rates and state are its own.
 """
 
 FIXED = frozenset({"plant", "scene_graph"})
-"""Whose bodies and geometry others read beyond any port: these are always ours."""
+"""Systems that cannot be replaced: others read their bodies and geometry without ports."""
 
 
 class Replacements:
-    """Which systems are not ours: for `make_station`, `make_coordinator`, `make_closed_loop`
-    and `Flight`.
+    """Replacements by name, an argument of `make_station`, `make_coordinator`,
+    `make_closed_loop` and `FlightSimulation`.
 
-    Names are those on the wiring pages and in `diagrams/graphs`, of systems and of diagrams of
-    them; a side of the closed loop that is made alone takes those of its own.
+    Names are those of systems and sub-diagrams in the wiring tables and in `diagrams/graphs`.
+    Station and coordinator, made alone, accept the names of their own systems.
 
     Args:
-        by_name: What makes the system of each name.
+        by_name: Function that makes the system of each name.
     """
 
     def __init__(self, by_name: Mapping[str, Replacement] | None = None):
         self._by_name = dict(by_name or {})
-        self._met: set[str] = set()
+        self._used: set[str] = set()
         self._is_part = False
 
     def builder(self) -> DiagramBuilder:
-        """Adds these systems where ours of their names are added; refuses to build without one."""
+        """Makes a DiagramBuilder that replaces systems as they are added.
+
+        Its `Build` raises BadInput as `check_used` does.
+        """
         return _ReplacingBuilder(self)
 
     def part(self) -> Replacements:
-        """The same for a diagram inside of another, in which systems may be as well."""
+        """Returns the same replacements for a sub-diagram, which need not contain all of them."""
         part = Replacements(self._by_name)
-        part._met, part._is_part = self._met, True
+        part._used, part._is_part = self._used, True
         return part
 
     def instead_of(self, name: str, ours: System) -> System:
-        """The system to be added by a name: ours, unless another takes its place.
+        """Returns the replacement for the system of a name, or `ours` without one.
 
         Raises:
-            BadInput: if that has not the ports of ours.
+            BadInput: if the replacement is no new system, or its ports do not match.
         """
         if name in FIXED:
             return ours
-        self._met.add(name)
+        self._used.add(name)
         if name not in self._by_name:
             return ours
         make = self._by_name[name]
         if not callable(make):
-            message = "expected a function that is given ours and returns a system, got"
-            raise BadInput("replacements", name, f"{message} {type(make).__name__}")
+            problem = "expected a function from a system to a system, got"
+            raise BadInput("replacements", name, f"{problem} {type(make).__name__}")
         theirs = make(ours)
         if not isinstance(theirs, System):
             raise BadInput("replacements", name, f"expected a system, got {type(theirs).__name__}")
@@ -83,15 +86,15 @@ class Replacements:
                         f"expected {kind} port '{port}' of {wanted}, got {got}",
                     )
         for port in _inputs(theirs).keys() - _inputs(ours).keys():
-            raise BadInput("replacements", name, f"nothing is there for its input port '{port}'")
+            raise BadInput("replacements", name, f"no signal for its input port '{port}'")
         theirs.set_name(name)
         return theirs
 
-    def check_met(self) -> None:
-        """Raises BadInput if a name is of none that was added so far and can be replaced."""
-        for name in sorted(self._by_name.keys() - self._met) if not self._is_part else ():
-            message = f"no such system that can be replaced; {nearest(name, self._met)}"
-            raise BadInput("replacements", name, message)
+    def check_used(self) -> None:
+        """Raises BadInput if a name is not that of a replaceable system added so far."""
+        for name in sorted(self._by_name.keys() - self._used) if not self._is_part else ():
+            problem = f"no such system that can be replaced; {nearest(name, self._used)}"
+            raise BadInput("replacements", name, problem)
 
 
 class _ReplacingBuilder(DiagramBuilder):
@@ -106,7 +109,7 @@ class _ReplacingBuilder(DiagramBuilder):
         return super().AddNamedSystem(name, self._replacements.instead_of(name, system))
 
     def Build(self) -> Diagram:
-        self._replacements.check_met()
+        self._replacements.check_used()
         return super().Build()
 
 

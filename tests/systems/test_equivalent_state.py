@@ -1,4 +1,4 @@
-"""The equivalent model's state as a system: at a tick, from tick to tick, and after nonsense."""
+"""EquivalentState: at a tick, from tick to tick, and after NaN."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def make(vehicle, kind: str = "flight") -> tuple[EquivalentModel, EquivalentStat
 
 @pytest.fixture
 def ticks(vehicle) -> list[dict[str, np.ndarray]]:
-    """Of the input ports at some ticks: no two numbers alike."""
+    """Returns random values of the input ports at some ticks."""
     rng = np.random.default_rng(0)
     sizes = {
         "base_setpoint": 9,
@@ -46,14 +46,14 @@ def x_0(system, context, values) -> np.ndarray:
 
 
 def tick(system, context, values) -> np.ndarray:
-    """x_0 at a tick, which then passes."""
+    """Returns x_0 at a tick, and performs the update."""
     seen = x_0(system, context, values)
     context.SetDiscreteState(system.EvalUniquePeriodicDiscreteUpdate(context))
     return seen
 
 
 def by_hand(model, values, last: np.ndarray | None) -> np.ndarray:
-    """Each quantity from its port's layout, and the thrust by another library's rotations."""
+    """Returns x_0 from the layouts of the ports, with thrust by SciPy's rotations."""
     base, arm, n = values["base_setpoint"], values["joint_setpoint"], model.joints
     state = split_state(values["state"])
     axis = Rotation.from_quat(np.roll(state.quaternion, -1)).apply([0, 0, 1])
@@ -91,7 +91,7 @@ def test_ports_rate_and_feedthrough(vehicle):
 
 
 def test_hidden_states_follow_the_model_from_tick_to_tick(vehicle, ticks):
-    """All others are as measured and commanded; at the first tick, hidden ones are zero."""
+    """All other states are measured or commanded; at the first tick, hidden states are zero."""
     model, system = make(vehicle)
     context, last = system.CreateDefaultContext(), None
     for values in ticks:
@@ -101,7 +101,7 @@ def test_hidden_states_follow_the_model_from_tick_to_tick(vehicle, ticks):
     assert np.all(last[model.base_state("w")[:2]] != 0)
 
 
-def test_what_is_measured_between_ticks_does_not_stay(vehicle, ticks):
+def test_measurements_between_ticks_have_no_effect(vehicle, ticks):
     model, system = make(vehicle)
     context = system.CreateDefaultContext()
     first = tick(system, context, ticks[0])
@@ -121,8 +121,8 @@ def test_what_is_measured_between_ticks_does_not_stay(vehicle, ticks):
         "specific_thrust",
     ],
 )
-def test_a_tick_that_is_not_finite_does_not_poison_those_to_come(vehicle, ticks, port):
-    """The next one begins anew, as the first did."""
+def test_a_tick_with_nan_does_not_affect_later_ticks(vehicle, ticks, port):
+    """The next tick is like the first."""
     _, system = make(vehicle)
     context = system.CreateDefaultContext()
     tick(system, context, ticks[0])
@@ -143,8 +143,8 @@ def test_contexts_are_independent(vehicle, ticks):
     np.testing.assert_allclose(x, by_hand(model, ticks[2], last), rtol=0, atol=1e-10)
 
 
-def test_simulated_it_ticks_at_the_models_period(vehicle, ticks):
-    """Under inputs that are held, as many times as it takes: hidden states settle."""
+def test_in_a_simulation_it_ticks_at_the_period_of_the_model(vehicle, ticks):
+    """With constant inputs."""
     model, system = make(vehicle)
     simulator = Simulator(system)
     context = simulator.get_mutable_context()
@@ -157,7 +157,7 @@ def test_simulated_it_ticks_at_the_models_period(vehicle, ticks):
         np.testing.assert_allclose(seen, expected, rtol=0, atol=1e-10)
 
 
-def test_models_without_hidden_states_are_as_at_the_first_tick(vehicle, ticks):
+def test_models_without_hidden_states_are_like_the_first_tick(vehicle, ticks):
     model, system = make(vehicle, "velocity_aware")
     context = system.CreateDefaultContext()
     tick(system, context, ticks[0])

@@ -1,4 +1,4 @@
-"""The kinematics system: its ports against Drake's free-flying plant, and its cache."""
+"""Kinematics system: ports compared with Drake's floating plant, and caching."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from aerodrake.systems.kinematics import KinematicsSystem
 
 
 class Counting(Kinematics):
-    """Counts how often it is asked."""
+    """Kinematics that count their evaluations."""
 
     asked = 0
 
@@ -64,7 +64,7 @@ def test_trim_is_on_target_in_the_middle_of_the_learning_space(system, vehicle):
     np.testing.assert_allclose(evaluate(system, context, "distances"), 0, atol=1e-6)
 
 
-def test_distances_are_those_of_the_free_flying_plant(system, plant, vehicle):
+def test_distances_are_those_of_the_floating_plant(system, plant, vehicle):
     p_Ed = np.array([0.3, -0.4, 1.1])
     plant_context = plant.CreateDefaultContext()
     tool, base = plant.GetFrameByName(TOOL_FRAME), plant.GetFrameByName(BASE_FRAME)
@@ -82,7 +82,7 @@ def test_distances_are_those_of_the_free_flying_plant(system, plant, vehicle):
         )
 
 
-def test_end_effector_moves_as_the_free_flying_plant_does(system, plant, vehicle):
+def test_end_effector_moves_as_the_floating_plant_does(system, plant, vehicle):
     plant_context = plant.CreateDefaultContext()
     tool = plant.GetFrameByName(TOOL_FRAME)
     for x in states(vehicle):
@@ -95,7 +95,7 @@ def test_end_effector_moves_as_the_free_flying_plant_does(system, plant, vehicle
         np.testing.assert_allclose(moved, v_E, atol=1e-12)
 
 
-def test_computed_once_for_all_who_ask_and_never_stale(system, kinematics, vehicle):
+def test_it_is_computed_once_for_all_consumers_and_never_stale(system, kinematics, vehicle):
     first, second = states(vehicle, 2)
     context = fixed(system, first, np.zeros(6))
     ports = ("end_effector", "distances")

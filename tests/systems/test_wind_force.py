@@ -1,4 +1,4 @@
-"""The force on the base by itself: what it sees, what it holds and when it is silent."""
+"""WindForce alone: its inputs, its hold, and still air."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ BREEZE = Wind(velocity_m_s=(2.0, 0.0, 0.0))
 
 
 def make_simulator(config: Wind, vehicle, air, v_B) -> tuple[WindForce, Simulator]:
-    """Its inputs fixed: the air's velocity, and a base in trim that moves."""
+    """Returns the system with fixed inputs: velocity of the air, and a base in trim that moves."""
     system = WindForce(config, JOINTS, PERIOD, is_windy=True)
     simulator = Simulator(system)
     context = simulator.get_context()
@@ -32,14 +32,14 @@ def make_simulator(config: Wind, vehicle, air, v_B) -> tuple[WindForce, Simulato
         ((3, 0, 1), (0, 0, -3), (4.2, 0, 5.6)),
     ],
 )
-def test_the_air_as_the_base_feels_it(vehicle, air, v_B, force):
+def test_force_for_relative_velocities(vehicle, air, v_B, force):
     system, simulator = make_simulator(BREEZE, vehicle, air, v_B)
     simulator.AdvanceTo(PERIOD / 2)
     found = system.GetOutputPort("wind_force").Eval(simulator.get_context())
     np.testing.assert_allclose(found, force, atol=1e-14)
 
 
-def test_the_plant_is_told_the_same_without_any_torque(vehicle):
+def test_the_generalized_force_has_no_torque(vehicle):
     system, simulator = make_simulator(BREEZE, vehicle, (3, 0, 4), (0, 0, 0))
     for expected in ((0, 0, 0), (4.2, 0, 5.6)):
         told = system.GetOutputPort("generalized_force").Eval(simulator.get_context())
@@ -63,8 +63,8 @@ def test_no_feedthrough():
     assert not WindForce(BREEZE, JOINTS, PERIOD, is_windy=True).HasAnyDirectFeedthrough()
 
 
-def test_air_that_cannot_move_is_silent_and_looks_at_nothing(vehicle):
-    """Its inputs are not even connected."""
+def test_in_still_air_it_has_no_events_and_evaluates_no_input(vehicle):
+    """Its inputs are unconnected."""
     system = WindForce(Wind(), JOINTS, PERIOD, is_windy=False)
     simulator = Simulator(system)
     simulator.AdvanceTo(1.0)

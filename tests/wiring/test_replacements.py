@@ -1,4 +1,4 @@
-"""Systems of a person's own fly in the place of ours."""
+"""Replacement of systems by the user's own."""
 
 from dataclasses import replace
 
@@ -20,7 +20,7 @@ NAMES = sorted(systems_by_name(make_closed_loop(SHORT)).keys() - FIXED - {"close
 
 
 class Fixed(LeafSystem):
-    """An allocator that never changes its mind."""
+    """Weight allocator with constant weights."""
 
     def __init__(self, **sizes: int):
         super().__init__()
@@ -41,17 +41,17 @@ def ours():
     return flown(SHORT)
 
 
-def test_a_system_in_the_place_of_ours_is_the_one_that_flies(ours):
+def test_a_replacement_flies(ours):
     log = flown(SHORT, weight_allocator=lambda ours: Fixed())
     assert log.exit_reason == "completed"
-    ticked = slice(3, None)  # What the port shows at first is from before the first tick.
+    ticked = slice(3, None)  # The first samples are from before the first tick.
     np.testing.assert_array_equal(log["gamma"][ticked], 0.5)
     np.testing.assert_array_equal(log["w_m"][ticked], 20.0)
     assert not np.array_equal(log["q_rad"], ours["q_rad"])
 
 
 class Gale(LeafSystem):
-    """Air that moves where the scenario's does not."""
+    """Constant wind."""
 
     def __init__(self):
         super().__init__()
@@ -62,14 +62,14 @@ class Gale(LeafSystem):
         output.SetFromVector([2.0, 0.0, 0.0])
 
 
-def test_another_air_blows_in_a_calm(ours):
-    """0.25 |v| v + 0.15 v, less what the base is blown along with it."""
+def test_replaced_air_acts_in_a_scenario_without_wind(ours):
+    """0.25 |v| v + 0.15 v; less with the drift of the base."""
     log = flown(SHORT, air=lambda ours: Gale())
     np.testing.assert_allclose(log["wind_force_n"][-1], [1.3, 0, 0], atol=0.1)
     np.testing.assert_array_equal(ours["wind_force_n"], 0.0)
 
 
-def test_a_system_flies_in_one_diagram():
+def test_a_replacement_is_used_in_one_diagram():
     fixed = Fixed()
     mine = Replacements({"weight_allocator": lambda ours: fixed})
     make_closed_loop(SHORT, mine)
@@ -78,8 +78,8 @@ def test_a_system_flies_in_one_diagram():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_system_can_be_taken_the_place_of(name):
-    """Also whole diagrams: whoever is given ours may return it."""
+def test_every_system_can_be_replaced(name):
+    """Sub-diagrams too; a function may return the default system."""
     given = []
 
     def same(system):
@@ -92,13 +92,13 @@ def test_every_system_can_be_taken_the_place_of(name):
     assert name in systems_by_name(diagram)
 
 
-def test_ours_in_their_own_places_fly_as_ever(ours):
+def test_replacing_all_systems_by_themselves_changes_nothing(ours):
     log = flown(SHORT, **{name: lambda system: system for name in NAMES})
     for key in set(log.signals) - {"tick_ms"}:
         np.testing.assert_array_equal(log[key], ours[key])
 
 
-def test_a_side_takes_its_own():
+def test_station_and_coordinator_accept_their_own_systems():
     replacements = Replacements({"weight_allocator": lambda ours: Fixed()})
     coordinator = make_coordinator(SHORT, replacements)
     assert isinstance(coordinator.GetSubsystemByName("weight_allocator"), Fixed)
@@ -116,16 +116,16 @@ def test_a_side_takes_its_own():
         *((make, name) for make in (make_station, make_closed_loop) for name in sorted(FIXED)),
     ],
 )
-def test_a_name_that_is_not_there_to_be_replaced_is_refused(make, name):
-    with pytest.raises(BadInput, match=f"^replacements: {name}: no such system that can") as said:
+def test_other_names_are_refused(make, name):
+    with pytest.raises(BadInput, match=f"^replacements: {name}: no such system that can") as error:
         make(SHORT, Replacements({name: wrapped}))
-    valid = str(said.value).partition("valid: ")[2].rstrip(")").split(", ")
+    valid = str(error.value).partition("valid: ")[2].rstrip(")").split(", ")
     inside = systems_by_name(make(SHORT)).keys() - FIXED - {"station", "coordinator", "closed_loop"}
     assert set(valid) - {"station", "coordinator"} == inside
 
 
-def test_a_controller_that_keeps_no_time(ours):
-    """A LeafSystem with the ports of the MPC, and nothing else."""
+def test_a_controller_without_tick_times(ours):
+    """A LeafSystem with the ports of the MPC and constant outputs."""
 
     class Still(LeafSystem):
         def __init__(self, other):
@@ -157,7 +157,7 @@ def test_a_controller_that_keeps_no_time(ours):
 
 
 def wrapped(ours):
-    """Ours in a diagram of its own."""
+    """Returns the default system inside a diagram with the same ports."""
     builder = DiagramBuilder()
     inner = builder.AddNamedSystem(f"{ours.get_name() or 'its'}_inside", ours)
     for i in range(inner.num_input_ports()):
@@ -176,7 +176,7 @@ def wrapped(ours):
         *("rotor_faults", "residual_estimator"),
     ],
 )
-def test_a_diagram_around_ours_flies_as_ours(name):
+def test_a_diagram_around_the_default_system_flies_identically(name):
     faults = (RotorDegraded(start_s=0.1), LearnerPoisoned(start_s=0.1))
     scenario = replace(SHORT, faults=faults, residual=Residual(mode="online"), wind=BREEZE)
     log, ours = flown(scenario, **{name: wrapped}), flown(scenario)
@@ -193,7 +193,7 @@ def test_a_diagram_around_ours_flies_as_ours(name):
         ),
         (
             {"mpc": Fixed()},
-            "replacements: mpc: expected a function that is given ours .*, got Fixed",
+            "replacements: mpc: expected a function from a system to a system, got Fixed",
         ),
         (
             {"wieght_allocator": lambda ours: Fixed()},
@@ -205,7 +205,7 @@ def test_a_diagram_around_ours_flies_as_ours(name):
         ),
         (
             {"weight_allocator": lambda ours: Fixed(wind=3)},
-            "weight_allocator: nothing is there for its input port 'wind'",
+            "weight_allocator: no signal for its input port 'wind'",
         ),
         (
             {"kinematics": lambda ours: Fixed()},
@@ -213,6 +213,6 @@ def test_a_diagram_around_ours_flies_as_ours(name):
         ),
     ],
 )
-def test_what_does_not_fit_is_refused(by_name, message):
+def test_replacements_that_do_not_fit_are_refused(by_name, message):
     with pytest.raises(BadInput, match=message.replace("?", r"\?")):
         make_closed_loop(SHORT, Replacements(by_name))

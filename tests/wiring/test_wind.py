@@ -1,4 +1,4 @@
-"""The moving air without a plant: its gusts against theory, and by the seed."""
+"""Wind without a plant: statistics of its gusts, and repeatability by seed."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ MEAN, SIGMA, T = np.array([2.0, 0.0, -1.0]), np.array([1.0, 0.5, 0.0]), 0.1
 
 
 class Air:
-    """Air past a base at rest, whose force in N is its velocity in m/s."""
+    """Wind on a base at rest with a force in N equal to its velocity in m/s."""
 
     def __init__(self, vehicle):
         config = Wind(
@@ -33,7 +33,7 @@ class Air:
         self.diagram = builder.Build()
 
     def samples(self, context) -> np.ndarray:
-        """(samples, 3) m/s, all that were logged. The first force is from the event at time 0."""
+        """Returns logged samples (samples, 3) m/s; the first force is of the event at time 0."""
         return self._log.FindLog(context).data().T[1:]
 
     def blow(self, duration: float, seed: int = 0) -> np.ndarray:
@@ -42,7 +42,7 @@ class Air:
         return self.samples(context)
 
     def first(self, seed: int) -> np.ndarray:
-        """(3,) m/s at time 0."""
+        """Returns the velocity (3,) m/s at time 0."""
         context = make_context(self.diagram, seed)
         air = self.wind.GetSubsystemByName("air")
         return air.get_output_port().Eval(air.GetMyContextFromRoot(context))
@@ -55,9 +55,9 @@ def air(vehicle):
 
 @pytest.fixture(scope="module")
 def gusts(air):
-    """(samples, 2) over 3000 correlation times: the axes with gusts, in units of their sigma."""
+    """Returns gusts over sigma (samples, 2) of 3000 correlation times, for the axes with gusts."""
     velocity = air.blow(3000 * T)
-    np.testing.assert_array_equal(velocity[:, 2], MEAN[2])  # No gust where none is asked for.
+    np.testing.assert_array_equal(velocity[:, 2], MEAN[2])  # The third axis has no gusts.
     return (velocity[:, :2] - MEAN[:2]) / SIGMA[:2]
 
 
@@ -73,21 +73,21 @@ def test_correlation_decays_exponentially(gusts, lag):
     np.testing.assert_allclose(correlation, np.exp(-lag * PERIOD / T), atol=0.08)
 
 
-def test_its_steps_are_white_and_each_axis_has_its_own(gusts):
+def test_its_increments_are_white_and_independent_by_axis(gusts):
     a = np.exp(-PERIOD / T)
     steps = (gusts[1:] - a * gusts[:-1]) / np.sqrt(1 - a * a)
     both = np.hstack([steps[1:], steps[:-1]])
     np.testing.assert_allclose(np.cov(both.T), np.eye(4), atol=0.04)
 
 
-def test_it_has_always_been_blowing(air):
-    """At time 0 gusts are what they are later, over many seeds."""
+def test_it_is_stationary_from_the_start(air):
+    """Over many seeds, gusts at time 0 have the stationary distribution."""
     first = np.array([air.first(seed) for seed in range(1000)])
     assert first.mean(axis=0) == pytest.approx(MEAN, abs=0.13)
     assert first.std(axis=0) == pytest.approx(SIGMA, abs=0.09)
 
 
-def test_gusts_follow_from_the_seed_alone(air, vehicle):
+def test_gusts_depend_on_the_seed_alone(air, vehicle):
     first = air.blow(1.0, seed=3)
     np.testing.assert_array_equal(first, air.blow(1.0, seed=3))
     np.testing.assert_array_equal(first, Air(vehicle).blow(1.0, seed=3))
@@ -95,7 +95,7 @@ def test_gusts_follow_from_the_seed_alone(air, vehicle):
     assert np.all(first[:, :2] != other[:, :2])
 
 
-def test_a_clone_blows_on_as_the_original(air):
+def test_a_cloned_context_continues_identically(air):
     context = make_context(air.diagram, 5)
     Simulator(air.diagram, context).AdvanceTo(0.505)
     clone = context.Clone()
@@ -104,7 +104,7 @@ def test_a_clone_blows_on_as_the_original(air):
         np.testing.assert_array_equal(air.samples(each), air.blow(1.0, seed=5))
 
 
-def test_at_rest_it_exerts_nothing_on_a_base_that_flies(vehicle):
+def test_still_air_exerts_no_force_on_a_moving_base(vehicle):
     wind = make_wind(Wind(), JOINTS, PERIOD)
     context = make_context(wind, 0)
     state = vehicle.trim_state

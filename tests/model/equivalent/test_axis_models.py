@@ -1,4 +1,4 @@
-"""The models of one axis by K_B against the differential equations they discretise."""
+"""Models of one axis by K_B, compared with the differential equations they discretise."""
 
 import math
 
@@ -12,7 +12,7 @@ K = 2.38
 
 
 def velocity(kind: str, p, p_d, v_d, delta):
-    """p' by the equation that each kind stands for."""
+    """Returns p' by the differential equation of each kind."""
     if kind == "integral":
         return v_d
     return K * (p_d - p) + delta + (v_d if kind == "velocity_aware" else 0)
@@ -20,7 +20,7 @@ def velocity(kind: str, p, p_d, v_d, delta):
 
 @pytest.mark.parametrize("kind", ["exact", "velocity_aware", "integral"])
 @pytest.mark.parametrize("dt", [0.005, 0.02, 0.2])
-def test_solves_its_equation_under_held_input(kind, dt):
+def test_solves_its_equation_under_constant_input(kind, dt):
     p, p_d, v_d, delta, u = np.random.default_rng(0).normal(size=5)
     if kind == "integral":
         p = p_d
@@ -30,7 +30,7 @@ def test_solves_its_equation_under_held_input(kind, dt):
 
     end = solve_ivp(slope, (0, dt), [p, p_d, v_d], rtol=1e-11, atol=1e-12).y[:, -1]
     axis = AXIS_MODELS[kind](K, dt)
-    # A wrong measured velocity shows that it does not propagate.
+    # The wrong measured velocity must not propagate.
     after = axis.A @ [p, 7.0, p_d, v_d] + axis.B * u + axis.C * delta
     expected = [end[0], velocity(kind, *end, delta), end[1], end[2]]
     np.testing.assert_allclose(after, expected, atol=1e-9)
@@ -47,7 +47,7 @@ def test_paper_axis_is_as_printed():
 
 
 def test_paper_axis_converges_to_exact_with_the_period():
-    """Over one second the gap to the exact form falls in proportion to the period."""
+    """Over one second the difference from the exact form is proportional to the period."""
 
     def after_one_second(axis, dt):
         model = axis(2.0, dt)
@@ -73,7 +73,7 @@ def test_measured_velocity_does_not_propagate(kind):
 
 @pytest.mark.parametrize("kind", ["paper", "exact"])
 def test_the_acceleration_is_the_slope_of_the_velocity(kind):
-    """Without input, by a central difference over the model's own flow."""
+    """Without input, by central differences of the model's own prediction."""
     dt = 1e-4
     axis, x = AXIS_MODELS[kind](K, dt), np.array([0.1, 0.0, -0.2, 0.3])
     speeds = []
@@ -86,12 +86,12 @@ def test_the_acceleration_is_the_slope_of_the_velocity(kind):
 
 
 @pytest.mark.parametrize("kind", ["velocity_aware", "integral"])
-def test_a_base_that_jumps_to_speed_has_no_acceleration_to_tilt_by(kind):
+def test_models_without_acceleration_have_zero_rows(kind):
     np.testing.assert_array_equal(AXIS_MODELS[kind](K, 0.02).acceleration, np.zeros(4))
 
 
 @pytest.mark.parametrize("kind", ["exact", "velocity_aware"])
-def test_a_residual_for_ever_is_a_distance_of_delta_over_k(kind):
+def test_a_constant_residual_gives_a_steady_error_of_delta_over_k(kind):
     axis, x = AXIS_MODELS[kind](K, 0.02), np.zeros(4)
     for _ in range(1000):
         x = axis.A @ x + axis.C * 0.3

@@ -1,4 +1,4 @@
-"""The flight model: its equations by other means, and the station's flight that it predicts."""
+"""Flight model: its equations by other means, and predictions of the station's flight."""
 
 from dataclasses import replace
 
@@ -47,8 +47,8 @@ def commanded(axis: int, interface: str, p, v, p_d, v_d, h, u) -> float:
 @pytest.mark.parametrize("interface", ["trajectory", "position"])
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("dt", [0.005, 0.02, 0.1])
-def test_solves_its_equations_under_held_input(axis, interface, dt):
-    """With the low-passed a_c for the filter's state, from which its rate follows."""
+def test_solves_its_equations_under_constant_input(axis, interface, dt):
+    """With the low-passed a_c as the state of the filter."""
     model = of(axis, interface, dt)
     p, v, p_d, v_d, b, d, h, r, alpha, low, u = np.random.default_rng(axis).normal(size=11)
     if axis == 2:
@@ -75,8 +75,8 @@ def test_solves_its_equations_under_held_input(axis, interface, dt):
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_answer_to_a_held_acceleration_is_that_of_the_transfer_function(axis):
-    """From u to p, multiplied out by hand from the blocks of the loop."""
+def test_response_to_a_constant_acceleration_matches_the_transfer_function(axis):
+    """From u to p, derived by hand from the blocks of the loop."""
     s = np.poly1d([1, 0])
     if axis == 2:
         top, bottom = np.poly1d([1]), TAU * s + 1
@@ -97,13 +97,13 @@ def test_answer_to_a_held_acceleration_is_that_of_the_transfer_function(axis):
         x = model.A @ x + model.B
         p.append(x[0])
     np.testing.assert_allclose(p, expected, atol=1e-6)
-    assert abs(p[-1] - 0.5) < 0.1  # Near where it is sent, half a metre in a second.
+    assert abs(p[-1] - 0.5) < 0.1  # Near its setpoint, half a metre in a second.
 
 
 @pytest.mark.parametrize("interface", ["trajectory", "position"])
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_constant_disturbance_is_taken_out_by_thrust(axis, interface):
-    """It ends at the setpoint with b = -d, once h has found it, though it began elsewhere."""
+def test_thrust_rejects_a_constant_disturbance(axis, interface):
+    """It converges to the setpoint with b = -d and h = d."""
     model = of(axis, interface)
     x = state(model, p=0.3, v=-0.2, p_d=1.0, b=0.5, d=0.7)
     for _ in range(2000):
@@ -113,8 +113,8 @@ def test_a_constant_disturbance_is_taken_out_by_thrust(axis, interface):
 
 
 @pytest.mark.parametrize(("interface", "lag_s"), [("trajectory", 0.0), ("position", 4.5 / 8.0)])
-def test_a_setpoint_that_moves_on_is_followed_by_lag(interface, lag_s):
-    """Only a controller that is told v_d follows without any: the other lags by k_v / k_p."""
+def test_lag_behind_a_moving_setpoint(interface, lag_s):
+    """Only a controller with the input v_d has none: the other lags by k_v / k_p."""
     model = of(1, interface)
     x = state(model, v_d=0.4)
     for _ in range(1000):
@@ -123,7 +123,7 @@ def test_a_setpoint_that_moves_on_is_followed_by_lag(interface, lag_s):
     np.testing.assert_allclose([p_d - p, v, v_d], [0.4 * lag_s, 0.4, 0.4], atol=1e-9)
 
 
-def test_residual_is_a_change_of_velocity_that_grew_over_the_period():
+def test_residual_is_a_velocity_change_at_constant_rate():
     for axis in range(3):
         model = of(axis)
         np.testing.assert_array_equal(model.C, state(model, p=DT / 2, v=1.0))
@@ -140,7 +140,7 @@ FLOWN_S = 4.0
 
 
 def chirp(vehicle, period: float):
-    """The base's acceleration from 0.2 to 0.6 Hz, and of the joints a steady swing."""
+    """Acceleration of the base from 0.2 to 0.6 Hz, with a steady swing of the joints."""
     t = period * np.arange(round(FLOWN_S / period) + 1)
     ramp = np.minimum(t, 1.0) ** 2 * (3 - 2 * np.minimum(t, 1.0))
     phase = 2 * np.pi * (0.2 * t + 0.05 * t**2)
@@ -155,7 +155,7 @@ def chirp(vehicle, period: float):
 
 
 class Flown:
-    """The station along a chirp, and how well a model knows at each tick what comes."""
+    """Flight of the station along a chirp, and prediction errors of models at each tick."""
 
     def __init__(self, scenario: Scenario, vehicle):
         self.n = vehicle.joints
@@ -173,8 +173,8 @@ class Flown:
             self.record.disturbance[k],
         )
 
-    def misses(self, model: EquivalentModel, ticks: int) -> np.ndarray:
-        """(samples, 3, 3): of p, v and b (0 without it), by axis, `ticks` after each tick."""
+    def errors(self, model: EquivalentModel, ticks: int) -> np.ndarray:
+        """Returns errors (samples, 3, 3) of p, v and b (0 without it) by axis, `ticks` later."""
         samples, x = [], None
         has_b = "b" in model.axis_states
         for k in range(1, len(self.u) - ticks):
@@ -206,38 +206,38 @@ def flown(request, vehicle):
     ("ticks", "p_m", "v_m_s", "b_m_s2"),
     [(1, 2.7e-5, 2.5e-3, 0.04), (5, 6e-4, 0.010, 0.075), (25, 6e-3, 0.018, 0.25)],
 )
-def test_knows_where_the_station_will_be(flown, ticks, p_m, v_m_s, b_m_s2):
-    """At every tick from the first; the base itself moves by 0.4 to 1.2 m."""
+def test_predicts_the_flight_of_the_station(flown, ticks, p_m, v_m_s, b_m_s2):
+    """From every tick; the base moves by 0.4 to 1.2 m."""
     scenario, flight = flown
     p = np.array([state.p_B for state in flight.states])
     assert np.ptp(p, axis=0).min() > 0.35
     model = EquivalentModel.of(scenario, flight.n)
-    p, v, b = np.abs(flight.misses(model, ticks)).max(axis=(0, 2))
+    p, v, b = np.abs(flight.errors(model, ticks)).max(axis=(0, 2))
     assert p < p_m and v < v_m_s and b < b_m_s2
 
 
 @pytest.mark.parametrize(("ticks", "times_better"), [(1, 15), (5, 3.5), (25, 1.15)])
 @pytest.mark.parametrize("flown", ["trajectory"], indirect=True)
-def test_is_many_times_better_than_the_base_that_jumps_to_speed(flown, ticks, times_better):
+def test_predicts_many_times_better_than_the_first_order_model(flown, ticks, times_better):
     scenario, flight = flown
     aware = replace(scenario, model=replace(scenario.model, kind="velocity_aware"))
     ours, theirs = (
-        np.sqrt(np.mean(flight.misses(EquivalentModel.of(s, flight.n), ticks)[:, 0] ** 2))
+        np.sqrt(np.mean(flight.errors(EquivalentModel.of(s, flight.n), ticks)[:, 0] ** 2))
         for s in (scenario, aware)
     )
     assert ours < theirs / times_better
 
 
 @pytest.mark.parametrize("flown", ["trajectory"], indirect=True)
-def test_what_nobody_measures_is_worth_following(flown):
-    """With the hidden states forgotten at each tick, the prediction is much worse."""
+def test_hidden_states_improve_the_prediction(flown):
+    """With hidden states of zero at each tick, the prediction is much worse."""
     scenario, flight = flown
     model = EquivalentModel.of(scenario, flight.n)
     assert {model.axis_states[i % len(model.axis_states)] for i in model.hidden} == set(
         HIDDEN_STATES
     )
-    kept = flight.misses(model, 5)
+    kept = flight.errors(model, 5)
     A = model.A.copy()
     A[:, model.hidden] = 0.0
-    forgotten = flight.misses(replace(model, A=A), 5)
+    forgotten = flight.errors(replace(model, A=A), 5)
     assert np.abs(forgotten[:, 2]).max() > 5 * np.abs(kept[:, 2]).max()

@@ -1,4 +1,4 @@
-"""Fits of a gain whose truth is known."""
+"""Fits of a gain with a known true value."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ P_D = 0.3 * (1 - np.cos(0.4 * T)) + 0.1 * np.sin(1.3 * T)
 
 
 def first_order(k: float, constant: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """(p_d - p, v) of p' = k (p_d - p) + constant."""
+    """Returns p_d - p and v of p' = k (p_d - p) + constant."""
     _, p, _ = lsim(([k], [1.0, k]), P_D + constant / k, T)
     error = P_D - p
     return error, k * error + constant
@@ -24,7 +24,7 @@ def first_order(k: float, constant: float = 0.0) -> tuple[np.ndarray, np.ndarray
 
 @settings(max_examples=30)
 @given(k=st.floats(0.3, 10), constant=st.floats(-0.1, 0.1))
-def test_a_base_of_first_order_has_its_gain_and_no_doubt(k, constant):
+def test_a_first_order_base_has_its_gain_and_no_uncertainty(k, constant):
     error, velocity = first_order(k, constant)
     fit = fit_gain([error], [velocity], BLOCK)
     assert fit.gain == pytest.approx(k, rel=1e-9)
@@ -32,7 +32,7 @@ def test_a_base_of_first_order_has_its_gain_and_no_doubt(k, constant):
     assert fit.r2 == pytest.approx(1)
 
 
-def test_each_record_has_its_constant():
+def test_each_record_has_its_own_constant():
     records = [first_order(2.0, constant) for constant in (-0.05, 0.05, 0.4)]
     fit = fit_gain([e for e, _ in records], [v for _, v in records], BLOCK)
     assert fit.gain == pytest.approx(2.0) and fit.r2 == pytest.approx(1)
@@ -48,7 +48,7 @@ def test_one_record_is_fitted_by_least_squares():
 
 
 def test_white_noise_has_the_interval_of_the_textbook():
-    """Where samples are independent, the jackknife agrees with ordinary least squares."""
+    """For independent samples the jackknife agrees with ordinary least squares."""
     widths = []
     for seed in range(50):
         rng = np.random.default_rng(seed)
@@ -60,7 +60,7 @@ def test_white_noise_has_the_interval_of_the_textbook():
 
 
 def covered(block: int, seeds: int = 300) -> float:
-    """How often the interval holds the truth, when noise hangs together over 0.5 s."""
+    """Returns how often the interval contains the true gain, for noise correlated over 0.5 s."""
     error, velocity = first_order(2.0)
     pole, hits = np.exp(-DT / 0.5), 0
     for seed in range(seeds):
@@ -71,13 +71,13 @@ def covered(block: int, seeds: int = 300) -> float:
     return hits / seeds
 
 
-def test_the_interval_covers_the_truth_as_often_as_it_says():
-    """95 of 100 times, give or take what 300 trials can tell; samples by themselves would not."""
+def test_coverage_of_the_interval():
+    """95 %, within the accuracy of 300 trials; blocks of single samples cover less."""
     assert covered(BLOCK) == pytest.approx(0.95, abs=0.035)
     assert covered(1) < 0.7
 
 
-def test_noise_on_position_makes_the_gain_smaller_by_its_share_of_the_variance():
+def test_noise_on_position_reduces_the_gain_by_its_fraction_of_the_variance():
     error, velocity = first_order(2.0)
     noise = 0.02 * np.random.default_rng(0).normal(size=len(T))
     fit = fit_gain([error + noise], [velocity], BLOCK)
@@ -87,8 +87,8 @@ def test_noise_on_position_makes_the_gain_smaller_by_its_share_of_the_variance()
 
 
 @pytest.mark.parametrize("samples", [500, 749, 3000 - 1])
-def test_what_a_block_does_not_take_is_not_lost(samples):
-    """Nor does it make a small block of its own."""
+def test_remaining_samples_join_the_last_block(samples):
+    """They form no small block of their own."""
     error, velocity = (rows[:samples] for rows in first_order(2.0, 0.1))
     wave = 0.01 * np.sin(7 * T[:samples])
     fit = fit_gain([error] * 2, [velocity + wave, velocity - 2 * wave], BLOCK)
@@ -96,14 +96,14 @@ def test_what_a_block_does_not_take_is_not_lost(samples):
     assert fit.interval[0] < fit.gain < fit.interval[1]
 
 
-def test_a_base_that_is_not_of_first_order_is_told_by_r2():
+def test_r2_reveals_a_base_that_is_not_first_order():
     rng = np.random.default_rng(1)
     fit = fit_gain([first_order(2.0)[0]], [rng.normal(size=len(T))], BLOCK)
     assert fit.r2 < 0.1 and fit.interval[0] < 0 < fit.interval[1]
 
 
-def test_a_record_flown_twice_tells_no_more_than_once():
-    """Records with the same excitation have the same errors, and do not narrow the interval."""
+def test_a_repeated_record_does_not_narrow_the_interval():
+    """Records with the same excitation have the same errors."""
     error, velocity = first_order(2.0)
     velocity = velocity + 0.02 * np.sin(7 * T)
     once, twice = (fit_gain([error] * n, [velocity] * n, BLOCK) for n in (1, 2))

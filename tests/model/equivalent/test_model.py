@@ -1,4 +1,4 @@
-"""The equivalent models against the differential equations they discretise."""
+"""Equivalent models compared with the differential equations they discretise."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ JOINTS = 6
 
 
 def base_slope(kind: str, k: np.ndarray, p, p_d, v_d, delta):
-    """p_B' by the equation that each kind stands for."""
+    """Returns p_B' by the differential equation of each kind."""
     if kind == "integral":
         return v_d
     return k * (p_d - p) + delta + (v_d if kind == "velocity_aware" else 0)
@@ -25,7 +25,7 @@ def base_slope(kind: str, k: np.ndarray, p, p_d, v_d, delta):
 
 @pytest.mark.parametrize("kind", ["exact", "velocity_aware", "integral"])
 @pytest.mark.parametrize("dt", [0.005, 0.02, 0.2])
-def test_solves_its_equation_under_held_input(kind, dt):
+def test_solves_its_equation_under_constant_input(kind, dt):
     rng = np.random.default_rng(0)
     p, p_d, v_d, delta, a_d = rng.normal(size=(5, 3))
     q, qdot, qddot = rng.normal(size=(3, JOINTS))
@@ -42,7 +42,7 @@ def test_solves_its_equation_under_held_input(kind, dt):
 
     model = EquivalentModel.make(kind, K_B, dt, JOINTS)
     setpoint = np.concatenate([y[3:6], y[6:9], a_d])
-    # A wrong measured velocity shows that it does not propagate.
+    # The wrong measured velocity must not propagate.
     x = model.initial_state(y[:3], np.full(3, 7.0), setpoint, np.concatenate([y[9:], qddot]))
     after = model.predict(x, np.concatenate([a_d, qddot]), delta)
 
@@ -81,7 +81,7 @@ def test_layout_of_state_input_and_residual(kind, joints):
 
 @pytest.mark.parametrize("kind", AXIS_MODELS)
 def test_initial_state(kind):
-    """Measured base and commanded arm; the integral model believes the command for both."""
+    """Measured base and commanded arm; the integral model takes both from their setpoints."""
     model = EquivalentModel.make(kind, K_B, 0.02, 2)
     base_setpoint = np.array([1.0, 2, 3, 0.1, 0.2, 0.3, 9, 9, 9])
     joint_setpoint = np.array([4.0, 5, 0.4, 0.5, 9, 9])
@@ -99,7 +99,7 @@ def flight() -> EquivalentModel:
     return EquivalentModel.of(Scenario(), JOINTS)
 
 
-def test_kinds_by_k_b_are_made_at_the_mpcs_rate():
+def test_kinds_by_k_b_have_the_rate_of_the_mpc():
     rates = Rates(mpc_period_s=0.04)
     for kind in AXIS_MODELS:
         scenario = Scenario(rates=rates, model=Model(kind=kind, k_b=tuple(K_B)))
@@ -138,7 +138,7 @@ def test_joints_are_double_integrators_beside_the_flight_model(flight):
 
 
 def test_thrust_is_along_the_bases_axis_and_turns_with_it():
-    """b by the attitude, r by how it goes on when the base turns for a moment."""
+    """b from the attitude, r by finite differences as the base rotates."""
     state = split_state(np.zeros(13 + 2 * JOINTS))
     turned = Rotation.from_euler("zyx", [0.4, 0.2, -0.3])
     state.quaternion[:] = np.roll(turned.as_quat(), 1)
@@ -164,7 +164,7 @@ THRUST = Thrust(
 BASE, ARM = np.arange(9.0), np.arange(3.0 * JOINTS)
 
 
-def test_flight_models_first_state_is_measured_but_for_what_is_hidden(flight):
+def test_first_state_of_the_flight_model_is_measured_except_hidden_states(flight):
     x = flight.initial_state(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST)
     for i in range(3):
         measured = [1, 2, BASE[i], BASE[3 + i], THRUST.b[i], 0.4, i, THRUST.r[i], 0, 0]
@@ -173,7 +173,7 @@ def test_flight_models_first_state_is_measured_but_for_what_is_hidden(flight):
     np.testing.assert_array_equal(x[flight.joint_velocity], ARM[JOINTS : 2 * JOINTS])
 
 
-def test_hidden_states_go_on_from_the_last_ones_under_what_was_commanded_since(flight):
+def test_hidden_states_are_predicted_from_the_last_tick(flight):
     last = np.random.default_rng(0).normal(size=len(flight.A))
     x = flight.initial_state(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST, last)
     fresh = flight.initial_state(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST)
@@ -184,7 +184,7 @@ def test_hidden_states_go_on_from_the_last_ones_under_what_was_commanded_since(f
 
 
 @pytest.mark.parametrize("kind", AXIS_MODELS)
-def test_models_by_k_b_heed_neither_thrust_nor_the_tick_before(kind):
+def test_models_by_k_b_depend_on_neither_thrust_nor_the_last_tick(kind):
     model = EquivalentModel.make(kind, K_B, 0.02, JOINTS)
     p, v, last = np.ones(3), np.full(3, 2.0), np.full(len(model.A), 9.0)
     np.testing.assert_array_equal(

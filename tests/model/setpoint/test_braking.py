@@ -1,4 +1,4 @@
-"""Braking: rest as soon as the limits let it, and no sooner."""
+"""Braking: rest as soon as the limits allow."""
 
 import numpy as np
 from hypothesis import given
@@ -11,7 +11,7 @@ MOST = np.array([2.5, 15.0])
 
 
 @given(st.floats(-3, 3), st.floats(-3, 3))
-def test_it_takes_off_all_it_can_until_nothing_is_left(v_0, v_1):
+def test_it_brakes_at_the_limit_until_rest(v_0, v_1):
     v = np.array([v_0, v_1])
     z = braking(v, MOST, STAGES_S).reshape(2, -1)
     assert np.all(np.abs(z) <= 1)

@@ -1,4 +1,4 @@
-"""Motions with held accelerations: what the MPC's double integration gives."""
+"""Motions with piecewise constant accelerations, as those of the MPC."""
 
 import numpy as np
 import pytest
@@ -15,8 +15,8 @@ VELOCITIES = arrays(
 
 
 @given(velocity=VELOCITIES, period=st.sampled_from([0.005, 0.02, 0.1]))
-def test_it_is_the_double_integral_of_the_held_acceleration(velocity, period):
-    """Tick by tick, and anywhere in between."""
+def test_it_is_the_double_integral_of_the_acceleration(velocity, period):
+    """At the ticks and in between."""
     p = np.linspace(-1, 1, velocity.shape[1])
     motion = held_acceleration_motion(p, velocity, period)
     speed, rate = motion.MakeDerivative(1), motion.MakeDerivative(2)
@@ -34,7 +34,7 @@ def test_it_is_the_double_integral_of_the_held_acceleration(velocity, period):
 
 
 def test_a_circle_is_flown_around():
-    """Velocities of a circle, linear in between: its integral closes."""
+    """The integral of a circle's velocities, linear in between, closes."""
     t = np.linspace(0, 2 * np.pi, 1001)
     velocity = np.stack([-np.sin(t), np.cos(t)], axis=1)
     motion = held_acceleration_motion(np.array([1.0, 0.0]), velocity, t[1])

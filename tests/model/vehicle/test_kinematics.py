@@ -1,4 +1,4 @@
-"""The end-effector's kinematics against Drake's floating plant and finite differences."""
+"""Kinematics compared with Drake's floating plant and finite differences."""
 
 import numpy as np
 import pytest
@@ -27,13 +27,13 @@ def floating(scenario) -> MultibodyPlant:
 
 
 def state_at(xi: np.ndarray, velocity: np.ndarray) -> VehicleState:
-    """The state at xi = [p_B, roll, pitch, yaw, q] and velocity [omega_W, v_B, q']."""
+    """Returns the state at xi = [p_B, roll, pitch, yaw, q] and velocity [omega_W, v_B, q']."""
     quaternion = Rotation.from_euler("xyz", xi[3:6]).as_quat(scalar_first=True)
     return split_state(np.concatenate([quaternion, xi[:3], xi[6:], velocity]))
 
 
 def random_coordinates(seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """xi, pitch away from gimbal lock, and a velocity."""
+    """Returns random xi, with pitch away from gimbal lock, and a velocity."""
     rng = np.random.default_rng(seed)
     xi = rng.uniform(-2, 2, 12)
     xi[4] = rng.uniform(-1.2, 1.2)
@@ -41,7 +41,7 @@ def random_coordinates(seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_position_and_velocity_are_the_floating_plants(kinematics, floating, seed):
+def test_position_and_velocity_match_the_floating_plant(kinematics, floating, seed):
     state = state_at(*random_coordinates(seed))
     at = kinematics.end_effector(state)
     context = floating.CreateDefaultContext()
@@ -80,7 +80,7 @@ def test_jacobians_are_derivatives_of_the_position(kinematics, seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_tools_axis_and_its_jacobians(kinematics, floating, seed):
-    """-z of the frame `tool` in Drake's floating plant; and central differences."""
+    """Compared with -z of the frame `tool` in Drake's plant, and central differences."""
     xi, velocity = random_coordinates(seed)
     state = state_at(xi, velocity)
     context = floating.CreateDefaultContext()

@@ -1,4 +1,4 @@
-"""A plant off its model: the masses and inertias of its links, and nothing else."""
+"""Model mismatch: it changes masses and inertias of links, and nothing else."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -47,7 +47,7 @@ def off(vehicle, scene_graph):
 
 @pytest.fixture(scope="module")
 def state(vehicle):
-    """Tilted, with a bent arm, at rest."""
+    """State at rest, tilted, with a bent arm."""
     state = vehicle.trim_state
     quaternion = np.array([0.9, 0.2, -0.3, 0.1])
     state[:4] = quaternion / np.linalg.norm(quaternion)
@@ -67,17 +67,17 @@ def links(plant):
 
 
 def visuals(plant) -> list[int]:
-    """How many geometries are seen of each link."""
+    """Returns the number of visual geometries of each link."""
     return [len(plant.GetVisualGeometriesForBody(body)) for body in links(plant)]
 
 
 def about_centre(body) -> np.ndarray:
-    """(3, 3) kg m^2, rotational inertia of a link about its own centre of mass."""
+    """Returns the inertia (3, 3) kg m^2 of a link about its centre of mass."""
     inertia = body.default_spatial_inertia()
     return inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
 
 
-def test_every_link_has_its_mass_and_inertia_by_the_factors(exact, off):
+def test_every_link_has_mass_and_inertia_scaled(exact, off):
     pairs = list(zip(links(exact), links(off), strict=True))
     assert len(pairs) == 1 + 6  # The base, and one for each joint.
     for ours, theirs in pairs:
@@ -118,7 +118,7 @@ def test_composite_inertia_is_that_of_the_links_by_the_parallel_axis_theorem(exa
 
 
 def test_the_mass_matrix_changes_by_the_links_alone(exact, off, state):
-    """The reflected inertia of the joints' motors stays as it is."""
+    """The reflected inertia of the motors is not scaled."""
     context, world = at(exact, state), exact.world_frame()
     expected = np.zeros((exact.num_velocities(),) * 2)
     for body in links(exact):
@@ -134,7 +134,7 @@ def test_the_mass_matrix_changes_by_the_links_alone(exact, off, state):
 
 
 @pytest.mark.parametrize("key", ["mass_scale", "inertia_scale"])
-def test_either_alone(vehicle, scene_graph, exact, key):
+def test_mass_alone_and_inertia_alone(vehicle, scene_graph, exact, key):
     plant = make_plant(vehicle.robot, scene_graph, Mismatch(**{key: 2.0}))
     scales = np.array([1.0 + (key == "mass_scale"), 1.0 + (key == "inertia_scale")])
     for ours, theirs in zip(links(exact), links(plant), strict=True):
@@ -145,7 +145,7 @@ def test_either_alone(vehicle, scene_graph, exact, key):
         )
 
 
-def test_all_else_stays(exact, off):
+def test_everything_else_is_unchanged(exact, off):
     assert off.GetStateNames() == exact.GetStateNames()
     assert off.GetActuatorNames() == exact.GetActuatorNames()
     assert off.num_collision_geometries() == exact.num_collision_geometries()
@@ -160,7 +160,7 @@ def test_all_else_stays(exact, off):
         np.testing.assert_array_equal(getattr(off, limits)(), getattr(exact, limits)())
 
 
-def test_a_robot_elsewhere_finds_the_meshes_beside_it(vehicle, tmp_path, scene_graph, exact):
+def test_meshes_beside_a_robot_elsewhere_are_loaded(vehicle, tmp_path, scene_graph, exact):
     text = locate(vehicle.robot).read_text().replace("package://aerodrake/robots/", "")
     folder = tmp_path / "my 50% robot"
     folder.mkdir()
@@ -170,8 +170,8 @@ def test_a_robot_elsewhere_finds_the_meshes_beside_it(vehicle, tmp_path, scene_g
     assert visuals(plant) == visuals(exact)
 
 
-def test_a_prefix_that_is_not_declared_is_kept(vehicle, tmp_path):
-    """As Drake reads it."""
+def test_an_undeclared_prefix_is_kept(vehicle, tmp_path):
+    """Drake accepts it."""
     text = locate(vehicle.robot).read_text().replace(' xmlns:drake="https://drake.mit.edu"', "")
     (tmp_path / "own.urdf").write_text(text)
     robot = RobotDescription.read(str(tmp_path / "own.urdf"))
@@ -181,7 +181,7 @@ def test_a_prefix_that_is_not_declared_is_kept(vehicle, tmp_path):
 
 
 @pytest.mark.parametrize("mass", ["0x1p0", "", "one"])
-def test_numbers_that_are_none_cannot_be_scaled(tmp_path, mass):
+def test_malformed_numbers_are_refused(tmp_path, mass):
     path = Path(tmp_path / "robot.urdf")
     path.write_text(f'<robot><inertial><mass value="{mass}"/></inertial></robot>')
     with pytest.raises(BadInput, match="robot.urdf: mismatch of links: could not convert"):

@@ -1,4 +1,4 @@
-"""The payload in a plant: its weight, inertia and place; nothing else changes."""
+"""Payload in a plant: weight, inertia and position; nothing else changes."""
 
 from dataclasses import replace
 
@@ -49,7 +49,7 @@ def at(plant, state):
 
 @pytest.fixture(scope="module")
 def state(vehicle):
-    """Tilted, with a bent arm, at rest."""
+    """State at rest, tilted, with a bent arm."""
     state = vehicle.trim_state
     quaternion = np.array([0.9, 0.2, -0.3, 0.1])
     state[:4] = quaternion / np.linalg.norm(quaternion)
@@ -58,7 +58,7 @@ def state(vehicle):
 
 
 def tool_jacobian(plant, state) -> np.ndarray:
-    """(6, 6 + n) of the tool in the world, rotation first."""
+    """Returns the tool's Jacobian (6, 6 + n) in the world, rotation first."""
     world = plant.world_frame()
     return plant.CalcJacobianSpatialVelocity(
         at(plant, state),
@@ -99,7 +99,7 @@ def test_it_adds_the_inertia_of_a_steel_ball_at_the_tool(bare, loaded, state):
     np.testing.assert_allclose(added[1] - added[0], expected, atol=1e-14)
 
 
-def test_states_bodies_and_actuators_stay_where_they_are(bare, loaded):
+def test_order_of_states_bodies_and_actuators_is_unchanged(bare, loaded):
     assert loaded.GetStateNames() == bare.GetStateNames()
     assert loaded.GetActuatorNames() == bare.GetActuatorNames()
     assert loaded.num_bodies() == bare.num_bodies() + 1
@@ -109,14 +109,14 @@ def test_states_bodies_and_actuators_stay_where_they_are(bare, loaded):
         assert loaded.GetBodyByName(name).index() == bare.GetBodyByName(name).index()
 
 
-def test_it_is_seen_and_touches_nothing(bare, loaded):
+def test_it_is_visible_without_collision_geometry(bare, loaded):
     payload = loaded.GetBodyByName(PAYLOAD_BODY)
     assert len(loaded.GetVisualGeometriesForBody(payload)) == 1
     assert not loaded.GetCollisionGeometriesForBody(payload)
     assert loaded.num_collision_geometries() == bare.num_collision_geometries()
 
 
-def test_a_plant_that_nobody_looks_at_has_it_too(vehicle):
+def test_a_plant_without_scene_graph_has_it(vehicle):
     plant = MultibodyPlant(0.0)
     add_robot(plant, vehicle.description)
     add_payload(plant, MASS)

@@ -1,4 +1,4 @@
-"""Compiled rotations against Drake's and SciPy's."""
+"""Compiled rotations compared with Drake's and SciPy's."""
 
 import numpy as np
 import pytest
@@ -61,7 +61,7 @@ def test_quaternion_of_roll_pitch_yaw_is_drakes(rpy, size):
 
 
 @given(quaternions)
-def test_conjugate_is_the_rotation_back(q):
+def test_conjugate_is_the_inverse(q):
     np.testing.assert_allclose(
         rotation_matrix(conjugate(q)), drakes(q).inverse().matrix(), atol=1e-14
     )
@@ -108,7 +108,7 @@ def test_vee_is_drakes_axis_by_the_sine(q):
 
 
 @given(vectors, st.sampled_from([0.0, 1e-14, 1e-9, 1e-3, 1.0, 1.5]))
-def test_turn_is_the_vector_that_scipy_turned_by(v, length):
+def test_turn_is_scipys_rotation_vector(v, length):
     """Up to 1.5 sqrt(3) rad."""
     v = v * length
     np.testing.assert_allclose(turn(Rotation.from_rotvec(v).as_matrix()), v, atol=1e-14)

@@ -1,4 +1,4 @@
-"""The state's parts against Drake's floating plant, SciPy's rotations and finite differences."""
+"""Parts of the state compared with Drake's plant, SciPy's rotations and finite differences."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def test_vector_round_trip(joints):
     np.testing.assert_array_equal(state.to_vector(), x)
 
 
-def test_parts_are_those_of_the_plants_state(scenario):
+def test_parts_match_the_state_of_the_plant(scenario):
     plant = MultibodyPlant(0.0)
     add_robot(plant, RobotDescription.read(scenario.vehicle.robot))
     plant.Finalize()

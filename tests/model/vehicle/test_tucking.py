@@ -1,4 +1,4 @@
-"""Tucked arms: high enough, nearest, within limits, and the same each time."""
+"""Tucked arms: high enough, nearest, within limits, and repeatable."""
 
 import re
 from dataclasses import replace
@@ -34,12 +34,12 @@ def geometry(scenario) -> GroundGeometry:
     return geometry_of(scenario.vehicle.robot)
 
 
-def test_feet_are_the_urdfs(geometry, vehicle):
+def test_feet_match_the_urdf(geometry, vehicle):
     """Spheres of 2 cm at z = -0.36 m."""
     assert geometry.feet == vehicle.feet_m == pytest.approx(-0.38)
 
 
-def test_jacobian_is_that_of_the_heights(geometry, vehicle):
+def test_jacobian_of_the_heights(geometry, vehicle):
     q, step = vehicle.working + 0.1, 1e-6
     columns = [
         (geometry.heights(q + step * e) - geometry.heights(q - step * e)) / (2 * step)
@@ -48,8 +48,8 @@ def test_jacobian_is_that_of_the_heights(geometry, vehicle):
     np.testing.assert_allclose(geometry.jacobian(q), np.column_stack(columns), atol=1e-8)
 
 
-def test_heights_are_no_higher_than_what_collides(geometry, vehicle):
-    """Drake's own distance of the arm from a ground on which the feet stand."""
+def test_heights_are_no_higher_than_the_collision_geometry(geometry, vehicle):
+    """Compared with Drake's distance of the arm from the ground below the feet."""
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
     add_robot(plant, vehicle.description)
@@ -77,21 +77,21 @@ def test_heights_are_no_higher_than_what_collides(geometry, vehicle):
         ]
         lowest = geometry.heights(q).min()
         assert lowest <= min(distances) - 2.0 + 1e-6
-        assert lowest > min(distances) - 2.0 - 0.03  # The corners of boxes around what is round.
+        assert lowest > min(distances) - 2.0 - 0.03  # Corners of boxes around round shapes.
 
 
-def test_the_vehicles_own(geometry, vehicle):
+def test_the_packaged_vehicle(geometry, vehicle):
     assert geometry.heights(vehicle.tucked).min() >= vehicle.feet_m + CLEARANCE_M - TOLERANCE_M
     assert np.all((vehicle.tucked >= vehicle.lower) & (vehicle.tucked <= vehicle.upper))
-    # It hardly has to move for that, and is on the edge of what is high enough.
+    # It hardly moves, and the clearance constraint is active.
     assert np.abs(vehicle.tucked - vehicle.working).max() < 0.1
     assert geometry.heights(vehicle.tucked).min() == pytest.approx(
         vehicle.feet_m + CLEARANCE_M, abs=1e-5
     )
 
 
-def test_it_can_be_held_and_flown(scenario, vehicle):
-    """Loaded as a working configuration: torques, trim and ground are checked there."""
+def test_the_tucked_configuration_can_be_flown(scenario, vehicle):
+    """Loading it as the working configuration checks torques, trim and ground."""
     changed = replace(scenario.vehicle, working_rad=tuple(vehicle.tucked))
     tucked = VehicleModel.load(replace(scenario, vehicle=changed))
     assert np.all(np.abs(tucked.trim_torque) < vehicle.effort / 2)
@@ -110,8 +110,8 @@ def test_other_arms(tmp_path, joints):
 
 @settings(max_examples=20)
 @given(st.integers(0, 2**32))
-def test_from_anywhere_high_enough_or_as_high_as_can_be(scenario, vehicle, seed):
-    """The arm hanging down is the hardest of all."""
+def test_from_any_configuration_high_enough_or_as_high_as_possible(scenario, vehicle, seed):
+    """The hardest start is the arm hanging down."""
     geometry = geometry_of(scenario.vehicle.robot)
     share = np.random.default_rng(seed).uniform(size=vehicle.joints)
     working = vehicle.lower + share * (vehicle.upper - vehicle.lower)
@@ -122,8 +122,8 @@ def test_from_anywhere_high_enough_or_as_high_as_can_be(scenario, vehicle, seed)
         np.testing.assert_allclose(q, working, atol=1e-6)
 
 
-def test_where_it_cannot_be_high_enough_it_is_as_high_as_it_can(tmp_path):
-    """One joint, that yaws: no way to lift anything."""
+def test_an_arm_that_cannot_be_high_enough_is_as_high_as_possible(tmp_path):
+    """A single yaw joint cannot lift the arm."""
     other = VehicleModel.load(with_joints(Scenario(), 1, tmp_path / "arm.urdf"))
     geometry = geometry_of(other.robot)
     highest = max(geometry.heights(np.array([q])).min() for q in np.linspace(-3, 3, 601))
@@ -132,7 +132,7 @@ def test_where_it_cannot_be_high_enough_it_is_as_high_as_it_can(tmp_path):
     assert found == pytest.approx(highest, abs=1e-4)
 
 
-def test_an_arm_that_collides_with_nothing_stays(tmp_path, scenario, vehicle):
+def test_an_arm_without_collision_geometry_stays(tmp_path, scenario, vehicle):
     text = Path(locate(scenario.vehicle.robot)).read_text()
     text = re.sub(r"<collision>.*?</collision>", "", text, flags=re.DOTALL)
     robot = tmp_path / "robot.urdf"

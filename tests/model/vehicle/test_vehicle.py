@@ -1,4 +1,4 @@
-"""The vehicle against its URDF's XML, a plant of its own, and files that are not vehicles."""
+"""Vehicle model compared with its URDF's XML and a separate plant; bad files."""
 
 import dataclasses
 from pathlib import Path
@@ -39,14 +39,14 @@ def numbers(text: str) -> np.ndarray:
     return np.array([float(word) for word in text.split()])
 
 
-def test_is_what_the_brief_says(vehicle):
+def test_size_of_the_packaged_vehicle(vehicle):
     assert vehicle.joints == 6
     assert vehicle.mass == pytest.approx(3.8)
     np.testing.assert_allclose(vehicle.p_O, [0, 0.2, -0.3], atol=1e-6)
     np.testing.assert_allclose(vehicle.p_E, [0, 0.2, 1.2], atol=1e-6)
 
 
-def test_joints_and_limits_are_the_urdfs(vehicle, xml):
+def test_joints_and_limits_match_the_urdf(vehicle, xml):
     joints = xml.findall("joint")
     limits = [joint.find("limit") for joint in joints]
     assert vehicle.joint_names == tuple(joint.get("name") for joint in joints)
@@ -60,7 +60,7 @@ def test_joints_and_limits_are_the_urdfs(vehicle, xml):
         np.testing.assert_array_equal(ours, [float(limit.get(attribute)) for limit in limits])
 
 
-def test_rotors_are_the_urdfs(vehicle, xml):
+def test_rotors_match_the_urdf(vehicle, xml):
     frames = [f for f in xml.findall("frame") if f.get("name").startswith("rotor_")]
     assert vehicle.rotors.names == tuple(f.get("name") for f in frames)
     np.testing.assert_array_equal(vehicle.rotors.p_B, [numbers(f.get("xyz")) for f in frames])
@@ -93,7 +93,7 @@ def test_inertia_is_the_sum_over_bodies(scenario, vehicle, xml):
     np.testing.assert_allclose(vehicle.inertia, composite, atol=1e-12)
 
 
-def test_joint_inertia_is_what_a_torque_feels(scenario, vehicle):
+def test_joint_inertia_is_torque_over_acceleration(scenario, vehicle):
     """A unit torque on one joint of the floating vehicle at rest, the others locked."""
     plant = floating_plant(scenario.vehicle.robot, gravity=False)
     context = plant.CreateDefaultContext()
@@ -173,7 +173,7 @@ def drift_in_free_flight(time_step: float) -> np.ndarray:
         plant.ExecuteForcedEvents(context)
     angles = plant.GetPositions(context)[7:]
     lower, upper = plant.GetPositionLowerLimits()[7:], plant.GetPositionUpperLimits()[7:]
-    assert np.all((angles > lower) & (angles < upper))  # Else they would take energy.
+    assert np.all((angles > lower) & (angles < upper))  # Joint limits would dissipate energy.
     return np.array(
         [
             np.linalg.norm(new - old) / np.linalg.norm(old)
@@ -183,7 +183,7 @@ def drift_in_free_flight(time_step: float) -> np.ndarray:
 
 
 def test_energy_and_momentum_are_conserved_in_free_flight():
-    """To the integrator's first order: half the step, half the drift."""
+    """To first order: half the step, half the drift."""
     coarse, fine = drift_in_free_flight(1e-3), drift_in_free_flight(0.5e-3)
     assert np.all(coarse < 2e-3)
     np.testing.assert_allclose(coarse / fine, 2, rtol=0.1)
@@ -219,10 +219,10 @@ def test_reads_a_urdf_by_its_path(scenario, vehicle):
         ("</robot>", "", "cannot be parsed"),
     ],
 )
-def test_defects_of_the_robot_are_named_with_its_file(scenario, tmp_path, old, new, expected):
+def test_defects_of_the_robot_are_reported_with_its_file(scenario, tmp_path, old, new, expected):
     text = URDF.read_text()
     assert old in text
-    # The last one, where there are several.
+    # Changes the last match.
     before, _, after = text.rpartition(old)
     robot = tmp_path / "robot.urdf"
     robot.write_text(before + new + after)
@@ -276,7 +276,7 @@ def test_working_configuration_that_does_not_fit(scenario, working, expected):
         VehicleModel.load(with_robot(scenario, scenario.vehicle.robot, working_rad=working))
 
 
-def test_tool_frame_is_where_the_working_configuration_is_told(scenario, vehicle):
+def test_initial_position_of_the_tool(scenario, vehicle):
     plant = floating_plant(scenario.vehicle.robot)
     context = plant.CreateDefaultContext()
     plant.SetPositionsAndVelocities(context, vehicle.trim_state)

@@ -1,4 +1,4 @@
-"""The effort of a motion: closed forms, Drake's forward dynamics, and the power it takes."""
+"""Inverse dynamics compared with closed forms, Drake's forward dynamics, and power."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def still(vehicle) -> VehicleState:
 
 
 def moving(vehicle, seed: int, scale: float = 1.0) -> VehicleState:
-    """Anywhere, at any attitude, with everything in motion."""
+    """Random state with everything in motion."""
     rng = np.random.default_rng(seed)
     state = split_state(scale * rng.normal(size=len(vehicle.trim_state)))
     state.quaternion[:] = np.roll(Rotation.random(rng=rng).as_quat(), 1)
@@ -68,7 +68,7 @@ def test_hovering_takes_the_trim(whole_body, vehicle):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_still_arm_is_a_point_mass_where_its_centre_of_mass_is(whole_body, plant, vehicle, seed):
+def test_an_arm_at_rest_is_a_point_mass_at_the_centre_of_mass(whole_body, plant, vehicle, seed):
     """At any attitude: m (a + g), and its moment about the base's origin."""
     state = moving(vehicle, seed, scale=0.0)._replace(p_B=np.array([1.0, 2, 3]))
     a_B = np.random.default_rng(seed).normal(size=3)
@@ -90,7 +90,7 @@ def test_force_is_the_change_of_momentum_and_gravity(whole_body, plant, vehicle,
     force, torque, _ = effort_of(whole_body, state, np.zeros(3), qddot)
 
     def momenta(t: float) -> np.ndarray:
-        """(6,) angular about the base's origin and linear, in the world."""
+        """Returns momentum (6,), angular about the base's origin and linear, in the world."""
         context = plant.CreateDefaultContext()
         at = state._replace(
             q=state.q + t * state.qdot + t**2 / 2 * qddot, qdot=state.qdot + t * qddot
@@ -107,7 +107,7 @@ def test_force_is_the_change_of_momentum_and_gravity(whole_body, plant, vehicle,
 
 
 def accelerations(plant, state: VehicleState, force, torque_W, joint_torque) -> np.ndarray:
-    """(6 + n,) v' by Drake's forward dynamics, with the effort where rotors and motors put it."""
+    """Returns v' (6 + n,) by Drake's forward dynamics under the effort of rotors and motors."""
     context = plant.CreateDefaultContext()
     plant.SetPositionsAndVelocities(context, state.to_vector())
     applied = ExternallyAppliedSpatialForce()
@@ -123,10 +123,8 @@ def accelerations(plant, state: VehicleState, force, torque_W, joint_torque) -> 
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_forward_dynamics_under_the_effort_are_the_accelerations_asked_for(
-    whole_body, plant, vehicle, seed
-):
-    """M v' + C v - tau_g there and back, also with a base that turns; it keeps its rate."""
+def test_forward_dynamics_under_the_effort_give_the_accelerations(whole_body, plant, vehicle, seed):
+    """Inverse and forward dynamics cancel, also with a rotating base at constant rate."""
     state, rng = moving(vehicle, seed), np.random.default_rng(seed + 20)
     a_B, qddot = rng.normal(size=3), rng.normal(size=vehicle.joints)
     vdot = accelerations(plant, state, *effort_of(whole_body, state, a_B, qddot))
@@ -135,13 +133,13 @@ def test_forward_dynamics_under_the_effort_are_the_accelerations_asked_for(
 
 @pytest.mark.parametrize("seed", range(3))
 def test_power_of_the_effort_is_that_of_the_energy(whole_body, plant, vehicle, seed):
-    """And of what the joints' damping takes."""
+    """Including the damping of the joints."""
     state, rng = moving(vehicle, seed), np.random.default_rng(seed + 30)
     a_B, qddot = rng.normal(size=3), rng.normal(size=vehicle.joints)
     force, torque, joint_torque = effort_of(whole_body, state, a_B, qddot)
 
     def energy(t: float) -> float:
-        """J, with the base at a constant rate."""
+        """Returns the energy in J, with the base at a constant rate."""
         context = plant.CreateDefaultContext()
         turned = Rotation.from_rotvec(t * state.omega_W) * Rotation.from_quat(
             np.roll(state.quaternion, -1)
@@ -156,7 +154,7 @@ def test_power_of_the_effort_is_that_of_the_energy(whole_body, plant, vehicle, s
         )
         plant.SetPositionsAndVelocities(context, at.to_vector())
         v = plant.GetVelocities(context)
-        # The mass matrix has the reflected inertia of the joints' rotors, too.
+        # The mass matrix includes the reflected inertia of the joints' motors.
         return v @ plant.CalcMassMatrix(context) @ v / 2 + plant.CalcPotentialEnergy(context)
 
     h = 1e-5
@@ -173,7 +171,7 @@ def test_power_of_the_effort_is_that_of_the_energy(whole_body, plant, vehicle, s
     assert power - dissipated == pytest.approx((energy(h) - energy(-h)) / (2 * h), rel=1e-6)
 
 
-def test_one_call_leaves_nothing_for_the_next(whole_body, vehicle):
+def test_calls_are_independent(whole_body, vehicle):
     first, other = (moving(vehicle, seed) for seed in (0, 1))
     a_B, qddot = np.ones(3), np.ones(vehicle.joints)
     before = effort_of(whole_body, first, a_B, qddot)
@@ -183,7 +181,7 @@ def test_one_call_leaves_nothing_for_the_next(whole_body, vehicle):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_commanded_motion_has_the_base_as_measured_and_the_arm_as_commanded(vehicle, seed):
+def test_commanded_motion_combines_the_measured_base_and_the_arm_setpoint(vehicle, seed):
     state, n = moving(vehicle, seed), vehicle.joints
     q_d, qdot_d, qddot_d = np.random.default_rng(seed).normal(size=(3, n))
     x, vdot = commanded_motion(
@@ -199,7 +197,7 @@ def test_commanded_motion_has_the_base_as_measured_and_the_arm_as_commanded(vehi
 
 @pytest.mark.parametrize("seed", range(3))
 def test_rigid_body_effort_is_the_change_of_momentum_and_weight(vehicle, seed):
-    """Angular momentum R J omega of a body that turns at a constant rate, by differences."""
+    """By differences of R J omega of a body that rotates at a constant rate."""
     state, a_B = moving(vehicle, seed), np.array([1.0, -2.0, 3.0])
     effort = rigid_body_effort(vehicle.mass, vehicle.inertia, state.to_vector(), a_B)
     np.testing.assert_allclose(effort[3:], vehicle.mass * (a_B + [0, 0, G]), rtol=1e-12)

@@ -1,4 +1,4 @@
-"""Drag by hand, and gusts by the theory of their process."""
+"""Drag compared with numbers by hand, and gusts with theory."""
 
 import math
 
@@ -28,14 +28,14 @@ def test_drag_by_hand(v_r, force):
     np.testing.assert_allclose(drag(0.25, 0.15, np.array(v_r, dtype=float)), force, atol=1e-15)
 
 
-def test_each_coefficient_is_of_its_own_power():
+def test_linear_and_quadratic_drag():
     v_r = np.array([0.0, 3.0, 4.0])
     np.testing.assert_allclose(drag(0.5, 0.0, v_r), [0, 7.5, 10])
     np.testing.assert_allclose(drag(0.0, 0.5, v_r), [0, 1.5, 2])
 
 
 @given(SPEEDS)
-def test_drag_is_along_the_air_and_turns_with_it(v_r):
+def test_drag_is_parallel_to_the_relative_velocity(v_r):
     force = drag(0.25, 0.15, v_r)
     np.testing.assert_allclose(np.cross(force, v_r), 0, atol=1e-9)
     assert force @ v_r >= 0
@@ -43,7 +43,7 @@ def test_drag_is_along_the_air_and_turns_with_it(v_r):
 
 
 @given(SPEEDS, SPEEDS)
-def test_the_base_feels_air_that_it_does_not_move_with(air, v_B):
+def test_drag_on_the_base_depends_on_relative_velocity(air, v_B):
     x = np.full(VehicleState.size(JOINTS), 9.0)
     x[10 + JOINTS : 13 + JOINTS] = v_B
     expected = drag(0.25, 0.15, air - v_B)
@@ -55,20 +55,20 @@ def test_gusts_keep_their_deviation_and_decay_with_their_correlation_time(dt, T,
     config = Wind(gust_m_s=(sigma, 0.0, 2 * sigma), gust_correlation_s=T)
     a, b = discrete_gusts(config, dt)
     assert a == pytest.approx(math.exp(-dt / T))
-    # The variance after a step is that before it.
+    # The variance is stationary.
     np.testing.assert_allclose(
         a**2 * np.square(config.gust_m_s) + b**2, np.square(config.gust_m_s), atol=1e-12
     )
 
 
-def test_two_short_steps_are_one_long_one():
+def test_two_short_steps_equal_one_long_step():
     config = Wind(gust_m_s=(1.0, 2.0, 0.0), gust_correlation_s=0.7)
     (a, b), (a2, b2) = discrete_gusts(config, 0.01), discrete_gusts(config, 0.02)
     assert a2 == pytest.approx(a**2)
     np.testing.assert_allclose(b2**2, a**2 * b**2 + b**2)
 
 
-def test_at_rest_is_neither_wind_nor_gust():
+def test_is_at_rest():
     assert is_at_rest(Wind())
     assert is_at_rest(Wind(quadratic_drag_n_s2_m2=3.0, gust_correlation_s=9.0))
     assert not is_at_rest(Wind(velocity_m_s=(0.0, 0.0, -0.1)))
