@@ -136,15 +136,17 @@ class WireReceiver(LeafSystem):
         self._state.write(discrete, state._replace(ticks_since_reply=ticks, has_reply=False))
 
     def _poll(self, context: Context, discrete: DiscreteValues) -> None:
+        messages = self._link.receive()
+        if not messages or self._state.read(context).has_reply:
+            return
         last_tick = np.floor(context.get_time() / self._period + 1e-6) * self._period
-        has_reply = self._state.read(context).has_reply
-        for message in self._link.receive():
-            if not has_reply and self._is_valid_reply(message, last_tick):
-                has_reply = True
-                reply = {"ticks_since_reply": 0, "has_reply": True, **message.signals}
-                self._state.write(discrete, self._state.read(context)._replace(**reply))
-                if np.isfinite(message.signals["tick_ms"][0]):
-                    self._link.tick_ms.append(message.signals["tick_ms"][0])
+        reply = next((m for m in messages if self._is_valid_reply(m, last_tick)), None)
+        if reply is None:
+            return
+        state = self._state.read(context)._replace(**reply.signals)
+        self._state.write(discrete, state._replace(ticks_since_reply=0, has_reply=True))
+        if np.isfinite(reply.signals["tick_ms"][0]):
+            self._link.tick_ms.append(reply.signals["tick_ms"][0])
 
     def _is_valid_reply(self, message: Message, tick: float) -> bool:
         """Returns True if a message replies to the tick at that time, and has valid signals."""

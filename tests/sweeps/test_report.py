@@ -67,7 +67,7 @@ def test_only_keys_with_numbers_have_a_rank_correlation(tmp_path):
     assert ["residual.mode:", "choice(off,", "online)", "-"] in lines
 
 
-def test_lost_flights_have_the_worst_rank_and_failed_ones_none(tmp_path):
+def test_lost_flights_have_the_worst_rank_and_failed_flights_no_rank(tmp_path):
     vary = ["wind.gust_m_s[0]=linspace(0, 3, 12)"]
     rows = [{"mean": 1e-3}] * 6 + [{"reason": "lost", "mean": 1.0}] * 3 + [{"reason": "failed"}] * 3
     _, summary = write(tmp_path / "sweep", rows, vary)

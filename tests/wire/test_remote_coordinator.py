@@ -115,10 +115,10 @@ def test_a_silent_coordinator_leads_to_a_hold_until_it_replies(clover):
     lcm = Lockstep(2, lambda channel, i: channel == COORDINATOR and 60 <= i < 80)
     over = fly_over(lcm, clover)
     mode, age = over["supervisor_mode"], over["plan_age_ticks"]
-    held = np.flatnonzero(mode == SafeMode.HOLD)
-    assert age[held[0] - 1] == pytest.approx(clover.supervisor.plan_ticks, abs=1)
+    hold = np.flatnonzero(mode == SafeMode.HOLD)
+    assert age[hold[0] - 1] == pytest.approx(clover.supervisor.plan_ticks, abs=1)
     assert age.max() == pytest.approx(20, abs=1)
-    rest = held[40]
+    rest = hold[40]
     assert np.abs(over["a_Bd_m_s2"][rest]).max() < 0.3
     assert over.exit_reason == "completed" and mode[-1] == SafeMode.NOMINAL
     assert over.error_m.max() < 0.1 and over.error_m[-1] < 0.005

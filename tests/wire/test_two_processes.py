@@ -145,7 +145,7 @@ def test_different_scenarios_are_refused_at_both_ends(start, url, tmp_path):
 
 @pytest.mark.parametrize("command", ["run", "coordinator"])
 def test_waiting_can_be_interrupted(url, tmp_path, monkeypatch, capsys, command):
-    """In this process, the third time that it updates up: else it would wait for ever."""
+    """The third update of the progress bar interrupts this process."""
     monkeypatch.chdir(tmp_path)
     updates = []
 
