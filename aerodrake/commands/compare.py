@@ -65,8 +65,12 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.comparison.compare import FILES, make_variants, notes
     from aerodrake.comparison.margins_report import FILES as MARGINS_FILES
     from aerodrake.comparison.margins_report import margins_table
+    from aerodrake.comparison.page import comparison_page
     from aerodrake.comparison.table import comparison_table
     from aerodrake.scenario.inputs import frozen
+    from aerodrake.scenario.plain_yaml import dump
+    from aerodrake.scenario.schema import as_mapping
+    from aerodrake.support.interrupts import deferred_interrupts
     from aerodrake.support.run_folder import run_folder
 
     say = printer(arguments)
@@ -76,8 +80,10 @@ def main(arguments: argparse.Namespace) -> int:
         print_notes(say, scenario, notes(scenario))
         with run_folder(target, FILES) as folder:
             comparison = _fly(arguments, scenario, variants, baseline, folder)
-            commands = _commands(arguments, target, comparison.logs)
-            _write_page(comparison, original, commands, folder)
+            with deferred_interrupts():
+                commands = _commands(arguments, target, comparison.logs)
+                page = comparison_page(comparison, dump(as_mapping(original)), commands)
+                (folder / "report.html").write_text(page, encoding="utf-8")
     summaries, logs, margins = comparison.summaries, comparison.logs, comparison.margins
     say(comparison_table(summaries, scenario.reference.kind))
     if margins:
@@ -149,20 +155,6 @@ def _find_margins(
     with deferred_interrupts():
         write_margins(margins, scenario, folder)
     return margins
-
-
-def _write_page(
-    comparison: Comparison, original: Scenario, commands: list[str], folder: Path
-) -> None:
-    """Writes the report, with the scenario as the user has it."""
-    from aerodrake.comparison.page import comparison_page
-    from aerodrake.scenario.plain_yaml import dump
-    from aerodrake.scenario.schema import as_mapping
-    from aerodrake.support.interrupts import deferred_interrupts
-
-    with deferred_interrupts():
-        page = comparison_page(comparison, dump(as_mapping(original)), commands)
-        (folder / "report.html").write_text(page, encoding="utf-8")
 
 
 def _commands(arguments: argparse.Namespace, target: Path, names: Iterable[str]) -> list[str]:

@@ -25,10 +25,7 @@ from aerodrake.support.errors import BadInput
 
 if TYPE_CHECKING:
     from aerodrake.flight.log import FlightLog
-    from aerodrake.flight.simulate import FlightSimulation
-    from aerodrake.reports.live import LiveView
     from aerodrake.scenario import Scenario
-    from aerodrake.wire.link import Link
 
 HELP = "fly a scenario"
 
@@ -91,14 +88,25 @@ def _fly(
 
     from aerodrake.flight.simulate import FlightSimulation
     from aerodrake.reports.flight_folder import fly_into
+    from aerodrake.reports.flight_page import report_page
+    from aerodrake.reports.replay import replay_page
     from aerodrake.support.garbage import frozen_garbage
     from aerodrake.support.interrupts import deferred_interrupts
     from aerodrake.support.run_folder import run_folder
 
-    link = _make_link(arguments, scenario, say)
+    link = view = None
+    if arguments.lcm:
+        from aerodrake.wire.link import make_lcm
+        from aerodrake.wire.remote_coordinator import make_station_link
+
+        link = make_station_link(scenario, make_lcm(arguments.lcm), say)
     rate = arguments.rate or 1.0 if arguments.live or link else 0.0
     flight = FlightSimulation(scenario, link=link)
-    view = _make_view(arguments, flight, rate)
+    if arguments.live:
+        from aerodrake.reports.live import LiveView
+
+        view = LiveView(flight, rate)
+        print(f"watch it at {view.url}", file=sys.stderr)
     if link:
         say(f"note: waiting in trim for a coordinator at {arguments.lcm}")
     with (
@@ -125,47 +133,8 @@ def _fly(
         title = f"{scenario.name}, seed {scenario.seed}"
         summary, log = fly_into(folder, flight, title, progress, rate, attach)
         bar.close()
-        _write_pages(folder, target, flight, summary, log)
+        replay = replay_page(log, scenario)
+        (folder / "replay.html").write_text(replay, encoding="utf-8")
+        page = report_page(flight, summary, log, replay, folder, target)
+        (folder / "report.html").write_text(page, encoding="utf-8")
     return summary, log
-
-
-def _make_link(
-    arguments: argparse.Namespace, scenario: Scenario, say: Callable[[str], None]
-) -> Link | None:
-    """Returns the connection to a remote coordinator, or None without --lcm."""
-    if not arguments.lcm:
-        return None
-    from aerodrake.wire.link import make_lcm
-    from aerodrake.wire.remote_coordinator import make_station_link
-
-    return make_station_link(scenario, make_lcm(arguments.lcm), say)
-
-
-def _make_view(
-    arguments: argparse.Namespace, flight: FlightSimulation, rate: float
-) -> LiveView | None:
-    """Opens the live view and prints its address, or returns None without --live."""
-    if not arguments.live:
-        return None
-    from aerodrake.reports.live import LiveView
-
-    view = LiveView(flight, rate)
-    print(f"watch it at {view.url}", file=sys.stderr)
-    return view
-
-
-def _write_pages(
-    folder: Path,
-    target: Path,
-    flight: FlightSimulation,
-    summary: dict[str, Any],
-    log: FlightLog,
-) -> None:
-    """Writes the replay and the report of a flight."""
-    from aerodrake.reports.flight_page import report_page
-    from aerodrake.reports.replay import replay_page
-
-    replay = replay_page(log, flight.scenario)
-    (folder / "replay.html").write_text(replay, encoding="utf-8")
-    page = report_page(flight, summary, log, replay, folder, target)
-    (folder / "report.html").write_text(page, encoding="utf-8")

@@ -58,19 +58,9 @@ from aerodrake.scenario.sections import (
     Mpc,
     Rates,
     Residual,
+    Rotor,
     Scenario,
     Supervisor,
+    Vehicle,
     Weights,
 )
-from aerodrake.scenario.vehicle import Rotor, Vehicle
-
-__all__ = [
-    "Allocation", "AnyFault", "Arm", "AxisAlong", "Clik", "Clover", "Fault",
-    "FigureEight", "Filter", "FixedAxis", "Flight", "Hover", "JointDegraded", "LearnerDiverged",
-    "LearnerFault", "LearnerNan", "LearnerPoisoned", "Lissajous", "MPC_FAULTS", "Mismatch", "Model",
-    "MovingTarget", "Mpc", "MpcInfeasible", "MpcMissed", "MpcNonFinite", "MpcStarved",
-    "Orientation", "OrientationOff", "Payload", "Push", "REFERENCE_FAULTS", "Rates", "Reference",
-    "ReferenceDrift", "ReferenceJump", "ReferenceNan", "Residual", "Rotor", "RotorDegraded",
-    "SAMPLE_GROUPS", "SampleFault", "SampleFrozen", "SampleJump", "SampleNan", "SampleStale",
-    "Scenario", "Sensors", "Supervisor", "Vehicle", "Waypoints", "Weights", "Wind"
-]  # fmt: skip

@@ -13,7 +13,6 @@ from aerodrake.scenario.environment import Mismatch, Payload, Sensors, Wind
 from aerodrake.scenario.faults import AnyFault
 from aerodrake.scenario.references import Hover, Orientation, OrientationOff, Reference
 from aerodrake.scenario.schema import choice, file, provenance, quantity, several
-from aerodrake.scenario.vehicle import Vehicle
 
 
 @dataclass(frozen=True)
@@ -26,6 +25,32 @@ class Rates:
     arm_period_s: float = quantity(0.005, "s", 1e-3, 0.1)
     # Period of the MPC, and of the allocator and residual estimator, whose outputs it evaluates.
     mpc_period_s: float = quantity(0.020, "s", 2e-3, 0.2)
+
+
+@dataclass(frozen=True)
+class Rotor:
+    """One rotor: range of thrust, drag torque over thrust, time constants of rise and fall."""
+
+    min_thrust_n: float = quantity(0.0, "N", 0.0, 100.0)
+    max_thrust_n: float = quantity(20.0, "N", 0.1, 1000.0)
+    torque_ratio_m: float = quantity(0.020, "m", 1e-3, 1.0)
+    lag_up_s: float = quantity(0.0125, "s", 1e-3, 1.0)
+    lag_down_s: float = quantity(0.025, "s", 1e-3, 1.0)
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """Robot and initial configuration."""
+
+    # A URDF.
+    robot: str = file("package://aerodrake/robots/quadrotor_arm6.urdf")
+    base_position_m: tuple[float, ...] = quantity((0.0, 0.0, 1.5), "m", -100, 100, length=3)
+    # Initial angle of each joint. The end-effector's position in the base frame at these angles
+    # is p_O, the centre of the learning space.
+    working_rad: tuple[float, ...] = quantity(
+        (0.0, -0.13761843, 1.79340966, 0.0, -1.65579123, 0.0), "rad", -6.2832, 6.2832
+    )
+    rotor: Rotor = Rotor()
 
 
 @dataclass(frozen=True)
@@ -147,10 +172,9 @@ class Residual:
     learning_rate: float = quantity(0.0015, "1", 0.0, 1.0)
     batch: int = quantity(20, "samples", 1, 1000)
     # Bounds of online learning: of one step of the last layer, of its distance from the offline
-    # layer, and of the label's error; 0 is no bound. With all of them 0 and freeze_saturated false
-    # the last layer learns as printed in the paper. The _paper scenarios then have steps up to
-    # 0.0011, distances up to 0.03 and errors up to 0.27 m/s; at ten times their learning rate,
-    # 0.006, 0.12 and 0.27.
+    # layer, and of the label's error; 0 is no bound. The paper has no bounds and does not freeze:
+    # then steps are up to 0.0011, distances up to 0.03 and errors up to 0.27 m/s in the _paper
+    # scenarios, and 0.006, 0.12 and 0.27 m/s at ten times their learning rate.
     max_step: float = quantity(0.01, "m/s", 0.0, 100.0)
     max_drift: float = quantity(0.3, "m/s", 0.0, 100.0)
     max_error_m_s: float = quantity(0.5, "m/s", 0.0, 100.0)
@@ -179,9 +203,8 @@ class Weights:
 
 @dataclass(frozen=True)
 class Mpc(Weights):
-    """Horizon, weights and bounds of the MPC. The URDF has the joints' limits."""
+    """Horizon of N stages, weights and bounds of the MPC. The URDF has the joints' limits."""
 
-    # Number of stages N.
     horizon: int = quantity(15, "stages", 2, 200)
     # Length of the horizon. Stages last one tick at first and grow geometrically to fill it.
     span_ticks: int = quantity(100, "ticks", 1, 1000)
@@ -209,10 +232,7 @@ class Mpc(Weights):
 
 @dataclass(frozen=True)
 class Clik:
-    """Closed-loop inverse kinematics, used for `controller: clik`.
-
-    K_e, approach speed and bounds are those of the section `mpc`.
-    """
+    """Closed-loop inverse kinematics; K_e, approach speed and bounds are those of `mpc`."""
 
     # lambda of the damped least squares, for weights scaled to a minimum of 1.
     damping: float = quantity(0.02, "1", 1e-4, 10.0)
@@ -254,7 +274,6 @@ class Scenario:
     duration: float = quantity(30.0, "s", 0.02, 3600.0)
     # Duration of the hover before reference time 0.
     settle_s: float = quantity(3.0, "s", 0.0, 60.0)
-    # Seed of all random numbers.
     seed: int = quantity(0, "1", 0, 2**31 - 1)
     rates: Rates = Rates()
     reference: Reference = Hover()
