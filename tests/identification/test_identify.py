@@ -90,7 +90,7 @@ def test_the_chirp(scenario, vehicle, axis):
     turns = t[:-1][np.diff(np.sign(v)) != 0]
     assert 1 / (2 * turns[0]) == pytest.approx(BAND_HZ[0], rel=0.5)
     assert 1 / (2 * (turns[-1] - turns[-2])) == pytest.approx(BAND_HZ[1], rel=0.1)
-    for order in (1, 2):  # The base is told p_d alone.
+    for order in (1, 2):  # v_d and a_d are zero.
         assert not motion.MakeDerivative(order).vector_values(t).any()
 
 
@@ -142,22 +142,26 @@ def test_a_child_process_gives_the_same_record():
         np.testing.assert_array_equal(getattr(record, name), values)
 
 
-# What comes of it.
+# Identification.
 
 
 def test_all_flights_of_an_axis_are_fitted(ideal):
-    told = []
-    found = identify(Scenario(), 1, progress=told.append)
-    assert told == [DURATION_S] * FLIGHTS
-    assert tuple(found.axes) == AXES
-    for axis, k in zip(found.axes.values(), TRUE_K_B, strict=True):
+    flown_s = []
+    identification = identify(Scenario(), 1, progress=flown_s.append)
+    assert flown_s == [DURATION_S] * FLIGHTS
+    assert tuple(identification.axes) == AXES
+    for axis, k in zip(identification.axes.values(), TRUE_K_B, strict=True):
         assert tuple(axis.records) == ARMS
         assert axis.gains == {
             "still": pytest.approx(k, rel=1e-3), "moving": pytest.approx(0.9 * k, rel=1e-3)
         }  # fmt: skip
         assert 0.9 * k < axis.fit.interval[0] < axis.fit.gain < axis.fit.interval[1] < k
-    assert found.k_b == tuple(float(f"{axis.fit.gain:.3g}") for axis in found.axes.values())
-    assert found.identified_scenario == replace(Scenario(), model=Model(k_b=found.k_b))
+    assert identification.k_b == tuple(
+        float(f"{axis.fit.gain:.3g}") for axis in identification.axes.values()
+    )
+    assert identification.identified_scenario == replace(
+        Scenario(), model=Model(k_b=identification.k_b)
+    )
 
 
 def test_noise_differs_between_flights_and_is_reproducible(monkeypatch):
