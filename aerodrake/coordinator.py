@@ -34,7 +34,7 @@ from aerodrake.systems.supervisor import SupervisorSystem
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.wiring.guidance import make_guidance
 from aerodrake.wiring.replacements import Replacements
-from aerodrake.wiring.table import Wiring
+from aerodrake.wiring.table import Wiring, outputs, shared_input
 
 WIRING = Wiring(
     connections=(
@@ -60,40 +60,23 @@ WIRING = Wiring(
         ("supervisor", "mode", "setpoint_integrator", "mode"),
     ),
     inputs=(
-        ("state", "kinematics", "state"),
-        ("state", "equivalent_state", "state"),
-        ("state", "residual_estimator", "state"),
-        ("state", "controller", "state"),
-        ("state", "supervisor", "state"),
-        ("external_acceleration", "equivalent_state", "external_acceleration"),
-        ("specific_thrust", "equivalent_state", "specific_thrust"),
-        ("specific_thrust", "supervisor", "specific_thrust"),
-        ("disturbance", "equivalent_state", "disturbance"),
-        ("saturated", "residual_estimator", "saturated"),
-        ("saturated", "supervisor", "saturated"),
-        ("sample_health", "supervisor", "sample_health"),
-        ("rotor_effectiveness", "supervisor", "rotor_effectiveness"),
-        ("followed", "setpoint_integrator", "followed"),
+        *shared_input("state", "kinematics", "equivalent_state", "residual_estimator"),
+        *shared_input("state", "controller", "supervisor"),
+        *shared_input("external_acceleration", "equivalent_state"),
+        *shared_input("specific_thrust", "equivalent_state", "supervisor"),
+        *shared_input("disturbance", "equivalent_state"),
+        *shared_input("saturated", "residual_estimator", "supervisor"),
+        *shared_input("sample_health", "supervisor"),
+        *shared_input("rotor_effectiveness", "supervisor"),
+        *shared_input("followed", "setpoint_integrator"),
     ),
     outputs=(
-        ("setpoint_integrator", "base_setpoint", "base_setpoint"),
-        ("setpoint_integrator", "joint_setpoint", "joint_setpoint"),
-        ("setpoint_integrator", "segment", "segment"),
-        ("guidance", "reference", "reference"),
-        ("guidance", "horizon", "horizon"),
-        ("guidance", "reference_verdict", "reference_verdict"),
-        ("supervisor", "mode", "mode"),
-        ("supervisor", "cause", "cause"),
-        ("supervisor", "conditions", "conditions"),
-        ("controller", "u", "u"),
-        ("controller", "plan", "plan"),
-        ("controller", "prediction", "prediction"),
-        ("controller", "status", "status"),
-        ("controller", "weights", "weights"),
-        ("controller", "delta", "delta"),
-        ("residual_estimator", "prediction_error", "prediction_error"),
-        ("residual_estimator", "nominal_prediction_error", "nominal_prediction_error"),
-        ("residual_estimator", "learner_health", "learner_health"),
+        *outputs("setpoint_integrator", "base_setpoint", "joint_setpoint", "segment"),
+        *outputs("guidance", "reference", "horizon", "reference_verdict"),
+        *outputs("supervisor", "mode", "cause", "conditions"),
+        *outputs("controller", "u", "plan", "prediction", "status", "weights", "delta"),
+        *outputs("residual_estimator", "prediction_error", "nominal_prediction_error"),
+        *outputs("residual_estimator", "learner_health"),
     ),
 )
 """Connections of the systems that all scenarios have; `controller` is `mpc` or `clik`."""

@@ -34,7 +34,7 @@ from aerodrake.wiring.physics import add_physics
 from aerodrake.wiring.rates import Rate
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.sensors import make_sensors
-from aerodrake.wiring.table import Wiring
+from aerodrake.wiring.table import Wiring, outputs, shared_input
 from aerodrake.wiring.wind import make_wind
 
 RATES = (
@@ -65,23 +65,16 @@ WIRING = Wiring(
         ("flight_controller", "thrust_command", "rotor_monitor", "thrust_command"),
     ),
     inputs=(
-        ("base_setpoint", "flight_controller", "base_setpoint"),
-        ("joint_setpoint", "flight_controller", "joint_setpoint"),
-        ("joint_setpoint", "arm_controller", "joint_setpoint"),
-        ("joint_setpoint", "sensors", "joint_setpoint"),
+        *shared_input("base_setpoint", "flight_controller"),
+        *shared_input("joint_setpoint", "flight_controller", "arm_controller", "sensors"),
     ),
     outputs=(
-        ("arm_controller", "joint_torque", "joint_torque"),
-        ("sensors", "sample", "sample"),
-        ("sensors", "state", "state"),
-        ("sensors", "external_acceleration", "external_acceleration"),
-        ("sensors", "sample_health", "sample_health"),
-        ("flight_controller", "thrust_command", "thrust_command"),
-        ("flight_controller", "specific_thrust", "specific_thrust"),
-        ("flight_controller", "disturbance", "disturbance"),
-        ("flight_controller", "saturated", "saturated"),
-        ("rotor_monitor", "rotor_effectiveness", "rotor_effectiveness"),
-        ("wind", "wind_force", "wind_force"),
+        *outputs("arm_controller", "joint_torque"),
+        *outputs("sensors", "sample", "state", "external_acceleration", "sample_health"),
+        *outputs("flight_controller", "thrust_command", "specific_thrust"),
+        *outputs("flight_controller", "disturbance", "saturated"),
+        *outputs("rotor_monitor", "rotor_effectiveness"),
+        *outputs("wind", "wind_force"),
     ),
 )
 

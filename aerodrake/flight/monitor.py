@@ -13,7 +13,7 @@ from aerodrake.flight.not_finite import not_finite
 from aerodrake.model.reference.envelope import JUMP_M
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMode
-from aerodrake.model.vehicle.rotation import rotation_matrix
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Scenario
 from aerodrake.support.errors import BadInput
 
@@ -81,7 +81,8 @@ class Monitor:
         x, when = self._eval("true_state"), f"at {self.time():.2f} s"
         if not np.isfinite(x).all():
             return f"the state is not finite {when}"
-        upright = rotation_matrix(x[:4])[2, 2]
+        state = split_state(x)
+        upright = state.R_B[2, 2]
         tilt = math.acos(min(1.0, max(-1.0, upright)))
         if tilt > LOST_TILT_RAD:
             return f"tilt of {math.degrees(tilt):.0f} deg {when}"
@@ -92,7 +93,7 @@ class Monitor:
         if self._eval("mode")[0] != SafeMode.NOMINAL:
             # Safe modes follow the setpoint, not the reference.
             self._begin_approach(p_E)
-            away = math.dist(x[4:7], self._eval("base_setpoint")[:3])
+            away = math.dist(state.p_B, self._eval("base_setpoint")[:3])
             return f"{away:.2f} m off its setpoint {when}" if away > LOST_ERROR_M else ""
         if has_jumped:
             self._begin_approach(p_E)

@@ -7,6 +7,16 @@ from dataclasses import dataclass, replace
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 
+def shared_input(name: str, *systems: str) -> tuple[tuple[str, str, str], ...]:
+    """Returns rows of `Wiring.inputs` that connect an input to the ports of its name."""
+    return tuple((name, system, name) for system in systems)
+
+
+def outputs(system: str, *ports: str) -> tuple[tuple[str, str, str], ...]:
+    """Returns rows of `Wiring.outputs` that export ports by their own names."""
+    return tuple((system, port, port) for port in ports)
+
+
 @dataclass(frozen=True)
 class Wiring:
     """Connections of the systems in a DiagramBuilder, and the ports that their diagram exports.

@@ -11,18 +11,15 @@ from aerodrake.model.vehicle.wind import discrete_gusts, is_at_rest
 from aerodrake.scenario import Wind
 from aerodrake.systems.wind_force import WindForce
 from aerodrake.wiring.replacements import Replacements
-from aerodrake.wiring.table import Wiring
+from aerodrake.wiring.table import Wiring, outputs, shared_input
 
 WIRING = Wiring(
     connections=(
         ("gust_noise", "output", "air", "u0"),
         ("air", "y0", "wind_force", "air_velocity"),
     ),
-    inputs=(("true_state", "wind_force", "true_state"),),
-    outputs=(
-        ("wind_force", "wind_force", "wind_force"),
-        ("wind_force", "generalized_force", "generalized_force"),
-    ),
+    inputs=shared_input("true_state", "wind_force"),
+    outputs=outputs("wind_force", "wind_force", "generalized_force"),
 )
 
 
