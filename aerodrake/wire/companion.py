@@ -87,11 +87,10 @@ class Companion:
         self.scenario = scenario
         self._coordinator = make_coordinator(scenario)
         self.link = Link(lcm, *make_layouts(self._coordinator, scenario), False, notify)
-        self._controller = self._coordinator.GetSubsystemByName(scenario.controller)
         self._context = make_context(self._coordinator, scenario.seed)
         self._simulator = Simulator(self._coordinator, self._context)
-        self._timer = TickTimer(self._controller)
-        self.service = Service(self._timer.times_ms)
+        controller = self._coordinator.GetSubsystemByName(scenario.controller)
+        self.service = Service(TickTimer(controller).times_ms)
         self._reported = 0  # Number of times in `tick_ms` that were sent.
         self._time = -math.inf  # s, of the last sample.
         # Compiled code is loaded now, so that the first ticks do not wait for it.
@@ -182,7 +181,7 @@ class Companion:
         is_first = self.link.phase is Phase.WAITING
         if is_first:
             self.link.phase = Phase.FLYING
-            self._timer.times_ms.clear()
+            self.service.tick_ms.clear()
         missed = 0 if is_first else self._ticks_between(self._time, message.time)
         self.service.missed += missed
         if missed or is_first and message.time > 0:
@@ -204,9 +203,8 @@ class Companion:
         }
         signals["output_time_s"] = np.array([self._context.get_time()])
         # A tick that a fault makes the controller miss has no wall time.
-        times_ms = self._timer.times_ms
-        signals["tick_ms"] = np.array(times_ms[self._reported :][-1:] or [np.nan])
-        self._reported = len(times_ms)
+        signals["tick_ms"] = np.array(self.service.tick_ms[self._reported :][-1:] or [np.nan])
+        self._reported = len(self.service.tick_ms)
         self.link.publish(tick, signals)
 
     def _fix_inputs(self, context: Context, signals: Mapping[str, np.ndarray]) -> None:
