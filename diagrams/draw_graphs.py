@@ -1,6 +1,6 @@
 """Draws every diagram and system, with a page for each, into diagrams/graphs.
 
-The same as `aerodrake graph --out diagrams/graphs`; for a diagram of your own, hand over
+It is the same as `aerodrake graph --out diagrams/graphs`. For a diagram of your own, pass
 `aerodrake.gallery.graph.systems_by_name(diagram)`.
 """
 

@@ -1,4 +1,4 @@
-"""Renders the vehicle at work on the clover, as README shows it."""
+"""Renders the vehicle on the clover for the README."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What docstrings of systems say of their ports, state and rate."""
+"""Parser of docstrings of systems, with sections for ports, state and rate."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ PORT = re.compile(r"^(in|out) ((?:`\w+` \(.*?\)(?:, | and )?)+)(?:: |\. )(.*)$")
 
 @dataclass(frozen=True)
 class Docstring:
-    """A docstring, taken apart.
+    """A parsed docstring.
 
     Attributes:
-        text: Its paragraphs outside of sections.
-        sections: Their text by title, without indentation.
+        text: Paragraphs outside of sections.
+        sections: Text of the sections by title, without indentation.
     """
 
     text: str
@@ -24,7 +24,7 @@ class Docstring:
 
     @classmethod
     def of(cls, thing: object) -> Docstring:
-        """That of a class, function or module; empty if there is none."""
+        """Parses the docstring of a class, function or module; empty if it has none."""
         text: list[str] = []
         sections: dict[str, list[str]] = {}
         lines = text
@@ -39,13 +39,13 @@ class Docstring:
 
     @property
     def ports(self) -> dict[tuple[str, str], str]:
-        """What is said of each port, by (`in` or `out`, name)."""
-        said: dict[tuple[str, str], str] = {}
+        """Descriptions of the ports by (`in` or `out`, name)."""
+        descriptions: dict[tuple[str, str], str] = {}
         for entry in _entries(self.sections.get("Ports", "")):
             if match := PORT.match(entry):
                 for name in re.findall(r"`(\w+)` \(", match[2]):
-                    said[match[1], name] = match[3]
-        return said
+                    descriptions[match[1], name] = match[3]
+        return descriptions
 
 
 def _joined(lines: list[str]) -> str:
@@ -53,7 +53,7 @@ def _joined(lines: list[str]) -> str:
 
 
 def _entries(text: str) -> list[str]:
-    """Lines that begin with `in` or `out`, each with those that continue it."""
+    """Returns the entries that begin with `in` or `out`, each with its continuation lines."""
     entries: list[str] = []
     for line in text.splitlines():
         if re.match(r"(in|out) `", line):

@@ -1,4 +1,4 @@
-"""The page and the graphs of each diagram and system, as files."""
+"""Files with the page and the graphs of each diagram and system."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.files import write_atomically
 
 DOT_TIMEOUT_S = 60.0
-"""Graphviz lays out the closed loop in well under a second."""
+"""Time limit of Graphviz, which needs less than a second for the closed loop."""
 
 
 def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
-    """Writes `NAME.md`, `.dot` and `.mmd`; and `.svg` and `.png` where Graphviz is there.
+    """Writes `NAME.md`, `.dot` and `.mmd`; with Graphviz also `.svg` and `.png`.
 
     Returns:
         The paths written.
@@ -53,10 +53,10 @@ def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
 
 
 def gallery(names: Collection[str] = ()) -> dict[str, System]:
-    """Every diagram and system by name, in the default scenario where that has it.
+    """Returns all diagrams and systems by name, from the default scenario if it has them.
 
-    Only others have those of the orientation task, of faults and of CLIK; their closed loops
-    are built as long as one of `names` is missing, or if there are none.
+    Other scenarios have the systems of the orientation task, of faults and of CLIK. They are
+    built if one of `names` is missing, or if `names` is empty.
     """
     faults = (
         *(SampleNan(), RotorDegraded(), JointDegraded(), Push()),
@@ -66,13 +66,13 @@ def gallery(names: Collection[str] = ()) -> dict[str, System]:
         Scenario(orientation=FixedAxis(), faults=faults, residual=Residual(mode="online")),
         Scenario(controller="clik"),
     )
-    found: dict[str, System] = {}
+    systems: dict[str, System] = {}
     for scenario in (Scenario(), *others):
         for name, system in systems_by_name(make_closed_loop(scenario)).items():
-            found.setdefault(name, system)
-        if names and found.keys() >= set(names):
+            systems.setdefault(name, system)
+        if names and systems.keys() >= set(names):
             break
-    return found
+    return systems
 
 
 def export_all(
@@ -81,10 +81,10 @@ def export_all(
     """Exports the named systems, or all of them if none is named.
 
     Args:
-        systems: By name, as `gallery` or `systems_by_name` has them.
-        names: Of diagrams and leaf systems, as on the wiring page.
-        folder: Created if missing.
-        depth: Levels of diagrams to open.
+        systems: Systems by name, from `gallery` or `systems_by_name`.
+        names: Names of diagrams and leaf systems.
+        folder: The folder, created if missing.
+        depth: Number of levels of diagrams to open.
 
     Returns:
         The paths written.
@@ -104,7 +104,7 @@ def export_all(
 
 
 def _drawn(dot: str, suffix: str) -> bytes:
-    """Graphviz's drawing; empty where Graphviz is missing or fails."""
+    """Returns the drawing by Graphviz; empty if Graphviz is missing or fails."""
     command = shutil.which("dot")
     if command is None:
         return b""

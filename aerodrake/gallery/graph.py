@@ -1,6 +1,6 @@
 """Graphs of diagrams and systems, as Graphviz and Mermaid text.
 
-Both depend on the wiring alone: a diagram gives the same bytes in every process,
+Both depend only on the wiring. A diagram gives the same bytes in every process,
 so that its graphs can be committed and compared.
 """
 
@@ -16,11 +16,10 @@ Port = InputPort | OutputPort
 
 
 def systems_by_name(system: System) -> dict[str, System]:
-    """The system itself and, if it is a diagram, every diagram and leaf system in it.
+    """Returns a system and, if it is a diagram, all systems in it, by name.
 
     Raises:
-        ValueError: if two of them share a name, or one has none: Drake then
-            calls it by its address.
+        ValueError: if two of them share a name, or one has no name.
     """
     systems: dict[str, System] = {}
     for inner in _systems(system):
@@ -33,11 +32,11 @@ def systems_by_name(system: System) -> dict[str, System]:
 
 
 def to_dot(system: System, depth: int) -> str:
-    """Drake's own drawing, with every port, as Graphviz text.
+    """Returns Drake's own graph, with every port, as Graphviz text.
 
     Args:
         system: A diagram or a leaf system.
-        depth: Levels of diagrams to open; 0 draws one box.
+        depth: Number of levels of diagrams to open; 0 draws one box.
     """
     ids: dict[str, int] = {}
 
@@ -47,25 +46,23 @@ def to_dot(system: System, depth: int) -> str:
     def sort_edges(match: re.Match[str]) -> str:
         return "".join(sorted(match[0].splitlines(keepends=True), key=_natural))
 
-    # Drake's ids count the systems built by the process so far, and its edges
-    # come in the order of the systems' addresses.
+    # Drake numbers the systems of the whole process, and orders edges by address.
     text = system.GetGraphvizString(max_depth=depth).rstrip() + "\n"
     text = re.sub(r"(?m)(^digraph _|^subgraph clusters?|^s| -> s)(\d+)", renumber, text)
     return re.sub(r"(?m)(^s\d+.* -> .*\n)+", sort_edges, text)
 
 
 def to_mermaid(system: System, depth: int) -> str:
-    """The signals between systems, as a Mermaid flowchart.
+    """Returns the signals between systems as a Mermaid flowchart.
 
-    One arrow joins two systems and lists its signals by the names of their
-    ports; Drake's default names, such as `u0`, say nothing and are left out.
-    Rounded nodes are the ports of `system` itself, with their sizes; those of
-    size zero are left out. A diagram without inputs is a closed loop: once
-    opened, its outputs only repeat what is seen inside, and are left out.
+    An arrow joins two systems and lists its signals by the names of their
+    ports, without Drake's default names such as `u0`. Rounded nodes are the
+    ports of `system` with their sizes, except ports of size zero. An open
+    diagram without inputs is a closed loop, whose outputs are left out.
 
     Args:
         system: A diagram or a leaf system.
-        depth: Levels of diagrams to open; 0 draws one box.
+        depth: Number of levels of diagrams to open; 0 draws one box.
 
     Raises:
         ValueError: as `systems_by_name`.
@@ -94,12 +91,12 @@ def to_mermaid(system: System, depth: int) -> str:
         arrows[_box(source), node].add(_signal(source, known=port))
 
     lines = [
-        "flowchart TB" if opened else "flowchart LR",  # The narrower, for each.
+        "flowchart TB" if opened else "flowchart LR",  # The narrower of the two.
         *(_rounded(node, port) for node, port in inputs.items()),
         *_boxes(system, depth),
         *(_rounded(node, port) for node, port in outputs.items()),
     ]
-    # Layout engines break cycles in the order they read.
+    # Layout engines break cycles in the order of the text.
     order = [*inputs, *names, *outputs]
     for arrow in sorted(arrows, key=lambda ends: [order.index(end) for end in ends]):
         label = "<br/>".join(sorted(arrows[arrow] - {""}))
@@ -108,7 +105,7 @@ def to_mermaid(system: System, depth: int) -> str:
 
 
 def _boxes(system: System, depth: int) -> Iterator[str]:
-    """The lines that declare systems, opened ones as subgraphs."""
+    """Yields the lines that declare systems, open ones as subgraphs."""
     if not _opens(system, depth):
         yield system.get_name()
         return
@@ -131,7 +128,7 @@ def _box(port: Port) -> str:
 
 
 def _signal(*ports: Port, known: Port | None = None) -> str:
-    """What the ports call their signal, unless it is just what a `known` one does."""
+    """Returns the names of ports for their signal, except the name of a `known` port."""
     names = dict.fromkeys(port.get_name() for port in ports)
     if known is not None:
         names.pop(known.get_name(), None)
@@ -139,16 +136,16 @@ def _signal(*ports: Port, known: Port | None = None) -> str:
 
 
 def is_default(name: str) -> bool:
-    """Whether it is a port's that Drake has named, such as `u0`."""
+    """Returns True for a default name of Drake's, such as `u0`."""
     return re.fullmatch(r"[uy]\d+", name) is not None
 
 
 def connections(system: System, depth: int) -> Iterator[tuple[OutputPort, InputPort]]:
-    """Each signal between systems drawn as boxes, in no particular order.
+    """Yields the signals between boxes of the graph, in no particular order.
 
     Args:
         system: A diagram; a leaf system has none.
-        depth: Levels of diagrams to open.
+        depth: Number of levels of diagrams to open.
     """
     if not _opens(system, depth):
         return
@@ -160,7 +157,7 @@ def connections(system: System, depth: int) -> Iterator[tuple[OutputPort, InputP
 
 
 def _source(port: OutputPort, depth: int) -> OutputPort:
-    """The port of a box that an output comes from."""
+    """Returns the port of a box that is the source of an output."""
     system = port.get_system()
     if not _opens(system, depth):
         return port
@@ -169,7 +166,7 @@ def _source(port: OutputPort, depth: int) -> OutputPort:
 
 
 def _targets(port: InputPort, depth: int) -> Iterator[InputPort]:
-    """The ports of boxes that an input goes to."""
+    """Yields the ports of boxes that are targets of an input."""
     system = port.get_system()
     if not _opens(system, depth):
         yield port
@@ -198,5 +195,5 @@ def _systems(system: System) -> Iterator[System]:
 
 
 def _natural(line: str) -> list[str | int]:
-    """Sorts 2 before 10."""
+    """Returns a sort key that orders numbers by value."""
     return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", line)]

@@ -1,4 +1,4 @@
-"""How figures look, and how they are written: as a PNG, or as a part of a page."""
+"""Style of figures, and functions that write them as PNG or as part of a page."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ STYLE: dict[str, Any] = {
     "legend.frameon": False,
     "lines.linewidth": 1.2,
 }
-"""Of every figure, for `rc_context`."""
+"""Style of all figures, for `rc_context`."""
 
 PAGE_STYLE: dict[str, Any] = STYLE | {
     "axes.facecolor": "none",
@@ -48,14 +48,14 @@ PAGE_STYLE: dict[str, Any] = STYLE | {
     "xtick.labelcolor": INK,
     "ytick.labelcolor": INK,
 }
-"""Of a page's figures: text is text, and what is behind them shows."""
+"""Style of the figures in pages: with text as text, on a transparent background."""
 
 LEAST_TIME_S = 0.1
-"""What an axis of time shows at least."""
+"""Shortest span of a time axis."""
 
 
 def widen(axis: Axis, span: float) -> None:
-    """Makes an axis show at least `span`, lest rounding errors look like motion."""
+    """Extends the limits of an axis to at least `span`, so that rounding errors stay small."""
     low, high = axis.get_view_interval()
     if high - low < span:
         middle = (low + high) / 2
@@ -63,32 +63,31 @@ def widen(axis: Axis, span: float) -> None:
 
 
 def cover(axes: Axes, times: np.ndarray) -> None:
-    """Shows `times` (T,) s across a panel, also where they are hardly more than one."""
+    """Sets the limits of a time axis to those of `times` (T,) s, at least `LEAST_TIME_S` apart."""
     axes.set_xlim(times[0], max(times[-1], times[0] + LEAST_TIME_S))
 
 
 def plain_ticks(axis: Axis) -> None:
-    """Labels a logarithmic axis with numbers that are read at once, and drawn without formulae."""
+    """Labels a logarithmic axis with plain numbers instead of powers of ten."""
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 
 
 def write_png(figure: Figure, path: Path) -> None:
-    """Draws a figure into a file, once: `savefig` would do so twice for its layout.
+    """Draws a figure into a file, without the second drawing that `savefig` does for its layout.
 
-    There is no version or date inside: the same figure gives the same bytes. What the font
-    has no sign for is a box.
+    The same figure gives the same bytes, without version and date.
     """
     with _any_script():
         FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})
 
 
 def to_svg(figure: Figure, name: str) -> str:
-    """A figure as an element of a page, as wide as the page lets it be.
+    """Returns a figure as an SVG element that fills the width of its parent.
 
     Args:
-        figure: Drawn in `PAGE_STYLE`.
-        name: A word that no other figure of the page has: its ids begin with it.
+        figure: A figure in `PAGE_STYLE`.
+        name: A unique word in the page: prefix of the ids in the element.
     """
     file = io.StringIO()
     with rc_context(PAGE_STYLE), _any_script():
@@ -104,12 +103,12 @@ def to_svg(figure: Figure, name: str) -> str:
 
 @contextmanager
 def _any_script() -> Iterator[None]:
-    """Names may be of any script: that a font lacks it is nothing to warn of."""
+    """Suppresses warnings of glyphs that the font lacks: names may have any script."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
         yield
 
 
 def _rounded(tag: re.Match[str]) -> str:
-    """A tag with its numbers to a hundredth, of a pixel or so."""
+    """Returns a tag with its numbers rounded to two digits, about 0.01 pixels."""
     return re.sub(r"(\.\d\d)\d+", r"\1", tag[0])

@@ -1,4 +1,4 @@
-"""The figure of a flight, all on one sheet."""
+"""The figure of a flight, `tracking.png`."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ from aerodrake.reports.supervision_panels import draw_spans, shade_safe_modes
 from aerodrake.scenario import Scenario
 
 MOST_SAMPLES = 6000
-"""In a line of a figure: ten for each pixel. A minute's log is drawn as it is."""
+"""Largest number of samples in a line: ten for each pixel, and all of a minute."""
 
 
 def plot_tracking(log: FlightLog, scenario: Scenario, title: str, path: Path) -> None:
     """Writes the figure of one flight: paths, errors, allocation, base and joints.
 
-    And the tool's angle, faults and what the supervisor noticed, where there are some.
+    The tool's angle, and faults and conditions of the supervisor, have panels if there are any.
     """
-    lasting = spans(scenario, log)
+    time_spans = spans(scenario, log)
     log = log.thinned(MOST_SAMPLES)
     with rc_context(STYLE):
         angle = log.tool_angle_rad
-        rows = 6 + (angle is not None) + bool(lasting)
+        rows = 6 + (angle is not None) + bool(time_spans)
         figure = Figure(figsize=(13, 14 * rows / 6), dpi=120, layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         grid = figure.add_gridspec(rows, 2, width_ratios=[1.15, 1])
@@ -62,8 +62,8 @@ def plot_tracking(log: FlightLog, scenario: Scenario, title: str, path: Path) ->
         draw_series(timeline(grid[5, 1]), log, "qdot_rad_s", np.degrees, "joint velocities / deg/s")
         if angle is not None:
             draw_angle(timeline(grid[6, :]), log.time_s, angle)
-        if lasting:
-            draw_spans(timeline(grid[-1, :]), lasting)
+        if time_spans:
+            draw_spans(timeline(grid[-1, :]), time_spans)
         for axes in times:
             shade_safe_modes(axes, log)
         for axes in (times[5], times[-1]):

@@ -1,4 +1,4 @@
-"""A flight and what it leaves in a folder."""
+"""Flies a flight and writes its results into a folder."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ def fly_into(
     rate: float = 0.0,
     attach: Callable[[FlightSimulation, Simulator], None] = lambda flight, simulator: None,
 ) -> tuple[dict[str, Any], FlightLog]:
-    """Flies; writes `summary.json`, `log.npz`, `scenario.yaml` and `tracking.png`.
+    """Flies, and writes `summary.json`, `log.npz`, `scenario.yaml` and `tracking.png`.
 
     Args:
-        folder: An empty one.
-        flight: Ready to fly.
-        title: Of the figure.
-        progress, rate, attach: As `FlightSimulation.fly` has them.
+        folder: An empty folder.
+        flight: The flight, ready to fly.
+        title: Title of the figure.
+        progress, rate, attach: See `FlightSimulation.fly`.
 
     Returns:
-        What `summary.json` and `log.npz` hold.
+        The summary and the log.
     """
     log = flight.fly(progress, rate, attach)
     summary = summarize(flight.scenario, log)

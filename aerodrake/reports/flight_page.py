@@ -13,7 +13,7 @@ from aerodrake.reports.flight_table import highlights, table_rows
 from aerodrake.reports.page import render
 
 MOST_EVENTS = 200
-"""In a page; a flight can have any number."""
+"""Largest number of events in a page."""
 
 
 def report_page(
@@ -24,14 +24,14 @@ def report_page(
     folder: Path,
     target: Path,
 ) -> str:
-    """The page of one flight.
+    """Returns the page of one flight.
 
     Args:
-        flight: As it was flown.
-        summary, log: What came of it.
-        replay: As from `replay_page`.
-        folder: Where `scenario.yaml` is.
-        target: Where it is going to be: what repeats the flight is to find it there.
+        flight: The flight.
+        summary, log: Its results.
+        replay: A page from `replay_page`.
+        folder: The folder of `scenario.yaml`.
+        target: The final folder, for the command that repeats the flight.
     """
     scenario = flight.scenario
     return render(

@@ -1,4 +1,4 @@
-"""The panels of a flight's figures, each of one subject."""
+"""Panels of a flight's figures, of one subject each."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, plain
 from aerodrake.scenario import Scenario
 
 LEAST_ERROR_MM = 1e-2
-"""What is below is not looked at."""
+"""Smallest error that figures show."""
 
 MOST_TICKS = 1500
-"""In a line of a figure."""
+"""Largest number of ticks in a line of a figure."""
 
 MODE_COLORS = {
     Mode.FLIGHT: "#9ecae1",
@@ -29,7 +29,7 @@ MODE_COLORS = {
 
 
 def draw_paths(axes: Any, log: FlightLog) -> None:
-    """End-effector, its reference and the base in space; `axes` are of three dimensions."""
+    """Draws end-effector, reference and base in three-dimensional `axes`."""
     flown = log.is_flown
     axes.plot(*log["p_E_m"][flown].T, color=ACCENT, linewidth=2.2, label="end-effector")
     axes.plot(*log["p_Ed_m"][flown].T, **REFERENCE, label="reference")
@@ -37,14 +37,14 @@ def draw_paths(axes: Any, log: FlightLog) -> None:
     axes.set(xlabel="x / m", ylabel="y / m", zlabel="z / m")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         widen(axis, 0.5)
-    axes.autoscale(enable=False)  # In space they would be scaled anew once they are drawn.
+    axes.autoscale(enable=False)  # 3D axes would be scaled again when drawn.
     axes.set_aspect("equal")
     axes.locator_params(nbins=5)
     axes.legend(loc="upper left")
 
 
 def draw_plan(axes: Axes, log: FlightLog) -> None:
-    """The same from above, in the world's x and y."""
+    """Draws end-effector, reference and base from above, in world x and y."""
     flown = log.is_flown
     p_E, p_Ed, p_B = (log[key][flown] for key in ("p_E_m", "p_Ed_m", "p_B_m"))
     axes.plot(p_E[:, 0], p_E[:, 1], color=ACCENT, linewidth=2.2, label="end-effector")
@@ -58,7 +58,7 @@ def draw_plan(axes: Axes, log: FlightLog) -> None:
 
 
 def draw_axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
-    """The end-effector and its reference along one world axis."""
+    """Draws the end-effector and its reference along one world axis."""
     axes.plot(log.time_s, log["p_E_m"][:, axis], color=ACCENT, linewidth=2.2, label="end-effector")
     axes.plot(log.time_s, log["p_Ed_m"][:, axis], **REFERENCE, label="reference")
     widen(axes.yaxis, 0.02)
@@ -68,13 +68,13 @@ def draw_axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
 
 
 def plot_error(axes: Axes, log: FlightLog, error_m: np.ndarray, **look: Any) -> None:
-    """A line of a distance error_m (T,) m in mm, over a logarithmic axis."""
+    """Draws a distance error_m (T,) m in mm on a logarithmic axis."""
     error_mm = np.maximum(1e3 * error_m[log.is_flown], LEAST_ERROR_MM / 10)
     axes.semilogy(log.time_s[log.is_flown], error_mm, **look)
 
 
 def draw_error(axes: Axes, log: FlightLog) -> None:
-    """Distances of end-effector and base from where they are to be."""
+    """Draws the distances of end-effector and base from reference and setpoint."""
     plot_error(axes, log, log.error_m, color=ACCENT, label="end-effector")
     plot_error(axes, log, log.base_error_m, color=AXIS_COLORS[2], alpha=0.7, label="base")
     low, high = axes.get_ylim()
@@ -86,14 +86,14 @@ def draw_error(axes: Axes, log: FlightLog) -> None:
 
 
 def draw_angle(axes: Axes, time_s: np.ndarray, angle: np.ndarray) -> None:
-    """The `angle` (T,) rad from the tool to where it should point, over `time_s` (T,) s."""
+    """Draws the `angle` (T,) rad of the tool to its desired direction over `time_s` (T,) s."""
     axes.plot(time_s, np.degrees(angle), color=ACCENT)
     axes.set_ylim(bottom=0)
     axes.set_ylabel("tool's angle / deg")
 
 
 def draw_allocation(axes: Axes, log: FlightLog) -> None:
-    """gamma, with the modes shaded behind it."""
+    """Draws gamma, with the modes in the background."""
     mode = log["mode"].astype(int)
     edges = np.flatnonzero(np.diff(mode)) + 1
     for start, end in zip([0, *edges], [*edges, len(mode) - 1], strict=True):
@@ -109,9 +109,9 @@ def draw_allocation(axes: Axes, log: FlightLog) -> None:
 
 
 def draw_weights(axes: Axes, log: FlightLog) -> None:
-    """The weights of the MPC's cost that the allocation sets."""
+    """Draws the weights of the MPC's cost that the allocation sets."""
     for key, color in zip(("w_q", "w_m", "w_d"), AXIS_COLORS, strict=True):
-        weights = np.where(log[key] > 0, log[key], np.nan)  # Before the first tick there are none.
+        weights = np.where(log[key] > 0, log[key], np.nan)  # Zero before the first tick.
         axes.semilogy(log.time_s, weights, color=color, label=key)
     plain_ticks(axes.yaxis)
     axes.set_ylabel("weights")
@@ -119,7 +119,7 @@ def draw_weights(axes: Axes, log: FlightLog) -> None:
 
 
 def draw_base(axes: Axes, log: FlightLog) -> None:
-    """How far the base is from where it started."""
+    """Draws the displacement of the base from its start."""
     for axis, (name, color) in enumerate(zip("xyz", AXIS_COLORS, strict=True)):
         moved = log["p_B_m"][:, axis] - log["p_B_m"][0, axis]
         axes.plot(log.time_s, moved, color=color, label=name)
@@ -129,7 +129,7 @@ def draw_base(axes: Axes, log: FlightLog) -> None:
 
 
 def draw_series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) -> None:
-    """Joints, one line each, of a key of the log in the unit that `convert` makes."""
+    """Draws a line for each joint of a key of the log, in the unit of `convert`."""
     rows = convert(log[key])
     for joint, color in enumerate(colormaps["viridis"](np.linspace(0, 0.9, rows.shape[1]))):
         axes.plot(log.time_s, rows[:, joint], color=color, label=f"q_{joint + 1}")
@@ -139,21 +139,21 @@ def draw_series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) 
 
 
 def draw_distance(axes: Axes, log: FlightLog, color: str = ACCENT) -> None:
-    """d_o: how far the end-effector is from the centre of its learning space."""
+    """Draws d_o, the distance of the end-effector from the centre of its learning space."""
     flown = log.is_flown
     axes.plot(log.time_s[flown], log.d_o_m[flown], color=color)
     axes.set_ylabel("d_o / m")
 
 
 def draw_boundaries(axes: Axes, scenario: Scenario) -> None:
-    """d_h and d_edge, between which d_o moves gamma; after what is plotted of it."""
+    """Draws d_h and d_edge, the limits of d_o; call it after d_o is drawn."""
     for boundary in ("d_h_m", "d_edge_m"):
         axes.axhline(getattr(scenario.allocation, boundary), **REFERENCE)
     axes.set_ylim(bottom=0)
 
 
 def draw_inputs(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
-    """The largest input of base and of joints, each by its own bound."""
+    """Draws the largest inputs of base and joints relative to their bounds."""
     limits = SetpointLimits.make(scenario.mpc, log.vehicle).acceleration
     u = np.abs(np.hstack([log["a_Bd_m_s2"], log["qddot_d_rad_s2"]])) / limits
     for label, columns, color in (
@@ -168,7 +168,7 @@ def draw_inputs(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
 
 
 def draw_thrust(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
-    """Thrust of each rotor as it acts, and its bounds."""
+    """Draws the thrust of each rotor and its bounds."""
     rows = log["thrust_n"]
     for rotor, color in enumerate(colormaps["viridis"](np.linspace(0, 0.9, rows.shape[1]))):
         axes.plot(log.time_s, rows[:, rotor], color=color, label=f"{rotor + 1}")
@@ -179,9 +179,9 @@ def draw_thrust(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
 
 
 def draw_ticks(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
-    """Wall time of the tracking controller, tick by tick, below its period."""
+    """Draws the wall time of each tick of the controller, and its period."""
     ticks = log["tick_ms"]
-    # The slowest of those that fall together in a figure.
+    # The slowest of the ticks that share a point of the line.
     starts = np.arange(0, len(ticks), -(-len(ticks) // MOST_TICKS) or 1)
     slowest = np.maximum.reduceat(ticks, starts) if len(ticks) else ticks
     axes.semilogy(starts, slowest, color=ACCENT, linewidth=0.8, label="forming and solving")

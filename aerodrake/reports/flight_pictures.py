@@ -34,22 +34,22 @@ from aerodrake.scenario import Scenario
 
 
 def flight_pictures(log: FlightLog, scenario: Scenario) -> list[Picture]:
-    """All that there are, in the order in which they are to be seen.
+    """Returns all pictures of a flight in the order of the page.
 
     Args:
-        log: Of the flight, with all its samples.
-        scenario: What was flown.
+        log: The log with all samples.
+        scenario: The scenario of the flight.
     """
     return [*_motion(log.thinned(MOST_SAMPLES), scenario), *_inside(log, scenario)]
 
 
 def residual_picture(log: FlightLog, scenario: Scenario, of: str = "") -> Picture:
-    """Delta, and what it is for.
+    """Returns the picture of Delta and of the prediction error with it and without it.
 
     Args:
-        log: Of the flight, with all its samples.
-        scenario: What was flown.
-        of: Whose it is, to be said in the title.
+        log: The log with all samples.
+        scenario: The scenario of the flight.
+        of: Suffix of the title.
     """
     with sheet("residual", 6.2) as (figure, done):
         panels = figure.subplots(4, 1, sharex=True)
@@ -62,24 +62,24 @@ def residual_picture(log: FlightLog, scenario: Scenario, of: str = "") -> Pictur
         figure.align_ylabels()
     return Picture(
         f"Residual{of}",
-        "Delta, the base velocity that the model lacks: as estimated, and as it should have been. "
-        "Below, the error with which one period is predicted, with it and without.",
+        "Delta, the residual base velocity of the model: estimated and true. Below, the error of "
+        "predicting one period, with and without Delta.",
         *done,
     )
 
 
 def _motion(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
-    """What vehicle and tool did."""
+    """Yields the pictures of the motion of vehicle and tool."""
     with sheet("path", 4.2) as (figure, done):
         draw_paths(figure.add_axes((0.0, 0.04, 0.93, 0.96), projection="3d"), log)
     yield Picture("Paths", "The end-effector, its reference and the base, in space.", *done)
     with sheet("plan", 4.2) as (figure, done):
         draw_plan(figure.add_subplot(), log)
-    yield Picture("Plan", "The same from above.", *done)
+    yield Picture("Plan", "Paths seen from above.", *done)
     yield timeline(
         "error",
         "Errors",
-        "The end-effector from its reference, and the base from its setpoint; logarithmic.",
+        "Distances of the end-effector from its reference and of the base from its setpoint.",
         log,
         partial(draw_error, log=log),
     )
@@ -88,7 +88,7 @@ def _motion(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
         yield timeline(
             "angle",
             "Tool's angle",
-            "Between the tool's axis and the direction that it is to have.",
+            "Angle between the tool's axis and its desired direction.",
             log,
             partial(draw_angle, time_s=log.time_s, angle=angle),
         )
@@ -102,8 +102,8 @@ def _motion(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
     yield timeline(
         "base",
         "Base and reach",
-        "How far the base moved; and d_o, how far the end-effector is from the centre of its "
-        "learning space, with d_h and d_edge.",
+        "Displacement of the base; and d_o, the distance of the end-effector from the centre of "
+        "its learning space, with d_h and d_edge.",
         log,
         partial(draw_base, log=log),
         partial(_distance, log=log, scenario=scenario),
@@ -121,12 +121,12 @@ def _motion(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
 
 
 def _inside(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
-    """What moved them: allocation, residual, inputs, solver and supervisor."""
+    """Yields the pictures of allocation, residual, inputs, solver and supervisor."""
     thin = log.thinned(MOST_SAMPLES)
     yield timeline(
         "allocation",
         "Weight allocation",
-        "gamma with its modes behind it, and the weights that follow from it; logarithmic.",
+        "gamma with its modes in the background, and the weights that follow from it.",
         thin,
         partial(draw_allocation, log=thin),
         partial(draw_weights, log=thin),
@@ -135,8 +135,8 @@ def _inside(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
     yield timeline(
         "input",
         "Inputs",
-        "The largest commanded acceleration of base and joints by its bound, and the rotors' "
-        "thrust between its bounds.",
+        "Largest commanded acceleration of base and joints relative to its bound, and thrust of "
+        "the rotors with its bounds.",
         thin,
         partial(draw_inputs, log=thin, scenario=scenario),
         partial(draw_thrust, log=thin, scenario=scenario),
@@ -145,12 +145,12 @@ def _inside(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
         draw_ticks(figure.add_subplot(), log, scenario)
     yield Picture(
         "Time per tick",
-        "Wall time that the controller took at each tick, beside its period; logarithmic.",
+        "Wall time of the controller at each tick, and its period.",
         *done,
     )
-    lasting = spans(scenario, log)
-    if lasting:
-        yield _supervision(thin, lasting)
+    time_spans = spans(scenario, log)
+    if time_spans:
+        yield _supervision(thin, time_spans)
 
 
 def _distance(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
@@ -158,17 +158,17 @@ def _distance(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     draw_boundaries(axes, scenario)
 
 
-def _supervision(log: FlightLog, lasting: list[Span]) -> Picture:
-    rows = len({(span.mode is None, span.name) for span in lasting})
+def _supervision(log: FlightLog, time_spans: list[Span]) -> Picture:
+    rows = len({(span.mode is None, span.name) for span in time_spans})
     with sheet("supervision", 0.9 + 0.2 * rows, left=1.9, top=0.3) as (figure, done):
         axes = figure.add_subplot()
         cover(axes, log.time_s)
-        draw_spans(axes, lasting)
+        draw_spans(axes, time_spans)
         shade_safe_modes(axes, log)
         axes.set_xlabel("reference time / s")
     return Picture(
         "Faults and supervisor",
-        "Faults as they were injected, and the conditions that the supervisor noticed, in the "
-        "colour of the safe mode that each asks for; where it was in one, all is shaded.",
+        "Injected faults, and conditions that the supervisor detected, in the colour of the safe "
+        "mode that each requests. Times in a safe mode are shaded.",
         *done,
     )

@@ -1,4 +1,4 @@
-"""The figures of a flight, beside the paper's, for a person to read."""
+"""The table of a flight's figures beside those of the paper."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ PAPER = {
     "clover": {"lap_mean_m": 0.0122, "integral_lap_mean_m": 0.0302},
     "moving_target": {"settled_mean_m": 0.0197, "approach_s": 5.0},
 }
-"""The paper's figures, by kind of reference and key of `summary["error"]`.
+"""Figures of the paper by kind of reference and key of `summary["error"]`.
 
-Keys with `integral_` before them are of its integral model, the others of its method.
+The prefix `integral_` marks those of its integral model; the others are of its method.
 """
 
 MOST_EVENTS = 20
-"""In a table; a flight can have any number."""
+"""Largest number of events in a table."""
 
 
 def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]:
-    """The figures of one flight: label, figure, and the paper's where it has it.
+    """Returns the label, the figure and the paper's figure, if any, of each row.
 
-    The labels of parts of what is above them begin with two blanks.
+    Labels of subordinate rows begin with two blanks.
 
     Args:
-        summary: As from `summarize`.
-        kind: Of the reference.
+        summary: The summary, see `summarize`.
+        kind: Kind of the reference.
     """
     paper, error, angle, base, mpc = (
         PAPER.get(kind, {}),
@@ -76,23 +76,23 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
 
 
 def highlights(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]:
-    """The few figures that matter most: label, figure, and what it is to be seen beside.
+    """Returns the label, the figure and a note of the few figures that matter most.
 
     Args:
-        summary: As from `summarize`.
-        kind: Of the reference.
+        summary: The summary, see `summarize`.
+        kind: Kind of the reference.
     """
     key = headline({summary["scenario"]: summary})
     paper = PAPER.get(kind, {}).get(key)
     error, angle, mpc = summary["error"], summary["orientation"]["mean_rad"], summary["mpc"]
-    found = [
+    first = [
         (f"error, {HEADLINES[key]}", _mm(error[key]), f"the paper: {_mm(paper)}" if paper else ""),
         ("largest error", _mm(error["max_m"]), "of the end-effector"),
     ]
     if angle is not None:
-        found.append(("tool's angle, mean", _deg(angle), ""))
+        first.append(("tool's angle, mean", _deg(angle), ""))
     return [
-        *found,
+        *first,
         ("base error, mean", _mm(summary["base_error"]["mean_m"]), "from its setpoint"),
         ("tick, 99 %", _unit(mpc["p99_ms"], "ms"), f"{mpc['ticks']} ticks"),
         (
@@ -104,17 +104,17 @@ def highlights(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
 
 
 def ending(summary: dict[str, Any]) -> str:
-    """How a flight ended, and what made it so."""
+    """Returns the exit reason of a flight with its cause."""
     cause = summary["exit_cause"]
     return summary["exit_reason"] + (f" ({cause})" if cause else "")
 
 
 def table(summary: dict[str, Any], kind: str) -> str:
-    """How one flight ended, `table_rows`, and its first events, as text.
+    """Returns the ending of a flight, `table_rows`, and its first events, as text.
 
     Args:
-        summary: As from `summarize`.
-        kind: Of the reference.
+        summary: The summary, see `summarize`.
+        kind: Kind of the reference.
     """
     rows = table_rows(summary, kind)
     lines = [

@@ -1,4 +1,4 @@
-"""A flight that is watched while it flies: in Meshcat, and in one line of text."""
+"""Live view of a flight in Meshcat and in one line of text."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from aerodrake.model.vehicle.state import split_state
 from aerodrake.reports.scene import Scene
 
 FRAMES_PER_S = 30.0
-"""Of wall time."""
+"""Frames per second of wall time."""
 SHOWN_S = 120.0
-"""Of the trace, and of a reference that never ends."""
+"""Longest shown time span of the trace and of the reference."""
 TRACE_EVERY = 3
-"""Frames: a path is sent as a whole each time."""
+"""Frames from one update of the trace to the next, which sends the whole path."""
 
 
 class LiveView:
-    """Shows a flight in Meshcat, in a `with` statement, as `Scene`.
+    """Shows a flight in Meshcat. It is a context manager, like `Scene`.
 
-    It only looks: the flight's numbers are the same as without it.
+    It does not change the flight.
 
     Attributes:
-        url: Where a browser sees it.
+        url: Address for a browser.
 
     Args:
         flight: The flight, ready to fly.
-        rate: Simulated time over wall time at which it will fly, above 0; 1 is real time.
+        rate: Simulated time over wall time of the flight, above 0; 1 is real time.
     """
 
     def __init__(self, flight: FlightSimulation, rate: float):
@@ -49,7 +49,7 @@ class LiveView:
         self._scene.__exit__(*error)
 
     def attach(self, flight: FlightSimulation, simulator: Simulator) -> None:
-        """Watches a flight that is about to begin, as `FlightSimulation.fly` has it."""
+        """Begins to show the flight; an argument of `FlightSimulation.fly`."""
         self._context = simulator.get_context()
         self._coordinator = flight.closed_loop.GetSubsystemByName("coordinator")
         self._frames = self._viewers = 0
@@ -59,7 +59,7 @@ class LiveView:
         simulator.set_monitor(self._monitor)
 
     def line(self) -> str:
-        """What is to be known at a glance: error, mode, gamma, and the supervisor's mode."""
+        """Returns error, mode, gamma, and the supervisor's mode in one line."""
         state = self._flight.closed_loop.GetOutputPort("true_state").Eval(self._context)
         p_Ed = self._flight.closed_loop.GetOutputPort("reference").Eval(self._context)[:3]
         gamma, mode = self._port("weights")[:2]
@@ -71,7 +71,7 @@ class LiveView:
         )
 
     def _monitor(self, context: Context) -> EventStatus:
-        """At every step of the plant: a frame, if one is due."""
+        """Shows a frame if one is due; called at every step of the plant."""
         if context.get_time() * FRAMES_PER_S >= self._frames * self._rate:
             self._show()
         return EventStatus.DidNothing()
@@ -82,7 +82,7 @@ class LiveView:
         self._scene.pose(self._context.get_time(), np.concatenate([quaternion, p_B, q]))
         self._scene.draw_learning_space()
         viewers = self._scene.meshcat.GetNumActiveConnections()
-        if viewers > self._viewers:  # A new one looks at the origin.
+        if viewers > self._viewers:  # The camera of a new viewer is at the origin.
             self._scene.look_at(p_B)
         self._viewers = viewers
         if self._frames % TRACE_EVERY == 0:
@@ -90,7 +90,7 @@ class LiveView:
             most = round(SHOWN_S * FRAMES_PER_S / TRACE_EVERY)
             self._scene.draw_trace(np.array(self._trace[-most:]))
             prediction = self._port("prediction").reshape(-1, 3)
-            if prediction.any():  # Before the first tick there is none.
+            if prediction.any():  # Zero before the first tick.
                 self._scene.draw_prediction(prediction)
         self._frames += 1
 
@@ -100,6 +100,6 @@ class LiveView:
         self._scene.draw_reference(curve.evaluate(time_s)[0])
 
     def _port(self, name: str) -> np.ndarray:
-        """An output of the coordinator, now."""
+        """Evaluates an output of the coordinator."""
         context = self._coordinator.GetMyContextFromRoot(self._context)
         return self._coordinator.GetOutputPort(name).Eval(context)

@@ -1,11 +1,10 @@
-"""The closed loop as a chart of its interfaces: systems on the diagonal, signals beside it.
+"""The closed loop as an N-squared chart: systems on the diagonal, signals beside it.
 
-Such an N-squared chart needs no layout engine. A signal stands in the row of
-the system it comes from and in the column of the one it goes to: what is right
-of the diagonal goes forward, what is left of it is fed back. It is called as its
-port is, or as its system, where Drake has named the port. Of the station's
-signals those that cross to the coordinator stand right of both, and the
-setpoints that come back left of both.
+A signal is in the row of its source and in the column of its target: signals
+right of the diagonal are fed forward, signals left of it are fed back. Its label is
+the name of its port, or of its system if the port has a default name. The
+signals from the station to the coordinator are at the top right, and the
+setpoints at the bottom left.
 """
 
 from __future__ import annotations
@@ -20,21 +19,22 @@ from aerodrake.gallery.graph import connections, is_default
 
 SIDES = ("station", "coordinator")
 CHARACTER, LINE = 6.1, 13.0
-"""Width and height of a character of the chart's type, in its units."""
+"""Width and height of a character, in units of the chart."""
 PADDING, GAP = 7.0, 8.0
-"""Between text and its box, and from box to box."""
+"""Distance from text to its box, and between boxes."""
 LONGEST = 13
-"""Characters of a name in one line, if it has underscores to be broken at."""
+"""Largest number of characters in a line of a name with underscores."""
 MARGIN = 10.0
 
 
 class Rectangle(NamedTuple):
-    """A box of the chart, by its middle.
+    """A box of the chart.
 
     Attributes:
-        lines: Of its name, then of the names of the systems in it.
-        names: How many of the lines are its own name's.
-        x, y, width, height: In units of the chart.
+        lines: Lines of its name, then the names of the systems in it.
+        names: Number of lines of its own name.
+        x, y: Its centre, in units of the chart.
+        width, height: Its size, in units of the chart.
     """
 
     lines: tuple[str, ...]
@@ -46,7 +46,7 @@ class Rectangle(NamedTuple):
 
 
 class Line(NamedTuple):
-    """Along a row from a system to the column of another, and along that to it."""
+    """A line along the row of a system to the column of another, and along that to it."""
 
     x: float
     y: float
@@ -55,12 +55,12 @@ class Line(NamedTuple):
 
 
 class Chart(NamedTuple):
-    """Where everything is.
+    """Layout of the chart.
 
     Attributes:
-        systems, signals, sides: Boxes; the last are around those of `SIDES`.
-        lines: Behind the boxes.
-        width, height: Of all.
+        systems, signals, sides: Boxes; those of the sides are around their systems.
+        lines: Lines of the signals, behind the boxes.
+        width, height: Size of the chart.
     """
 
     systems: list[Rectangle]
@@ -75,11 +75,10 @@ def loop_chart(closed_loop: Diagram) -> Chart:
     """Lays out a closed loop.
 
     Args:
-        closed_loop: A diagram that has those of `SIDES` in it, of which the
-            systems are shown, and no other.
+        closed_loop: A diagram with the subsystems `SIDES`, whose systems the chart has.
     """
     sides = [closed_loop.GetSubsystemByName(name) for name in SIDES]
-    # A side that is one system, of a person's own, stands for itself.
+    # A replacement of a side may be a single system.
     insides = [side.GetSystems() if isinstance(side, Diagram) else [side] for side in sides]
     systems = [inner for inside in insides for inner in inside]
     place = {system.get_name(): i for i, system in enumerate(systems)}
@@ -88,14 +87,14 @@ def loop_chart(closed_loop: Diagram) -> Chart:
         ends = source.get_system().get_name(), target.get_system().get_name()
         if ends[0] in place and ends[1] in place:
             names = (source.get_name(), target.get_name())
-            found = next((name for name in names if not is_default(name)), ends[0])
-            signals[place[ends[0]], place[ends[1]]].add(found)
+            label = next((name for name in names if not is_default(name)), ends[0])
+            signals[place[ends[0]], place[ends[1]]].add(label)
 
-    names = [_broken(system.get_name()) for system in systems]
+    names = [_split(system.get_name()) for system in systems]
     boxes = {(i, i): (*names[i], *_inner(system)) for i, system in enumerate(systems)}
     texts = boxes | {
-        ends: tuple(line for name in sorted(found) for line in _broken(name))
-        for ends, found in signals.items()
+        ends: tuple(line for label in sorted(labels) for line in _split(label))
+        for ends, labels in signals.items()
     }
     count = len(systems)
     widths, heights = [0.0] * count, [0.0] * count
@@ -104,7 +103,7 @@ def loop_chart(closed_loop: Diagram) -> Chart:
         heights[row] = max(heights[row], LINE * len(lines) + 2 * PADDING)
     starts_x = list(accumulate((w + GAP for w in widths), initial=MARGIN + GAP))
     starts_y = list(accumulate((h + GAP for h in heights), initial=MARGIN + GAP + LINE))
-    # Both sides have a frame of their own, and its name above it.
+    # Space for the frame of each side and its name.
     first = len(insides[0])
     starts_x = [x + 3 * GAP * (i >= first) for i, x in enumerate(starts_x)]
     starts_y = [y + (3 * GAP + LINE) * (i >= first) for i, y in enumerate(starts_y)]
@@ -143,8 +142,8 @@ def _frame(name: str, inside: list[Rectangle]) -> Rectangle:
     return Rectangle((name,), 1, *middle, right - left, bottom - top)
 
 
-def _broken(name: str) -> tuple[str, ...]:
-    """A name in lines of `LONGEST` characters or fewer, where it has underscores."""
+def _split(name: str) -> tuple[str, ...]:
+    """Splits a name at underscores into lines of `LONGEST` characters or fewer."""
     lines = [""]
     for part in name.replace("_", "_ ").split():
         if lines[-1] and len(lines[-1] + part) > LONGEST:
@@ -154,7 +153,7 @@ def _broken(name: str) -> tuple[str, ...]:
 
 
 def _inner(system: System) -> tuple[str, ...]:
-    """The names of the leaf systems in a diagram."""
+    """Returns the names of the leaf systems in a diagram."""
     if not isinstance(system, Diagram):
         return ()
     return tuple(

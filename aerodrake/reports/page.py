@@ -1,4 +1,4 @@
-"""Pages that need nothing but themselves: templates, and what they hold."""
+"""Self-contained HTML pages, made from templates."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from aerodrake.reports.loop_chart import loop_chart
 
 
 def render(template: str, closed_loop: Diagram, replay: str, **content: Any) -> str:
-    """Fills a template; what is text is escaped.
+    """Renders a template and escapes all text.
 
     Args:
-        template: Its file in `aerodrake/reports/templates`.
-        closed_loop: Which the page has a chart of.
-        replay: A page of its own, as `replay_page` makes it; empty if there is none.
-        content: What else the template asks for.
+        template: Name of the file in `aerodrake/reports/templates`.
+        closed_loop: Diagram for the chart of the page.
+        replay: A page from `replay_page`; empty for none.
+        content: The other variables of the template.
     """
     environment = Environment(
         loader=PackageLoader("aerodrake.reports"),
@@ -38,5 +38,5 @@ def render(template: str, closed_loop: Diagram, replay: str, **content: Any) -> 
 
 
 def _packed(text: str) -> str:
-    """Compressed, in letters that mean nothing to HTML."""
+    """Returns compressed text in base64."""
     return base64.b64encode(gzip.compress(text.encode(), compresslevel=6, mtime=0)).decode()

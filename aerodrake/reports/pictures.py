@@ -1,4 +1,4 @@
-"""The pictures of a page: small figures, one for each subject, that stack on a phone."""
+"""Pictures of a page: small figures of one subject each, which also fit on a phone."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from aerodrake.reports.figures import PAGE_STYLE, cover, to_svg
 from aerodrake.reports.supervision_panels import shade_safe_modes
 
 WIDTH = 5.2
-"""In inches, of every picture: on a phone its type is as large as the page's."""
+"""Width of a picture in inches; on a phone its text is as large as that of the page."""
 ROW = 1.35
-"""Height of a panel of a timeline."""
+"""Height of a panel of a timeline in inches."""
 LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.2, 0.1, 0.42
-"""Around panels, for their labels: a layout engine would take as long as all else."""
+"""Margins for labels in inches. A layout engine would double the time of drawing."""
 GAP = 0.14
 
 MOST_SAMPLES = 1200
-"""In a line: three for each point of a picture's width."""
+"""Largest number of samples in a line: three for each point of a picture's width."""
 
 Draw = Callable[[Axes], None]
 
@@ -32,9 +32,9 @@ class Picture(NamedTuple):
     """A figure of a page.
 
     Attributes:
-        title: Its heading.
-        caption: What it shows, for those who cannot see it, too.
-        svg: The element, of which nothing is to be escaped.
+        title: Heading.
+        caption: Description, also for screen readers.
+        svg: SVG element, not escaped.
     """
 
     title: str
@@ -46,12 +46,12 @@ class Picture(NamedTuple):
 def sheet(
     name: str, height: float, left: float = LEFT, top: float = TOP
 ) -> Iterator[tuple[Figure, list[str]]]:
-    """Yields an empty figure and a list, which the finished element joins.
+    """Yields an empty figure and a list; appends the SVG element to the list at the end.
 
     Args:
-        name: A word that no other picture of the page has.
-        height: In inches.
-        left, top: Likewise, what is left for labels there.
+        name: A unique word in the page.
+        height: Height in inches.
+        left, top: Margins for labels in inches.
     """
     with rc_context(PAGE_STYLE):
         figure = Figure(figsize=(WIDTH, height))
@@ -68,13 +68,13 @@ def sheet(
 
 
 def timeline(name: str, title: str, caption: str, log: FlightLog, *draws: Draw) -> Picture:
-    """Panels over reference time, one below the other, with safe modes shaded.
+    """Makes panels over reference time, one below the other, with safe modes shaded.
 
     Args:
-        name: A word that no other picture of the page has.
-        title, caption: As of `Picture`.
-        log: Whose times they are.
-        draws: What fills each.
+        name: A unique word in the page.
+        title, caption: See `Picture`.
+        log: The log, for its times.
+        draws: Functions that draw the panels.
     """
     height = TOP + BOTTOM + ROW * len(draws) + GAP * (len(draws) - 1)
     with sheet(name, height) as (figure, done):

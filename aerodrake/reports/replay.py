@@ -1,4 +1,4 @@
-"""The flight as a recording that plays in a browser, offline."""
+"""A recording of a flight that plays in a browser, offline."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from aerodrake.scenario import Scenario
 
 FRAMES_PER_S = 30.0
 MOST_FRAMES = 1800
-"""Longer recordings have fewer frames a second, lest pages grow with the flight."""
+"""Largest number of frames; longer recordings have fewer frames per second."""
 MOST_POINTS = 6000
-"""Of a path likewise."""
+"""Largest number of points of a path."""
 
 
 def replay_page(log: FlightLog, scenario: Scenario) -> str:
-    """A self-contained HTML page: the vehicle, its reference and its trace.
+    """Returns a self-contained HTML page with the vehicle, its reference and its trace.
 
     Args:
-        log: The flight; its animation begins at reference time 0, or where
-            the flight ended if that was before.
-        scenario: Whose robot flew, with its payload.
+        log: The log of the flight. The animation begins at reference time 0, or at the end of
+            the flight if that is earlier.
+        scenario: The scenario of the flight, for its payload.
     """
     time_s, parts = log.time_s, ("quaternion", "p_B_m", "q_rad")
     finite = np.all([np.isfinite(log[part]).all(axis=1) for part in parts], axis=0)

@@ -1,4 +1,4 @@
-"""The panels of the residual Delta: as it was estimated, and as it should have been."""
+"""Panels of the estimated and the true residual Delta."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from aerodrake.scenario import Scenario
 
 
 def draw_residual(panels: Sequence[Axes], log: FlightLog, scenario: Scenario) -> None:
-    """Delta along the three world axes, as estimated and true: one of `panels` each."""
+    """Draws estimated and true Delta along each world axis, in one of `panels` each."""
     times, estimated, true = residuals(log, scenario)
     for axis, axes in enumerate(panels):
         axes.plot(times, 1e3 * true[:, axis], color=EDGE, label="true")
@@ -25,7 +25,7 @@ def draw_residual(panels: Sequence[Axes], log: FlightLog, scenario: Scenario) ->
 
 
 def draw_prediction(axes: Axes, log: FlightLog) -> None:
-    """The error with which a period of base velocity is predicted, with and without Delta."""
+    """Draws the error of predicting the base velocity over one period, with and without Delta."""
     for key, label, color in (
         ("nominal_prediction_error_m_s", "without Delta", EDGE),
         ("prediction_error_m_s", "with Delta", ACCENT),
@@ -38,16 +38,16 @@ def draw_prediction(axes: Axes, log: FlightLog) -> None:
 
 
 def residuals(log: FlightLog, scenario: Scenario) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(times (K,) s, estimated (K, 3) m/s, true (K, 3) m/s) of Delta, tick by tick.
+    """Returns times (K,) s, and estimated (K, 3) and true (K, 3) Delta in m/s, at each tick.
 
-    At the tick k the estimator learns how the model's prediction of one period
-    fared, with c Delta_{k-1} and without it: the latter's error is what Delta
-    should have been, the difference of the two is what it was.
+    At tick k the estimator has the errors of the prediction of one period with
+    c Delta_{k-1} and without it. The negative error without it is the true c Delta; the
+    difference of the two errors is the estimated one.
     """
     period = scenario.rates.mpc_period_s
     model = EquivalentModel.of(scenario, log["q_rad"].shape[1])
     gain = model.C[model.base_velocity].diagonal()
-    # Logs run several times a tick, and show the tick k from the sample after it on.
+    # The log has several samples for each tick, with the results of tick k from the next on.
     stride = round(period / scenario.rates.flight_period_s)
     ticks = np.arange(3 * stride, len(log.time_s), stride)
     start = log.time_s[log.is_flown][0]

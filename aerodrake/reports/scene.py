@@ -18,7 +18,7 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 
 VIEW_FROM_M = np.array([0.85, 1.3, 0.3])
-"""(3,) in the world: where the camera is, from what it looks at."""
+"""(3,) in the world, from the point that the camera looks at to the camera."""
 DOT_SPACING_M = 0.02
 DOT_SIZE_M = 0.008
 REFERENCE_COLOR = Rgba(0.12, 0.16, 0.2, 1.0)
@@ -29,13 +29,13 @@ SPACE_COLOR = Rgba(0.17, 0.54, 0.24, 0.25)
 
 
 class Scene:
-    """A scenario's vehicle, with its payload, on its ground.
+    """A scenario's vehicle, with its payload, on the ground.
 
-    To be used in a `with` statement: Meshcat ends the process if it is collected, as one of
-    Drake's circles of references, in another thread than it was made in.
+    It is a context manager, since Meshcat ends the process if it is garbage collected in another
+    thread than its own.
 
     Attributes:
-        meshcat: The server that shows it.
+        meshcat: Meshcat server of the scene.
 
     Args:
         scenario: The scenario of the flight.
@@ -71,16 +71,16 @@ class Scene:
         gc.collect()
 
     def pose(self, time_s: float, positions: np.ndarray) -> None:
-        """Moves the vehicle at time_s to positions (7 + n,): quaternion, p_B in m, q in rad."""
+        """Sets the time and the positions (7 + n,): quaternion, p_B in m, q in rad."""
         self._context.SetTime(time_s)
         self._plant.SetPositions(self._plant.GetMyMutableContextFromRoot(self._context), positions)
         self._diagram.ForcedPublish(self._context)
 
     def draw_reference(self, points: np.ndarray) -> None:
-        """Dots along a path, points (K, 3) m in the world; a trace on top leaves them visible."""
+        """Draws dots along points (K, 3) m in the world, which stay visible under a trace."""
         along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
         dots = np.searchsorted(along, np.arange(0.0, along[-1] + 1e-9, DOT_SPACING_M))
-        dots = np.minimum(dots, len(points) - 1)  # The last may be beyond by rounding.
+        dots = np.minimum(dots, len(points) - 1)  # The last may exceed it by rounding.
         cloud = PointCloud(len(dots))
         cloud.mutable_xyzs()[:] = points[dots].T
         self.meshcat.SetObject(
@@ -88,15 +88,15 @@ class Scene:
         )
 
     def draw_trace(self, points: np.ndarray) -> None:
-        """The end-effector's path so far, points (K, 3) m in the world."""
+        """Draws the path of the end-effector, points (K, 3) m in the world."""
         self.meshcat.SetLine("/paths/end_effector", points.T, line_width=3.0, rgba=TRACE_COLOR)
 
     def draw_prediction(self, points: np.ndarray) -> None:
-        """p_E over the horizon, points (N + 1, 3) m in the world."""
+        """Draws p_E over the horizon, points (N + 1, 3) m in the world."""
         self.meshcat.SetLine("/paths/prediction", points.T, line_width=4.0, rgba=PREDICTION_COLOR)
 
     def draw_learning_space(self) -> None:
-        """Its box, about p_O of the base where that is now."""
+        """Draws its box at the current pose of the base."""
         if not self.meshcat.HasPath(SPACE):
             self.meshcat.SetObject(SPACE, Box(*self._size_m), SPACE_COLOR)
         base = self._plant.GetBodyByName(BASE_FRAME)
@@ -105,12 +105,12 @@ class Scene:
         self.meshcat.SetTransform(SPACE, X_WB @ RigidTransform(self._p_O))
 
     def look_at(self, middle: np.ndarray) -> None:
-        """Turns the camera to a place, middle (3,) m in the world."""
+        """Turns the camera to a point, middle (3,) m in the world."""
         self.meshcat.SetCameraPose(middle + VIEW_FROM_M, middle)
 
 
 def _silent_meshcat() -> Meshcat:
-    """A server that does not say by itself where it listens."""
+    """Returns a server that does not print its address."""
     logger = logging.getLogger("drake")
     level = logger.level
     logger.setLevel(logging.WARNING)

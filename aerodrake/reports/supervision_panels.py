@@ -1,4 +1,4 @@
-"""What went wrong on a flight, and what was done about it, in its figure."""
+"""Panels of faults, conditions of the supervisor, and safe modes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FAULT_COLOR = "#495057"
 
 
 def shade_safe_modes(axes: Axes, log: FlightLog) -> None:
-    """Shades the times in which the supervisor was not in NOMINAL."""
+    """Shades the times in which the supervisor is not in NOMINAL."""
     mode = log["supervisor_mode"].astype(int)
     edges = np.flatnonzero(np.diff(mode)) + 1
     for start, end in zip([0, *edges], [*edges, len(mode) - 1], strict=True):
@@ -31,12 +31,12 @@ def shade_safe_modes(axes: Axes, log: FlightLog) -> None:
 
 
 def draw_spans(axes: Axes, spans: Sequence[Span]) -> None:
-    """A bar for each fault and each condition while it lasts, one row for each name."""
+    """Draws a bar for each time span of a fault or condition, one row for each name."""
     rows = list(dict.fromkeys((span.mode is None, span.name) for span in spans))
     for span in spans:
         row = rows.index((span.mode is None, span.name))
         color = FAULT_COLOR if span.mode is None else SAFE_MODE_COLORS[span.mode]
-        length = max(span.end_s - span.start_s, 0.02)  # What is short is to be seen, too.
+        length = max(span.end_s - span.start_s, 0.02)  # Long enough to be visible.
         axes.barh(row, length, left=span.start_s, height=0.6, color=color, linewidth=0)
     labels = [f"{name} (injected)" if is_fault else name for is_fault, name in rows]
     axes.set_yticks(range(len(rows)), labels)
