@@ -19,7 +19,7 @@ from playwright.sync_api import Browser, Locator, Page, sync_playwright
 DESKTOP, PHONE = (1440, 900), (390, 844)
 
 PATIENCE = 100
-"""Looks at a replay, a fifth of a second apart, before it is said not to draw."""
+"""Looks at a replay, a fifth of a second apart, before it is considered blank."""
 
 SWITCHES = (
     "--no-sandbox",  # CI is root.
@@ -44,12 +44,12 @@ def chromium() -> Iterator[Browser]:
 
 @dataclass
 class Visit:
-    """An open page, and what happened since it was asked for.
+    """An open page with its messages and requests since it was opened.
 
     Attributes:
         page: Of playwright.
         requests: Addresses, with that of the page itself first.
-        messages: Of the console, and errors that nobody caught.
+        messages: Messages of the console, and uncaught errors.
     """
 
     page: Page
@@ -75,15 +75,15 @@ class Visit:
 
 
 def assert_silent(visited: Visit, path: Path, screenshot: Path) -> None:
-    """A page with a replay opens without a word, and asks for nothing but itself.
+    """Asserts that a page with a replay prints no messages and requests only itself.
 
     The replay plays, too: it is unpacked once it is near.
     """
     visited.show(visited.page.locator("#replay"))
     visited.page.screenshot(path=screenshot, full_page=True)
     assert visited.messages == []
-    asked = [url for url in visited.requests if not url.startswith(("data:", "blob:"))]
-    assert asked == [path.as_uri()]
+    requested = [url for url in visited.requests if not url.startswith(("data:", "blob:"))]
+    assert requested == [path.as_uri()]
 
 
 def assert_no_wider_than_its_window(page: Page) -> None:
@@ -94,7 +94,7 @@ def assert_no_wider_than_its_window(page: Page) -> None:
 
 
 def assert_no_text_is_cut(page: Page) -> None:
-    """What a picture says is within it, to a pixel."""
+    """Asserts that the texts of a picture are within it, to a pixel."""
     over = page.locator("figure svg text").evaluate_all(
         """texts => texts.filter(text => {
             const [inner, outer] = [text, text.ownerSVGElement].map(e => e.getBoundingClientRect());

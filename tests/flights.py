@@ -1,4 +1,4 @@
-"""Logs of flights that nobody would like to fly."""
+"""Logs of flights that end badly."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from aerodrake.flight.log import FlightLog
 
 
 def lost_early(log: FlightLog, samples: int, cause: str = "") -> FlightLog:
-    """A flight that was lost after so many samples, the last of which is no number."""
+    """Returns a log of a flight that is lost after so many samples, the last one NaN."""
     signals = {key: rows[:samples].copy() for key, rows in log.signals.items()}
     for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
         signals[key][-1] = np.nan

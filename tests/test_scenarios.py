@@ -94,7 +94,7 @@ def test_every_scenario_flies(name):
         assert figures["error"]["max_m"] < 0.01
 
 
-def test_every_scenario_says_what_it_is_for():
+def test_every_scenario_has_a_comment_on_its_purpose():
     for path in packaged_scenarios().values():
         assert path.read_text().startswith("# ")
 
@@ -116,7 +116,7 @@ def test_clover_pointing():
     angle = np.arccos(np.clip(-tool_axes(log)[:, 2], -1, 1))[flown]
     assert figures["exit_reason"] == "completed"
     assert figures["orientation"]["max_rad"] == pytest.approx(angle.max(), abs=1e-6)
-    assert np.rad2deg(angle.max()) <= 0.1  # Two degrees are asked for.
+    assert np.rad2deg(angle.max()) <= 0.1  # Two degrees are required.
     assert figures["error"]["max_m"] <= 0.001
     assert figures["arm"]["least_room_rad"] > np.deg2rad(10)
     assert make_variants(load_scenario("clover_pointing")).keys() >= {"modified", "clik"}
@@ -168,7 +168,7 @@ def turns(states: np.ndarray, measured: np.ndarray) -> np.ndarray:
     return np.array([a.angle() * a.axis() for a in axes])
 
 
-def test_what_clover_realistic_measures_is_late_and_as_noisy_as_declared_on_every_axis():
+def test_samples_of_clover_realistic_have_the_declared_delay_and_noise_on_every_axis():
     """Over 1000 samples: deviations to four standard errors, 9 %."""
     _, log, _ = fly("clover_realistic", duration=10.0, settle_s=0.0)
     ago, now = slice(1, -1), slice(2, None)  # Logged at the samples' 10 ms, the delay.
@@ -253,11 +253,11 @@ def test_gains_of_the_position_interface_meet_their_criterion(name):
     np.testing.assert_allclose(
         scenario.flight.velocity_gain, 2 * np.sqrt(scenario.flight.position_gain)
     )
-    held = PiecewisePolynomial.ZeroOrderHold([0, 4], np.tile(vehicle.working, (2, 1)).T)
+    joints = PiecewisePolynomial.ZeroOrderHold([0, 4], np.tile(vehicle.working, (2, 1)).T)
     for axis in range(3):
         there = vehicle.p_B + 0.1 * np.eye(3)[axis]
         times, places = [0, 0.5, 3.5], np.array([vehicle.p_B, there, there])
-        flown = excite(scenario, PiecewisePolynomial.ZeroOrderHold(times, places.T), held)
+        flown = excite(scenario, PiecewisePolynomial.ZeroOrderHold(times, places.T), joints)
         moved = (flown.state[:, 4 + axis] - vehicle.p_B[axis]) / 0.1
         assert moved.max() < 1.01
         assert np.all(moved[flown.time_s > 0.5 + 1.1] > 0.95)

@@ -29,8 +29,8 @@ def log(vehicle) -> FlightLog:
 
 
 def test_events_are_in_order_and_named(log):
-    found = events(SCENARIO, log)
-    assert [(e["time_s"], e["cause"], e["event"], e["mode"]) for e in found] == [
+    changes = events(SCENARIO, log)
+    assert [(e["time_s"], e["cause"], e["event"], e["mode"]) for e in changes] == [
         (0.1, "saturated", "triggered", "nominal"),
         (0.2, "plan_outage", "triggered", "hold"),
         (0.5, "plan_outage", "cleared", "hold"),
@@ -39,7 +39,7 @@ def test_events_are_in_order_and_named(log):
     ]
 
 
-def test_what_is_active_from_the_first_sample_on_is_an_event(log):
+def test_a_condition_active_at_the_first_sample_is_an_event(log):
     log["conditions"][0, 0] = 1
     assert events(SCENARIO, log)[0]["time_s"] == -1.0
 
@@ -54,7 +54,7 @@ def test_spans_are_within_the_flight(log):
 
 
 def test_time_in_safe_modes_adds_up(log):
-    found = safe_modes(log, 0.01)
-    assert found["hold"] == pytest.approx(0.39)
-    assert found["descend"] == found["stop"] == 0
-    assert sum(found.values()) == pytest.approx(3.99)
+    seconds = safe_modes(log, 0.01)
+    assert seconds["hold"] == pytest.approx(0.39)
+    assert seconds["descend"] == seconds["stop"] == 0
+    assert sum(seconds.values()) == pytest.approx(3.99)

@@ -17,7 +17,7 @@ NOISE = Sensors(position_noise_m=0.002, velocity_noise_m_s=0.01, joint_noise_rad
 
 
 def motions(vehicle, period: float = 0.02):
-    """Of the base along x and of all joints, from rest to rest; the joints' is longer."""
+    """Motions of the base along x and of all joints, from rest to rest; the latter is longer."""
     t = period * np.arange(round(FLOWN_S / period) + 1)
     speed = 0.4 * np.sin(np.pi * t / FLOWN_S)[:, None]
     base = held_acceleration_motion(vehicle.p_B, speed * [1, 0, 0], period)
@@ -46,7 +46,7 @@ def test_it_starts_in_trim_and_follows(flown, vehicle):
 
 
 def test_exact_sensors_show_the_true_state_at_the_tick(flown, scenario, vehicle):
-    """Of that very instant: neither the sample before nor the plant a step later."""
+    """The sample is of that time, not the one before, nor the plant a step later."""
     diagram = make_open_loop(scenario, *motions(vehicle))
     simulator = Simulator(diagram, make_context(diagram, scenario.seed))
     true_state = diagram.GetOutputPort("true_state")
@@ -55,15 +55,15 @@ def test_exact_sensors_show_the_true_state_at_the_tick(flown, scenario, vehicle)
         np.testing.assert_allclose(state, true_state.Eval(simulator.get_context()), atol=1e-12)
 
 
-def test_setpoints_are_those_that_the_station_was_told(flown, scenario, vehicle):
-    """The acceleration is the one that is held from the tick on."""
+def test_setpoints_are_those_of_the_station(flown, scenario, vehicle):
+    """The acceleration is the one from the tick on."""
     diagram = make_open_loop(scenario, *motions(vehicle))
     context = diagram.CreateDefaultContext()
     for k, tick in enumerate(flown.time_s[:-1]):
         context.SetTime(tick + 1e-9)
         for port in ("base_setpoint", "joint_setpoint"):
-            told = diagram.GetOutputPort(port).Eval(context)
-            np.testing.assert_allclose(getattr(flown, port)[k], told, atol=1e-7)
+            setpoint = diagram.GetOutputPort(port).Eval(context)
+            np.testing.assert_allclose(getattr(flown, port)[k], setpoint, atol=1e-7)
     velocity = flown.base_setpoint[:, 3]
     np.testing.assert_allclose(flown.base_setpoint[:-1, 6], np.diff(velocity) / 0.02, atol=1e-9)
 
@@ -90,7 +90,7 @@ def test_noise_is_what_the_sensors_have(flown, vehicle):
     assert 0.001 < difference.std() < 0.004
 
 
-def test_progress_is_told_at_each_tick(scenario, vehicle):
-    told = []
-    flown = excite(scenario, *motions(vehicle), progress=told.append)
-    np.testing.assert_array_equal(told, flown.time_s)
+def test_progress_is_reported_at_each_tick(scenario, vehicle):
+    times = []
+    flown = excite(scenario, *motions(vehicle), progress=times.append)
+    np.testing.assert_array_equal(times, flown.time_s)

@@ -1,4 +1,4 @@
-"""What is logged: names, widths, units, and the file."""
+"""Tests of the log: names, widths, units, and the file."""
 
 import re
 
@@ -104,13 +104,13 @@ def test_errors_are_distances(vehicle):
 
 
 def test_the_tools_angle(vehicle):
-    """Small ones, too, which a cosine cannot tell from none; and none without the task."""
+    """Small angles are accurate; without the task there is no angle."""
     down = np.array([0.0, 0.0, -1.0])
-    wanted = np.array([np.sin(t) * np.eye(3)[0] + np.cos(t) * down for t in (0, 1e-9, 1, 3)])
-    signals = {"tool_axis": np.tile(down, (4, 1)), "tool_axis_d": wanted}
+    desired = np.array([np.sin(t) * np.eye(3)[0] + np.cos(t) * down for t in (0, 1e-9, 1, 3)])
+    signals = {"tool_axis": np.tile(down, (4, 1)), "tool_axis_d": desired}
     log = FlightLog(signals, "completed", "", 1.0, vehicle)
     np.testing.assert_allclose(log.tool_angle_rad, [0, 1e-9, 1, 3], rtol=1e-9)
-    off = FlightLog(signals | {"tool_axis_d": 0 * wanted}, "completed", "", 1.0, vehicle)
+    off = FlightLog(signals | {"tool_axis_d": 0 * desired}, "completed", "", 1.0, vehicle)
     assert off.tool_angle_rad is None
 
 
@@ -124,7 +124,7 @@ def test_saved_and_read_without_pickle(short_flight, tmp_path):
             np.testing.assert_array_equal(read[key], log[key])
 
 
-def test_loaded_it_is_read_no_more(short_flight, tmp_path):
+def test_a_loaded_log_reads_the_file_once(short_flight, tmp_path):
     _, log = short_flight
     log.save(tmp_path / "log.npz")
     how = {"exit_reason": "completed", "exit_cause": "", "wall_s": 1.0}

@@ -1,4 +1,4 @@
-"""What is not finite ends the flight, which says where it came from."""
+"""Tests of flights that end with NaN or infinity, and of the port that they name."""
 
 from dataclasses import replace
 
@@ -73,7 +73,7 @@ def spoilt(port: str, number: float, after_s: float):
         ("supervisor", "mode", "coordinator::supervisor::spoils"),
     ],
 )
-def test_whoever_says_it_is_named(name, port, path):
+def test_the_port_is_named(name, port, path):
     flight = FlightSimulation(SHORT, Replacements({name: spoilt(port, np.nan, after_s=0.35)}))
     log = flight.fly()
     assert log.exit_reason == "lost"
@@ -89,14 +89,14 @@ def test_from_the_first_instant_on():
     assert log.time_s.tolist() == [-0.1]
 
 
-def test_what_is_too_large_for_the_plant():
+def test_values_that_are_too_large_for_the_plant():
     force = spoilt("generalized_force", np.inf, after_s=0.35)
     log = FlightSimulation(SHORT, Replacements({"wind": force})).fly()
     assert log.exit_reason == "lost" and "station::wind::spoils: passed" in log.exit_cause
 
 
 @pytest.mark.parametrize("error", [BadInput("/tmp", "", "full"), OSError("full"), MemoryError()])
-def test_what_the_machine_refuses_is_raised_whatever_is_not_finite(error):
+def test_errors_of_the_machine_are_raised_even_if_a_port_is_not_finite(error):
     """Such as samples, by a fault."""
 
     def progress(time_s: float) -> None:

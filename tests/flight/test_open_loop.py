@@ -1,4 +1,4 @@
-"""The station behind its sources: the same vehicle, told the same."""
+"""Tests of the station with prescribed setpoints."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def names(system, kind: str) -> list[str]:
 
 @pytest.fixture(scope="module")
 def motions(vehicle):
-    """Of base and joints, with velocities and accelerations."""
+    """Motions of base and joints, with velocities and accelerations."""
     t = PERIOD_S * np.arange(round(FLOWN_S / PERIOD_S) + 1)
     swing = 0.3 * np.sin(np.pi * t / FLOWN_S)[:, None]
     base = held_acceleration_motion(vehicle.p_B, swing * [1.0, -0.5, 0.7], PERIOD_S)
@@ -60,8 +60,8 @@ def test_after_its_end_a_motion_stays(scenario, motions):
     np.testing.assert_allclose(setpoint, [*last, *np.zeros(6)], atol=1e-12)
 
 
-def test_it_flies_as_the_station_does_that_is_told_the_same(scenario, vehicle):
-    """Setpoints that are held over each period, so that they can be given by hand: bit for bit."""
+def test_it_flies_like_the_station_with_the_same_setpoints(scenario, vehicle):
+    """Setpoints that are constant over each period are set by hand; equal bit for bit."""
     breaks = PERIOD_S * np.arange(round(FLOWN_S / PERIOD_S) + 1)
     way = 0.2 * (1 - np.cos(np.pi * breaks / FLOWN_S))
     p_d = vehicle.p_B + np.outer(way, [1.0, -0.5, 0.7])

@@ -27,7 +27,7 @@ def test_signals_are_the_columns_of_all_samples(lengths, seed):
         np.testing.assert_array_equal(recording[key], samples[columns].T)
 
 
-def test_what_is_recorded_later_does_not_change_what_was():
+def test_later_samples_do_not_change_earlier_signals():
     times, samples = np.zeros(1), np.ones((7, 1))
     recording = Recording(COLUMNS)
     recording.append(times, samples)
@@ -48,7 +48,7 @@ def test_signals_in_memory_stand_beside_them():
 
 
 def test_a_disk_takes_less_than_it_is_given(monkeypatch):
-    """Nothing is lost of what it has not taken, and a full one is said to be."""
+    """Incomplete writes are continued, and a full disk is an error."""
     recording = Recording(COLUMNS)
     samples = np.arange(70.0).reshape(7, 10)
     file = recording._file
@@ -73,8 +73,8 @@ def test_a_disk_takes_less_than_it_is_given(monkeypatch):
 
 
 def test_its_file_goes_with_it():
-    with warnings.catch_warnings(record=True) as found:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         file = Recording(COLUMNS)._file
         gc.collect()
-    assert file.closed and not found
+    assert file.closed and not caught

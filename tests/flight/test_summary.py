@@ -1,4 +1,4 @@
-"""Figures of flights that were never flown, whose figures are known."""
+"""Tests of the summary with made-up logs whose figures are known."""
 
 import json
 import math
@@ -62,10 +62,10 @@ def test_the_tools_angle_over_reference_time():
     """90 deg in the hover before, 0.1 rad until 15 s, 0.2 rad after."""
     angle = lambda t: np.select([t < 0, t < 15 - 1e-9], [np.pi / 2, 0.1], 0.2)  # noqa: E731
     log = made()
-    wanted = np.stack(
+    desired = np.stack(
         [np.sin(angle(log.time_s)), 0 * log.time_s, -np.cos(angle(log.time_s))], axis=1
     )
-    figures = summarize(Scenario(), made(tool_axis_d=wanted))["orientation"]
+    figures = summarize(Scenario(), made(tool_axis_d=desired))["orientation"]
     assert figures["max_rad"] == pytest.approx(0.2)
     assert figures["settled_mean_rad"] == pytest.approx(0.2)
     assert figures["mean_rad"] == pytest.approx((1500 * 0.1 + 1501 * 0.2) / 3001)
@@ -129,13 +129,13 @@ def test_being_near_in_the_initial_hover_is_no_approach():
         (27.0, {"mean_m", "rms_m", "max_m", "approach_s", "settled_mean_m", "lap_mean_m"}),
     ],
 )
-def test_what_was_not_flown_is_null(until_s, flown):
+def test_windows_that_were_not_flown_are_null(until_s, flown):
     for which in ("error", "base_error"):
         error = figures(made(until_s=until_s))[which]
         assert {key for key, value in error.items() if value is not None} == flown
 
 
-def test_what_has_no_laps_has_no_lap_mean():
+def test_references_without_laps_have_no_lap_mean():
     for reference in (Hover(), MovingTarget()):
         scenario = Scenario(reference=reference, settle_s=1)
         assert figures(made(), scenario)["error"]["lap_mean_m"] is None
@@ -233,7 +233,7 @@ def test_the_same_flight_gives_the_same_text():
     assert to_json(summarize(CLOVER, made(steps))) == to_json(summarize(CLOVER, made(steps)))
 
 
-def test_where_the_arm_was(vehicle):
+def test_workspace_use_of_the_arm(vehicle):
     """1.2 s at 0.1 m from the centre of the learning space, 0.01 s at 0.2 m; a joint by its limit.
 
     Nothing of the initial hover counts, nor is the last sample any time.
@@ -253,13 +253,13 @@ def test_where_the_arm_was(vehicle):
     assert figures(made(until_s=5.0, q_rad=q))["arm"]["least_room_rad"] == pytest.approx(-0.01)
 
 
-def test_what_the_supervisor_did():
+def test_modes_and_events_of_the_supervisor():
     t = made().time_s
     names = [condition.name for condition in conditions(Supervisor())]
     active = np.zeros((len(t), len(names)))
-    held = (t > 2 - 1e-9) & (t < 5 - 1e-9)
-    active[held, names.index("plan_outage")] = 1
-    log = made(conditions=active, supervisor_mode=held.astype(float))
+    is_held = (t > 2 - 1e-9) & (t < 5 - 1e-9)
+    active[is_held, names.index("plan_outage")] = 1
+    log = made(conditions=active, supervisor_mode=is_held.astype(float))
     figures = summarize(Scenario(), log)
     assert figures["safe_modes"] == {"nominal": 28.0, "hold": 3.0, "descend": 0.0, "stop": 0.0}
     assert [(e["time_s"], e["cause"], e["event"]) for e in figures["events"]] == [

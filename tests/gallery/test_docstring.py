@@ -25,11 +25,11 @@ class Said:
 
 
 def test_paragraphs_are_outside_of_sections():
-    said = Docstring.of(Said)
-    assert said.text == "What it is.\n\nAnd more\nof it.\n\nAfter all sections."
-    assert said.sections["State, rate"] == "none."
-    assert said.sections["Args"] == "a: Not a port."
-    assert said.sections["Ports"].startswith("in `a` (3), `b` (2 n): m, of something\n    that")
+    parsed = Docstring.of(Said)
+    assert parsed.text == "What it is.\n\nAnd more\nof it.\n\nAfter all sections."
+    assert parsed.sections["State, rate"] == "none."
+    assert parsed.sections["Args"] == "a: Not a port."
+    assert parsed.sections["Ports"].startswith("in `a` (3), `b` (2 n): m, of something\n    that")
 
 
 def test_each_port_has_its_meaning():

@@ -18,9 +18,9 @@ from tests.modules import SYSTEMS
 GRAPHS = Path(__file__).parents[2] / "diagrams" / "graphs"
 REDRAW = "aerodrake graph --out diagrams/graphs"
 DEPTH = 2
-"""Of the committed graphs, and the command's default."""
+"""Depth of the committed graphs, and default of the command."""
 SUFFIXES = ("md", "dot", "mmd")
-"""Of what is written with Graphviz and without it."""
+"""Suffixes of the files with Graphviz and without it."""
 
 
 @pytest.fixture(scope="module")
@@ -50,9 +50,9 @@ def test_no_more_is_built_than_it_takes(names, loops, monkeypatch):
         return make_closed_loop(scenario)
 
     monkeypatch.setattr(gallery, "make_closed_loop", make)
-    found = gallery.gallery(names)
+    systems = gallery.gallery(names)
     assert len(built) == loops
-    assert all(name in found for name in names) == (names != ["staton"])
+    assert all(name in systems for name in names) == (names != ["staton"])
 
 
 def test_folder_that_cannot_be_written(systems, tmp_path):

@@ -43,8 +43,8 @@ def nodes(mermaid):
 
 def arrows(mermaid):
     """{(source, target): label}."""
-    found = re.findall(r'^  (\w+) -->(?:\|"(.*)"\|)? (\w+)$', mermaid, re.MULTILINE)
-    return {(source, target): label for source, label, target in found}
+    matches = re.findall(r'^  (\w+) -->(?:\|"(.*)"\|)? (\w+)$', mermaid, re.MULTILINE)
+    return {(source, target): label for source, label, target in matches}
 
 
 def exported(mermaid):

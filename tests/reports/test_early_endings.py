@@ -17,7 +17,7 @@ from aerodrake.reports.residual_panels import residuals
 
 
 def early(log: FlightLog, samples: int) -> FlightLog:
-    """As if it had been lost while it hovered."""
+    """Returns a log of a flight that is lost in the initial hover."""
     signals = {k: rows if k in PER_TICK else rows[:samples] for k, rows in log.signals.items()}
     return replace(
         log,
@@ -28,7 +28,7 @@ def early(log: FlightLog, samples: int) -> FlightLog:
 
 
 @pytest.mark.parametrize("samples", [1, 30])
-def test_what_was_flown_is_drawn(samples, short_flight):
+def test_the_flown_part_is_drawn(samples, short_flight):
     scenario, log = short_flight
     log = early(log, samples)
     flat, space = Figure().add_subplot, Figure().add_subplot

@@ -37,7 +37,7 @@ SCENARIO = {
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Of a short run with something of everything, by the command."""
+    """The folder of a short run with all features, by the command."""
     home = tmp_path_factory.mktemp("report")
     (home / "flight.yaml").write_text(yaml.safe_dump(SCENARIO))
     main(["run", str(home / "flight.yaml"), "--quiet", "--out", str(home / "a run")])
@@ -54,7 +54,7 @@ def summary(folder):
     return json.loads((folder / "summary.json").read_text())
 
 
-def test_it_opens_in_silence_and_asks_for_nothing(visited, path, tmp_path):
+def test_it_opens_without_messages_and_requests(visited, path, tmp_path):
     assert_silent(visited, path, tmp_path / "report.png")
 
 
@@ -94,7 +94,7 @@ def test_names_are_text(desktop, path):
     assert "<img" not in path.read_text()
 
 
-def test_it_shows_what_the_table_says(desktop, summary):
+def test_it_shows_the_figures_of_the_table(desktop, summary):
     cells = desktop.page.locator("#figures-title + div td").all_text_contents()
     for _, here, there in table_rows(summary, "clover"):
         assert here in cells and there in cells
@@ -130,7 +130,7 @@ def test_the_chart_is_of_what_flew(desktop):
         assert name in texts
 
 
-def test_it_says_how_to_fly_it_again(desktop, folder, summary):
+def test_it_shows_the_command_that_repeats_the_flight(desktop, folder, summary):
     page = desktop.page
     command = page.locator("#again-title ~ pre").text_content().strip()
     assert command == f"aerodrake run '{folder}/scenario.yaml'"

@@ -44,14 +44,14 @@ def test_other_flights_have_no_figures_of_the_paper(summary, kind):
     assert "12.20" not in text and "19.70" not in text
 
 
-def test_what_was_not_flown_is_left_out_or_empty(summary):
+def test_undefined_figures_are_left_out_or_empty(summary):
     text = table(summary, "clover")
     assert "None" not in text and "nan" not in text
     assert cell(text, "mean over one lap") == ["12.20 mm"]
     assert all(line == line.rstrip() for line in text.splitlines())
 
 
-def test_it_says_how_the_flight_ended(summary):
+def test_the_ending_of_the_flight_is_shown(summary):
     assert table(summary, "clover").startswith("short: completed\n")
     summary |= {"exit_reason": "lost", "exit_cause": "tilt of 61 deg at 2.00 s"}
     assert table(summary, "clover").startswith("short: lost (tilt of 61 deg at 2.00 s)\n")
@@ -88,7 +88,7 @@ def test_highlights_begin_with_the_figure_by_which_flights_are_compared(summary)
     assert highlights(summary, "lissajous")[0] == (*lap[:2], "")
 
 
-def test_ticks_that_were_missed_are_told(summary):
+def test_missed_ticks_are_shown(summary):
     assert "MPC ticks missed" not in table(summary, "clover")
     summary["mpc"] |= {"ticks": 48, "missed": 277}
     assert cell(table(summary, "clover"), "MPC ticks missed") == ["277 of 325"]

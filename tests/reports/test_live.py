@@ -1,4 +1,4 @@
-"""A flight that is watched: the same numbers, at the rate that was asked for."""
+"""Tests of the live view: same numbers, at the requested rate."""
 
 import json
 import struct
@@ -32,7 +32,7 @@ def test_watching_changes_nothing(watched, short_flight):
         np.testing.assert_array_equal(log[key], short_flight[1][key])
 
 
-def test_it_is_no_faster_than_asked(watched):
+def test_it_is_no_faster_than_requested(watched):
     _, _, log = watched
     assert log.wall_s > 0.95 * 0.6 / RATE
 
@@ -61,7 +61,7 @@ def numbers(message: bytes) -> list[float]:
     return [value for _, value in struct.iter_unpack(">cd", tail[start : start + 16 * 9])]
 
 
-def test_a_line_says_how_it_goes(watched):
+def test_a_line_shows_the_state_of_the_flight(watched):
     _, lines, log = watched
     assert len(lines) == 6
     assert float(lines[-1].split()[1]) == pytest.approx(1e3 * log.error_m[-1], abs=1e-3)
@@ -69,11 +69,11 @@ def test_a_line_says_how_it_goes(watched):
     assert max(map(len, lines)) + len("clover 33.0/33.0 s, ") < 80
 
 
-def test_the_command_says_where(tmp_path, capsys):
+def test_the_command_prints_the_address(tmp_path, capsys):
     arguments = ["run", "hover", "--live", "--rate", "20", "--duration", "0.1"]
     assert main([*arguments, "--set", "settle_s=0", "--quiet", "--out", str(tmp_path / "run")]) == 0
-    said = capsys.readouterr()
-    assert said.err.startswith("watch it at http://localhost:") and said.out == ""
+    printed = capsys.readouterr()
+    assert printed.err.startswith("watch it at http://localhost:") and printed.out == ""
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["exit_reason"] == "completed"
 

@@ -37,8 +37,8 @@ def name(box) -> str:
 
 
 def at(boxes, axis: str, place: float):
-    (found,) = (box for box in boxes if getattr(box, axis) == place)
-    return found
+    (box,) = (box for box in boxes if getattr(box, axis) == place)
+    return box
 
 
 def test_each_system_is_on_the_diagonal(loop, chart):
@@ -50,12 +50,12 @@ def test_each_system_is_on_the_diagonal(loop, chart):
 
 def test_each_signal_is_in_the_row_of_its_source_and_the_column_of_its_target(loop, chart):
     """The same ends as the flowchart, which finds its arrows by its own account."""
-    found = {
+    shown = {
         (name(at(chart.systems, "y", box.y)), name(at(chart.systems, "x", box.x)))
         for box in chart.signals
     }
     arrows = re.findall(r"(?m)^ +(\w+) -->(?:\|.*\|)? (\w+)$", to_mermaid(loop, 2))
-    assert found == {ends for ends in arrows if not set(ends) & {"samples", "log"}}
+    assert shown == {ends for ends in arrows if not set(ends) & {"samples", "log"}}
     for line in chart.lines:
         source, target = (at(chart.systems, *end) for end in (("y", line.y), ("x", line.to_x)))
         assert (line.x, line.to_y) == (source.x, target.y)
@@ -81,7 +81,7 @@ def test_everything_is_inside(chart):
         ("faults", "sensors", ("sensor_noise", "sampler", "state_filter", "sample_nan_1")),
     ],
 )
-def test_what_is_inside_of_a_system_is_named(scenario, system, inside):
+def test_systems_inside_a_system_are_named(scenario, system, inside):
     boxes = loop_chart(make_closed_loop(SCENARIOS[scenario])).systems
     (box,) = (box for box in boxes if name(box) == system)
     assert box.lines[box.names :] == inside

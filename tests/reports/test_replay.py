@@ -19,9 +19,9 @@ def page(short_flight) -> str:
 
 
 def messages(page: str) -> bytes:
-    """What the page tells its viewer, as it was recorded."""
-    found = re.findall(r"base64,([A-Za-z0-9+/=]+)", page)
-    return b"".join(base64.b64decode(message) for message in found)
+    """Returns the recorded messages of the page to its viewer."""
+    encoded = re.findall(r"base64,([A-Za-z0-9+/=]+)", page)
+    return b"".join(base64.b64decode(message) for message in encoded)
 
 
 def test_it_is_a_page(page):
@@ -38,11 +38,11 @@ def test_it_needs_nothing_from_anywhere(page):
 
 
 def test_it_has_the_vehicle_its_reference_and_its_trace(page):
-    said = messages(page)
+    recorded = messages(page)
     for name in (b"/paths/reference", b"/paths/end_effector", b"visualizer"):
-        assert name in said
+        assert name in recorded
     for body in (b"base", b"tool"):
-        assert body in said
+        assert body in recorded
 
 
 def test_it_has_the_payload_if_there_is_one(page, short_flight):
@@ -62,8 +62,8 @@ def test_a_path_may_end_a_rounding_error_before_a_dot(short_flight):
 
 def test_it_has_the_motion(page):
     """Keyframes of the recording: 30 a second, of reference time alone."""
-    said = messages(page)
-    assert b"set_animation" in said or b"animations" in said
+    recorded = messages(page)
+    assert b"set_animation" in recorded or b"animations" in recorded
 
 
 def test_the_same_flight_gives_the_same_bytes(page, short_flight):
@@ -90,7 +90,7 @@ def test_a_flight_that_was_lost_to_numbers_is_shown_up_to_there(short_flight):
     assert len(replay_page(lost, scenario)) > 100_000
 
 
-def test_it_says_nothing(short_flight, capfd):
+def test_it_prints_nothing(short_flight, capfd):
     scenario, log = short_flight
     replay_page(log, scenario)
     assert capfd.readouterr() == ("", "")
