@@ -37,6 +37,7 @@ SETPOINTS = {"base_setpoint": 9, "joint_setpoint": 3 * JOINTS}
 COORDINATOR_OUTPUTS = SETPOINTS | {
     "segment": 3 * (3 + JOINTS) + 1,
     "reference": 6,
+    "horizon": 6 * (N + 1),
     "reference_verdict": 1,
     "weights": 5,
     "u": 3 + JOINTS,
