@@ -85,7 +85,8 @@ class Companion:
         notify: Callable[[str], None] = lambda note: None,
     ):
         self.scenario = scenario
-        self._coordinator = make_coordinator(scenario)
+        vehicle = VehicleModel.load(scenario)
+        self._coordinator = make_coordinator(scenario, vehicle=vehicle)
         self.link = Link(lcm, *make_layouts(self._coordinator, scenario), False, notify)
         self._context = make_context(self._coordinator, scenario.seed)
         self._simulator = Simulator(self._coordinator, self._context)
@@ -95,7 +96,7 @@ class Companion:
         self._time = -math.inf  # s, of the last sample.
         # Compiled code is loaded now, so that the first ticks do not wait for it.
         warm = make_context(self._coordinator, scenario.seed)
-        self._fix_inputs(warm, {"state": VehicleModel.load(scenario).trim_state})
+        self._fix_inputs(warm, {"state": vehicle.trim_state})
         with single_thread():
             Simulator(self._coordinator, warm).AdvanceTo(scenario.rates.mpc_period_s)
 

@@ -77,13 +77,13 @@ class Replacements:
             raise BadInput("replacements", name, "expected a new system, got one of a diagram")
         for kind, ports_of in (("an input", _inputs), ("an output", _outputs)):
             have = ports_of(theirs)
-            for port, wanted in ports_of(ours).items():
-                if have.get(port) != wanted:
+            for port, expected in ports_of(ours).items():
+                if have.get(port) != expected:
                     got = have.get(port) or ", ".join(have) or "none"
                     raise BadInput(
                         "replacements",
                         name,
-                        f"expected {kind} port '{port}' of {wanted}, got {got}",
+                        f"expected {kind} port '{port}' of {expected}, got {got}",
                     )
         for port in _inputs(theirs).keys() - _inputs(ours).keys():
             raise BadInput("replacements", name, f"no signal for its input port '{port}'")

@@ -35,16 +35,16 @@ def make_simulator(config: Wind, vehicle, air, v_B) -> tuple[WindForce, Simulato
 def test_force_for_relative_velocities(vehicle, air, v_B, force):
     system, simulator = make_simulator(BREEZE, vehicle, air, v_B)
     simulator.AdvanceTo(PERIOD / 2)
-    found = system.GetOutputPort("wind_force").Eval(simulator.get_context())
-    np.testing.assert_allclose(found, force, atol=1e-14)
+    measured = system.GetOutputPort("wind_force").Eval(simulator.get_context())
+    np.testing.assert_allclose(measured, force, atol=1e-14)
 
 
 def test_the_generalized_force_has_no_torque(vehicle):
     system, simulator = make_simulator(BREEZE, vehicle, (3, 0, 4), (0, 0, 0))
     for expected in ((0, 0, 0), (4.2, 0, 5.6)):
-        told = system.GetOutputPort("generalized_force").Eval(simulator.get_context())
-        np.testing.assert_array_equal(np.delete(told, [3, 4, 5]), np.zeros(3 + JOINTS))
-        np.testing.assert_allclose(told[3:6], expected, atol=1e-14)
+        generalized = system.GetOutputPort("generalized_force").Eval(simulator.get_context())
+        np.testing.assert_array_equal(np.delete(generalized, [3, 4, 5]), np.zeros(3 + JOINTS))
+        np.testing.assert_allclose(generalized[3:6], expected, atol=1e-14)
         simulator.AdvanceTo(PERIOD / 2)
 
 
@@ -55,8 +55,8 @@ def test_it_is_held_between_samples(vehicle):
     system.GetInputPort("air_velocity").FixValue(context, [-1, 0, 0])
     for time, force in ((0.9 * PERIOD, 1.3), (1.1 * PERIOD, -0.4)):
         simulator.AdvanceTo(time)
-        found = system.GetOutputPort("wind_force").Eval(context)
-        np.testing.assert_allclose(found, [force, 0, 0], atol=1e-14)
+        measured = system.GetOutputPort("wind_force").Eval(context)
+        np.testing.assert_allclose(measured, [force, 0, 0], atol=1e-14)
 
 
 def test_no_feedthrough():

@@ -37,17 +37,17 @@ def flown(scenario: Scenario, **by_name):
 
 
 @pytest.fixture(scope="module")
-def ours():
+def default():
     return flown(SHORT)
 
 
-def test_a_replacement_flies(ours):
-    log = flown(SHORT, weight_allocator=lambda ours: Fixed())
+def test_a_replacement_flies(default):
+    log = flown(SHORT, weight_allocator=lambda default: Fixed())
     assert log.exit_reason == "completed"
     ticked = slice(3, None)  # The first samples are from before the first tick.
     np.testing.assert_array_equal(log["gamma"][ticked], 0.5)
     np.testing.assert_array_equal(log["w_m"][ticked], 20.0)
-    assert not np.array_equal(log["q_rad"], ours["q_rad"])
+    assert not np.array_equal(log["q_rad"], default["q_rad"])
 
 
 class Gale(LeafSystem):
@@ -62,16 +62,16 @@ class Gale(LeafSystem):
         output.SetFromVector([2.0, 0.0, 0.0])
 
 
-def test_replaced_air_acts_in_a_scenario_without_wind(ours):
+def test_replaced_air_acts_in_a_scenario_without_wind(default):
     """0.25 |v| v + 0.15 v; less with the drift of the base."""
-    log = flown(SHORT, air=lambda ours: Gale())
+    log = flown(SHORT, air=lambda default: Gale())
     np.testing.assert_allclose(log["wind_force_n"][-1], [1.3, 0, 0], atol=0.1)
-    np.testing.assert_array_equal(ours["wind_force_n"], 0.0)
+    np.testing.assert_array_equal(default["wind_force_n"], 0.0)
 
 
 def test_a_replacement_is_used_in_one_diagram():
     fixed = Fixed()
-    mine = Replacements({"weight_allocator": lambda ours: fixed})
+    mine = Replacements({"weight_allocator": lambda default: fixed})
     make_closed_loop(SHORT, mine)
     with pytest.raises(BadInput, match="weight_allocator: expected a new system, got one of a"):
         make_closed_loop(SHORT, mine)
@@ -92,14 +92,14 @@ def test_every_system_can_be_replaced(name):
     assert name in systems_by_name(diagram)
 
 
-def test_replacing_all_systems_by_themselves_changes_nothing(ours):
+def test_replacing_all_systems_by_themselves_changes_nothing(default):
     log = flown(SHORT, **{name: lambda system: system for name in NAMES})
     for key in set(log.signals) - {"tick_ms"}:
-        np.testing.assert_array_equal(log[key], ours[key])
+        np.testing.assert_array_equal(log[key], default[key])
 
 
 def test_station_and_coordinator_accept_their_own_systems():
-    replacements = Replacements({"weight_allocator": lambda ours: Fixed()})
+    replacements = Replacements({"weight_allocator": lambda default: Fixed()})
     coordinator = make_coordinator(SHORT, replacements)
     assert isinstance(coordinator.GetSubsystemByName("weight_allocator"), Fixed)
     station = make_station(SHORT, Replacements({"sampler": wrapped}))
@@ -124,7 +124,7 @@ def test_other_names_are_refused(make, name):
     assert set(valid) - {"station", "coordinator"} == inside
 
 
-def test_a_controller_without_tick_times(ours):
+def test_a_controller_without_tick_times(default):
     """A LeafSystem with the ports of the MPC and constant outputs."""
 
     class Still(LeafSystem):
@@ -152,14 +152,14 @@ def test_a_controller_without_tick_times(ours):
     assert log.exit_reason == "completed" and len(log["tick_ms"]) == 0
     np.testing.assert_array_equal(log["a_Bd_m_s2"], 0.0)
     np.testing.assert_allclose(
-        log["p_B_m"], np.tile(ours["p_B_m"][0], (len(log["p_B_m"]), 1)), atol=1e-3
+        log["p_B_m"], np.tile(default["p_B_m"][0], (len(log["p_B_m"]), 1)), atol=1e-3
     )
 
 
-def wrapped(ours):
+def wrapped(default):
     """Returns the default system inside a diagram with the same ports."""
     builder = DiagramBuilder()
-    inner = builder.AddNamedSystem(f"{ours.get_name() or 'its'}_inside", ours)
+    inner = builder.AddNamedSystem(f"{default.get_name() or 'its'}_inside", default)
     for i in range(inner.num_input_ports()):
         port = inner.get_input_port(i)
         builder.ExportInput(port, port.get_name())
@@ -179,16 +179,16 @@ def wrapped(ours):
 def test_a_diagram_around_the_default_system_flies_identically(name):
     faults = (RotorDegraded(start_s=0.1), LearnerPoisoned(start_s=0.1))
     scenario = replace(SHORT, faults=faults, residual=Residual(mode="online"), wind=BREEZE)
-    log, ours = flown(scenario, **{name: wrapped}), flown(scenario)
+    log, default = flown(scenario, **{name: wrapped}), flown(scenario)
     for key in set(log.signals) - {"tick_ms"}:
-        np.testing.assert_array_equal(log[key], ours[key])
+        np.testing.assert_array_equal(log[key], default[key])
 
 
 @pytest.mark.parametrize(
     ("by_name", "message"),
     [
         (
-            {"mpc": lambda ours: None},
+            {"mpc": lambda default: None},
             "replacements: mpc: expected a system, got NoneType",
         ),
         (
@@ -196,19 +196,19 @@ def test_a_diagram_around_the_default_system_flies_identically(name):
             "replacements: mpc: expected a function from a system to a system, got Fixed",
         ),
         (
-            {"wieght_allocator": lambda ours: Fixed()},
+            {"wieght_allocator": lambda default: Fixed()},
             "replacements: wieght_allocator: no such .*; did you mean 'weight_allocator'?",
         ),
         (
-            {"weight_allocator": lambda ours: Fixed(distances=3)},
+            {"weight_allocator": lambda default: Fixed(distances=3)},
             "weight_allocator: expected an input port 'distances' of size 2, got size 3",
         ),
         (
-            {"weight_allocator": lambda ours: Fixed(wind=3)},
+            {"weight_allocator": lambda default: Fixed(wind=3)},
             "weight_allocator: no signal for its input port 'wind'",
         ),
         (
-            {"kinematics": lambda ours: Fixed()},
+            {"kinematics": lambda default: Fixed()},
             "kinematics: expected an input port 'state' of size 25, got d_g, distances",
         ),
     ],

@@ -221,11 +221,11 @@ def test_predicts_the_flight_of_the_station(flown, ticks, p_m, v_m_s, b_m_s2):
 def test_predicts_many_times_better_than_the_first_order_model(flown, ticks, times_better):
     scenario, flight = flown
     aware = replace(scenario, model=replace(scenario.model, kind="velocity_aware"))
-    ours, theirs = (
+    flight_error, other_error = (
         np.sqrt(np.mean(flight.errors(EquivalentModel.of(s, flight.n), ticks)[:, 0] ** 2))
         for s in (scenario, aware)
     )
-    assert ours < theirs / times_better
+    assert flight_error < other_error / times_better
 
 
 @pytest.mark.parametrize("flown", ["trajectory"], indirect=True)

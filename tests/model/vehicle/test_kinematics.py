@@ -53,9 +53,9 @@ def test_position_and_velocity_match_the_floating_plant(kinematics, floating, se
         context, JacobianWrtVariable.kV, tool, np.zeros(3), world, world
     )
     roll_rate, pitch_rate, yaw_rate = state.rpy_rates
-    ours = at.J_c @ [*state.v_B, yaw_rate, *state.qdot] + at.J_u @ [roll_rate, pitch_rate]
+    velocity = at.J_c @ [*state.v_B, yaw_rate, *state.qdot] + at.J_u @ [roll_rate, pitch_rate]
     np.testing.assert_allclose(at.p_E, p_E, atol=1e-12)
-    np.testing.assert_allclose(ours, J @ x[floating.num_positions() :], atol=1e-12)
+    np.testing.assert_allclose(velocity, J @ x[floating.num_positions() :], atol=1e-12)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -80,12 +80,12 @@ def about_centre(body) -> np.ndarray:
 def test_every_link_has_mass_and_inertia_scaled(exact, off):
     pairs = list(zip(links(exact), links(off), strict=True))
     assert len(pairs) == 1 + 6  # The base, and one for each joint.
-    for ours, theirs in pairs:
-        assert theirs.name() == ours.name()
-        assert theirs.default_mass() == pytest.approx(MASS * ours.default_mass())
-        np.testing.assert_allclose(theirs.default_com(), ours.default_com(), atol=1e-15)
+    for link, scaled in pairs:
+        assert scaled.name() == link.name()
+        assert scaled.default_mass() == pytest.approx(MASS * link.default_mass())
+        np.testing.assert_allclose(scaled.default_com(), link.default_com(), atol=1e-15)
         np.testing.assert_allclose(
-            about_centre(theirs), INERTIA * about_centre(ours), rtol=1e-9, atol=1e-16
+            about_centre(scaled), INERTIA * about_centre(link), rtol=1e-9, atol=1e-16
         )
 
 
@@ -113,8 +113,8 @@ def test_composite_inertia_is_that_of_the_links_by_the_parallel_axis_theorem(exa
     inertia = off.CalcSpatialInertia(
         there, off.world_frame(), [body.index() for body in links(off)]
     )
-    found = inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
-    np.testing.assert_allclose(found, composite, rtol=1e-9, atol=1e-12)
+    central = inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
+    np.testing.assert_allclose(central, composite, rtol=1e-9, atol=1e-12)
 
 
 def test_the_mass_matrix_changes_by_the_links_alone(exact, off, state):
@@ -137,9 +137,9 @@ def test_the_mass_matrix_changes_by_the_links_alone(exact, off, state):
 def test_mass_alone_and_inertia_alone(vehicle, scene_graph, exact, key):
     plant = make_plant(vehicle.robot, scene_graph, Mismatch(**{key: 2.0}))
     scales = np.array([1.0 + (key == "mass_scale"), 1.0 + (key == "inertia_scale")])
-    for ours, theirs in zip(links(exact), links(plant), strict=True):
-        moments = [np.trace(about_centre(body)) for body in (ours, theirs)]
-        masses = [body.default_mass() for body in (ours, theirs)]
+    for link, scaled in zip(links(exact), links(plant), strict=True):
+        moments = [np.trace(about_centre(body)) for body in (link, scaled)]
+        masses = [body.default_mass() for body in (link, scaled)]
         np.testing.assert_allclose(
             [masses[1], moments[1]], scales * [masses[0], moments[0]], rtol=1e-9
         )

@@ -44,20 +44,20 @@ def test_matrix_is_drakes(q):
 def test_roll_pitch_yaw_is_drakes(q):
     R = drakes(q)
     if abs(np.cos(RollPitchYaw(R).pitch_angle())) > 1e-3:
-        found = roll_pitch_yaw(R.matrix())
+        angles = roll_pitch_yaw(R.matrix())
         np.testing.assert_allclose(
-            RollPitchYaw(found).ToRotationMatrix().matrix(), R.matrix(), atol=1e-10
+            RollPitchYaw(angles).ToRotationMatrix().matrix(), R.matrix(), atol=1e-10
         )
-        turns = (found - RollPitchYaw(R).vector()) / (2 * np.pi)
+        turns = (angles - RollPitchYaw(R).vector()) / (2 * np.pi)
         np.testing.assert_allclose(turns, np.round(turns), atol=1e-9)
 
 
 @given(vectors, st.sampled_from([1e-9, 1.0, 7.0]))
 def test_quaternion_of_roll_pitch_yaw_is_drakes(rpy, size):
-    found = quaternion_of(size * rpy)
-    assert np.linalg.norm(found) == pytest.approx(1, abs=1e-14)
-    wanted = RollPitchYaw(size * rpy).ToRotationMatrix().matrix()
-    np.testing.assert_allclose(rotation_matrix(found), wanted, atol=1e-14)
+    quaternion = quaternion_of(size * rpy)
+    assert np.linalg.norm(quaternion) == pytest.approx(1, abs=1e-14)
+    expected = RollPitchYaw(size * rpy).ToRotationMatrix().matrix()
+    np.testing.assert_allclose(rotation_matrix(quaternion), expected, atol=1e-14)
 
 
 @given(quaternions)
@@ -77,20 +77,20 @@ def test_product_is_drakes(a, b):
 @given(quaternions, vectors, st.sampled_from([0.0, 1e-14, 1e-9, 1e-3, 1.0, 3.0]))
 def test_turned_is_scipys(q, v, length):
     v = v * length
-    found = turned(q, v)
-    assert np.linalg.norm(found) == pytest.approx(1, abs=1e-14)
-    wanted = drakes(q).matrix() @ Rotation.from_rotvec(v).as_matrix()
-    np.testing.assert_allclose(rotation_matrix(found), wanted, atol=1e-12)
+    rotated = turned(q, v)
+    assert np.linalg.norm(rotated) == pytest.approx(1, abs=1e-14)
+    expected = drakes(q).matrix() @ Rotation.from_rotvec(v).as_matrix()
+    np.testing.assert_allclose(rotation_matrix(rotated), expected, atol=1e-12)
 
 
 @given(quaternions)
 def test_rotation_vector_is_scipys(q):
-    wanted = Rotation.from_quat(q, scalar_first=True)
-    found = rotation_vector(q)
+    expected = Rotation.from_quat(q, scalar_first=True)
+    vector = rotation_vector(q)
     np.testing.assert_allclose(
-        Rotation.from_rotvec(found).as_matrix(), wanted.as_matrix(), atol=1e-9
+        Rotation.from_rotvec(vector).as_matrix(), expected.as_matrix(), atol=1e-9
     )
-    assert np.linalg.norm(found) <= np.pi + 1e-12
+    assert np.linalg.norm(vector) <= np.pi + 1e-12
 
 
 def test_small_rotation_vectors_keep_their_digits():

@@ -127,9 +127,9 @@ def test_an_arm_that_cannot_be_high_enough_is_as_high_as_possible(tmp_path):
     other = VehicleModel.load(with_joints(Scenario(), 1, tmp_path / "arm.urdf"))
     geometry = geometry_of(other.robot)
     highest = max(geometry.heights(np.array([q])).min() for q in np.linspace(-3, 3, 601))
-    found = geometry.heights(other.tucked).min()
-    assert found < other.feet_m + CLEARANCE_M
-    assert found == pytest.approx(highest, abs=1e-4)
+    lowest_corner = geometry.heights(other.tucked).min()
+    assert lowest_corner < other.feet_m + CLEARANCE_M
+    assert lowest_corner == pytest.approx(highest, abs=1e-4)
 
 
 def test_an_arm_without_collision_geometry_stays(tmp_path, scenario, vehicle):

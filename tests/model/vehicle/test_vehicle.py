@@ -50,14 +50,14 @@ def test_joints_and_limits_match_the_urdf(vehicle, xml):
     joints = xml.findall("joint")
     limits = [joint.find("limit") for joint in joints]
     assert vehicle.joint_names == tuple(joint.get("name") for joint in joints)
-    for ours, attribute in (
+    for values, attribute in (
         (vehicle.lower, "lower"),
         (vehicle.upper, "upper"),
         (vehicle.velocity, "velocity"),
         (vehicle.effort, "effort"),
         (vehicle.acceleration, ACCELERATION),
     ):
-        np.testing.assert_array_equal(ours, [float(limit.get(attribute)) for limit in limits])
+        np.testing.assert_array_equal(values, [float(limit.get(attribute)) for limit in limits])
 
 
 def test_rotors_match_the_urdf(vehicle, xml):

@@ -187,11 +187,11 @@ def test_commanded_motion_combines_the_measured_base_and_the_arm_setpoint(vehicl
     x, vdot = commanded_motion(
         state.to_vector(), np.concatenate([q_d, qdot_d, qddot_d]), np.array([1.0, 2.0, 3.0])
     )
-    found = split_state(x)
+    commanded = split_state(x)
     for part in ("quaternion", "p_B", "omega_W", "v_B"):
-        np.testing.assert_array_equal(getattr(found, part), getattr(state, part))
-    np.testing.assert_array_equal(found.q, q_d)
-    np.testing.assert_array_equal(found.qdot, qdot_d)
+        np.testing.assert_array_equal(getattr(commanded, part), getattr(state, part))
+    np.testing.assert_array_equal(commanded.q, q_d)
+    np.testing.assert_array_equal(commanded.qdot, qdot_d)
     np.testing.assert_array_equal(vdot, [0, 0, 0, 1, 2, 3, *qddot_d])
 
 
