@@ -1,7 +1,5 @@
 """Command line `aerodrake COMMAND`; see `aerodrake --help`."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence

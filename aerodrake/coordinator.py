@@ -5,8 +5,6 @@ systems are in `aerodrake.station`, its signals from and to the station in `STAT
 `SETPOINTS` there. Guidance is wired on a page of its own.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.systems.framework import Diagram
 

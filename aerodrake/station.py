@@ -14,8 +14,6 @@ independent of rounding. The coordinator sees outputs of the low-level controlle
 sample late.
 """
 
-from __future__ import annotations
-
 from pydrake.common import RandomGenerator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import AffineSystem, RandomSource

@@ -1,7 +1,5 @@
 """Variants of a robot with other numbers of joints."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Plant without controllers, the reference for the cost of the closed loop."""
 
-from __future__ import annotations
-
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 

@@ -1,7 +1,5 @@
 """Exact minimiser of a condensed program, with its optimality residual."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cost of the closed loop relative to its plant, and cost of each system."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace

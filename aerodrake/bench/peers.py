@@ -6,8 +6,6 @@ settings are the fastest of those tried that bring u_0 to within 1e-3 m/s^2 and 
 the optimum on recorded ticks.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from importlib import import_module
 from typing import Any, ClassVar

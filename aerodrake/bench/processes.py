@@ -1,7 +1,5 @@
 """Start-up time and memory of whole commands, each in a separate process."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

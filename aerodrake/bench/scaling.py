@@ -1,7 +1,5 @@
 """Scaling of the MPC tick with the horizon and the number of joints."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace

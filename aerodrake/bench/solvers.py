@@ -1,7 +1,5 @@
 """Comparison of the MPC's solver with others on the same recorded ticks."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress

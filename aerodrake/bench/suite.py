@@ -1,7 +1,5 @@
 """Benchmark suite: MPC tick, closed loop, scaling, memory and start-up."""
 
-from __future__ import annotations
-
 import os
 import platform
 from collections.abc import Callable

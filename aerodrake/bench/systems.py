@@ -1,7 +1,5 @@
 """Computation time of each Python system."""
 
-from __future__ import annotations
-
 import functools
 import time
 from collections import defaultdict

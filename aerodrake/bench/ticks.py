@@ -1,7 +1,5 @@
 """Recorded MPC ticks of a flight, and their replay with several solvers."""
 
-from __future__ import annotations
-
 import copy
 import gc
 import time

@@ -1,7 +1,5 @@
 """Command `aerodrake coordinator SCENARIO`."""
 
-from __future__ import annotations
-
 import argparse
 
 from aerodrake.commands.options import (

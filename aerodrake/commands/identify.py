@@ -1,7 +1,5 @@
 """Command `aerodrake identify [SCENARIO]`."""
 
-from __future__ import annotations
-
 import argparse
 import shlex
 from pathlib import Path

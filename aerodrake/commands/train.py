@@ -1,7 +1,5 @@
 """Command `aerodrake train [SCENARIO]`."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

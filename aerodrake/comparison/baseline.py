@@ -1,7 +1,5 @@
 """K_e and weights of the integral model at its own best, the variant `integral_best`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from aerodrake.scenario import Scenario, Weights

@@ -1,7 +1,5 @@
 """Variants of one flight: the paper's method, the method without one part, other methods."""
 
-from __future__ import annotations
-
 import dataclasses
 import shutil
 from collections.abc import Callable, Mapping, Sequence

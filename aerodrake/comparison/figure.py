@@ -1,7 +1,5 @@
 """Figure of a comparison."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

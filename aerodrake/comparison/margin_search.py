@@ -1,11 +1,9 @@
 """Search for the magnitude of a disturbance that a configuration tolerates."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, Self
 
 COARSE = 8
 """Stride of the coarse search over the values, which bisection then refines."""
@@ -29,7 +27,7 @@ class Outcome:
     exit_cause: str = ""
 
     @classmethod
-    def of(cls, summary: Mapping[str, Any], key: str) -> Outcome:
+    def of(cls, summary: Mapping[str, Any], key: str) -> Self:
         """Returns the outcome of a flight.
 
         Args:

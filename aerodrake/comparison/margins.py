@@ -1,7 +1,5 @@
 """Robustness margins: disturbances that grow until the error doubles and the flight is lost."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

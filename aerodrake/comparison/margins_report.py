@@ -1,7 +1,5 @@
 """Table, figure and JSON file of robustness margins."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

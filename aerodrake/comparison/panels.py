@@ -1,9 +1,7 @@
 """Panels of the figures of a comparison: paths, distances and errors by variant."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -49,7 +47,7 @@ class View(NamedTuple):
     high: tuple[float, float]
 
     @classmethod
-    def of(cls, logs: Mapping[str, FlightLog]) -> View:
+    def of(cls, logs: Mapping[str, FlightLog]) -> Self:
         """Returns the view along the world axis with the least motion that contains all paths."""
         places = np.vstack([log[key] for log in logs.values() for key in ("p_E_m", "p_Ed_m")])
         places = places[np.isfinite(places).all(axis=1)]

@@ -1,7 +1,5 @@
 """Table of the results of a comparison and of the paper."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

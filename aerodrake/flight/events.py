@@ -1,7 +1,5 @@
 """Faults of a flight and conditions that its supervisor detected, over time."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

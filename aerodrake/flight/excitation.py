@@ -1,7 +1,5 @@
 """Open-loop flights of the station along prescribed setpoints."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,12 +1,10 @@
 """The log of a flight: signals over reference time."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -162,12 +160,12 @@ class FlightLog:
         """(T,) distance of the base from its setpoint."""
         return np.linalg.norm(self["p_B_m"] - self["p_Bd_m"], axis=1)
 
-    def thinned(self, most: int) -> FlightLog:
+    def thinned(self, most: int) -> Self:
         """Returns a log of `most` samples or fewer, evenly spaced up to the last, for a figure."""
         stride = -(-len(self.time_s) // most)
         return replace(self, signals=_Thinned(self.signals, stride)) if stride > 1 else self
 
-    def loaded(self) -> FlightLog:
+    def loaded(self) -> Self:
         """Returns a log with its signals in memory, to read them more than once."""
         return replace(self, signals=dict(self.signals))
 
@@ -182,7 +180,7 @@ class FlightLog:
                         file.write(rows[start : start + ROWS_PER_WRITE].tobytes())
 
     @classmethod
-    def read(cls, path: Path, summary: Mapping[str, Any], vehicle: VehicleModel) -> FlightLog:
+    def read(cls, path: Path, summary: Mapping[str, Any], vehicle: VehicleModel) -> Self:
         """Opens a log that `save` wrote; each access reads a signal from the file.
 
         Args:

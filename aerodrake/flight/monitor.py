@@ -1,7 +1,5 @@
 """Ends of a flight: completed, in a safe mode, or lost."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Search for the systems that output NaN or infinite values first."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.systems.framework import Context, Diagram, InputPort, OutputPort, PortDataType, System
 

@@ -1,7 +1,5 @@
 """The station with prescribed setpoints, without a coordinator."""
 
-from __future__ import annotations
-
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import Trajectory

@@ -1,7 +1,5 @@
 """Signals of a flight in a temporary file, since they may be larger than the memory."""
 
-from __future__ import annotations
-
 import tempfile
 import weakref
 from collections.abc import Iterator, Mapping

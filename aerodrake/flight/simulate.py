@@ -1,10 +1,9 @@
 """Simulates a scenario's closed loop, with a monitor and a log."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Mapping
+from typing import Self
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
@@ -88,7 +87,7 @@ class FlightSimulation:
         self,
         progress: Callable[[float], None] = lambda simulated_s: None,
         rate: float = 0.0,
-        attach: Callable[[FlightSimulation, Simulator], None] = lambda flight, simulator: None,
+        attach: Callable[[Self, Simulator], None] = lambda flight, simulator: None,
     ) -> FlightLog:
         """Flies from trim to the scenario's end, or until the vehicle is lost or stops.
 

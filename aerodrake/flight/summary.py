@@ -1,7 +1,5 @@
 """The summary of a flight, as in `summary.json`."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping

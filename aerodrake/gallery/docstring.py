@@ -1,10 +1,9 @@
 """Parser of docstrings of systems, with sections for ports, state and rate."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from dataclasses import dataclass
+from typing import Self
 
 SECTION = re.compile(r"^(Ports|State, rate|State|Rate|Attributes|Args|Raises|Returns|Keys):(.*)$")
 PORT = re.compile(r"^(in|out) ((?:`\w+` \(.*?\)(?:, | and )?)+)(?:: |\. )(.*)$")
@@ -23,7 +22,7 @@ class Docstring:
     sections: dict[str, str]
 
     @classmethod
-    def of(cls, thing: object) -> Docstring:
+    def of(cls, thing: object) -> Self:
         """Parses the docstring of a class, function or module; empty if it has none."""
         text: list[str] = []
         sections: dict[str, list[str]] = {}

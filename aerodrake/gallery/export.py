@@ -1,7 +1,5 @@
 """Files with the page and the graphs of each diagram and system."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from collections.abc import Collection, Iterable, Mapping

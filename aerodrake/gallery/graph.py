@@ -4,8 +4,6 @@ Both depend only on the wiring. A diagram gives the same bytes in every process,
 so that its graphs can be committed and compared.
 """
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator

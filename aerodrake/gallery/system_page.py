@@ -4,8 +4,6 @@ Ports, state and rate are those of the system itself; their meaning is from its 
 the equations are those that its module imports.
 """
 
-from __future__ import annotations
-
 import inspect
 import sys
 from collections.abc import Callable, Iterator

@@ -20,8 +20,6 @@ and 0.86). This chirp has R^2 0.98 and 0.95. In flights of `clover_paper` and
 the trajectory interface these errors hardly depend on K.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass

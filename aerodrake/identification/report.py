@@ -1,7 +1,5 @@
 """Table, figure and files of an identification."""
 
-from __future__ import annotations
-
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any

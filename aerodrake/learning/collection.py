@@ -1,7 +1,5 @@
 """Data collection: runs flown in parallel, stored in files and reused."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Sequence
 from functools import partial

@@ -6,8 +6,6 @@ at several speeds in three dimensions. The planes of both turn slowly about the
 vertical, so that the data cover every heading.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from dataclasses import dataclass

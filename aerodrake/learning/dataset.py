@@ -1,7 +1,5 @@
 """Files of samples of the residual velocity, one `.npz` for each collection run."""
 
-from __future__ import annotations
-
 import io
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Prediction errors of the base velocity on held-out flights."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Data collection, training and evaluation of the residual network."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from importlib.metadata import version

@@ -1,7 +1,5 @@
 """Style of figures, and functions that write them as PNG or as part of a page."""
 
-from __future__ import annotations
-
 import io
 import re
 import warnings

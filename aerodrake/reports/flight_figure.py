@@ -1,7 +1,5 @@
 """The figure of a flight, `tracking.png`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Flies a flight and writes its results into a folder."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

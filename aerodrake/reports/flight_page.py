@@ -1,7 +1,5 @@
 """`report.html` of a flight."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Panels of a flight's figures, of one subject each."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

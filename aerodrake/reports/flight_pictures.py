@@ -1,7 +1,5 @@
 """The pictures of one flight."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 

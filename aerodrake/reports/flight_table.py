@@ -1,7 +1,5 @@
 """The table of a flight's figures beside those of the paper."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,8 +1,7 @@
 """Live view of a flight in Meshcat and in one line of text."""
 
-from __future__ import annotations
-
 import math
+from typing import Self
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
@@ -42,7 +41,7 @@ class LiveView:
         self._scene = Scene(flight.scenario, flight.vehicle)
         self.url = self._scene.meshcat.web_url()
 
-    def __enter__(self) -> LiveView:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:

@@ -7,8 +7,6 @@ signals from the station to the coordinator are at the top right, and the
 setpoints at the bottom left.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from itertools import accumulate
 from typing import NamedTuple

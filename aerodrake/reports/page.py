@@ -1,7 +1,5 @@
 """Self-contained HTML pages, made from templates."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 from importlib.metadata import version

@@ -1,7 +1,5 @@
 """Pictures of a page: small figures of one subject each, which also fit on a phone."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple

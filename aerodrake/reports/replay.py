@@ -1,7 +1,5 @@
 """A recording of a flight that plays in a browser, offline."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from aerodrake.flight.log import FlightLog

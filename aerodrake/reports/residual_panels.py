@@ -1,7 +1,5 @@
 """Panels of the estimated and the true residual Delta."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

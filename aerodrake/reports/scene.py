@@ -1,9 +1,8 @@
 """The vehicle and its paths in Meshcat."""
 
-from __future__ import annotations
-
 import gc
 import logging
+from typing import Self
 
 import numpy as np
 from pydrake.geometry import Box, Meshcat, MeshcatParams, MeshcatVisualizer, Rgba, SceneGraph
@@ -63,7 +62,7 @@ class Scene:
         self._diagram = builder.Build()
         self._context = self._diagram.CreateDefaultContext()
 
-    def __enter__(self) -> Scene:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

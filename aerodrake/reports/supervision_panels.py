@@ -1,7 +1,5 @@
 """Panels of faults, conditions of the supervisor, and safe modes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

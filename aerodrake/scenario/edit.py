@@ -1,7 +1,5 @@
 """Edits of scenario files that preserve every other byte: comments, order and layout."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

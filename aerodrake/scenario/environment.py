@@ -1,7 +1,5 @@
 """Environment sections of a scenario: sensors, wind, payload and model mismatch."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from aerodrake.scenario.schema import quantity

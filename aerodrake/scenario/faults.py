@@ -1,7 +1,5 @@
 """Faults that a scenario can inject, each with its start and its duration."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

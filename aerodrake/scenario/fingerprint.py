@@ -1,7 +1,5 @@
 """Hashes of scenarios and of their sections."""
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json

@@ -1,7 +1,5 @@
 """Files that a scenario names, copied so that the flown and the saved content are the same."""
 
-from __future__ import annotations
-
 import itertools
 import tempfile
 from collections.abc import Iterator

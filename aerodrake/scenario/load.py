@@ -1,7 +1,5 @@
 """Loading, overriding, checking and saving of scenarios."""
 
-from __future__ import annotations
-
 import dataclasses
 import os
 import re

@@ -5,8 +5,6 @@ Here, as in YAML 1.2, numbers are decimal, true and false are the only booleans,
 unquoted value is a string: a field that expects a number refuses it and shows it as written.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from typing import Any, NoReturn

@@ -1,7 +1,5 @@
 """Reference sections of a scenario: the end-effector's path and the tool's direction."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Scenario keys of earlier versions, which are refused with their new name."""
 
-from __future__ import annotations
-
 import re
 
 RENAMED: dict[str, str] = {

@@ -1,7 +1,5 @@
 """Rules between the keys of a scenario."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable, Iterator

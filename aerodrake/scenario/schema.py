@@ -9,8 +9,6 @@ dotted key, the unit, the range and the nearest valid name. For a field whose ty
 of dataclasses, the key `kind` selects the class.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import reprlib

@@ -4,8 +4,6 @@ Each class is one mapping of the YAML file, each field one key. A field is decla
 default, its unit and its range; a comment above it gives its meaning. Symbols are the paper's.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import dataclass
 

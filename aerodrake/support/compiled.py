@@ -1,7 +1,5 @@
 """Compilation of equations to machine code, with a cache on disk."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Paths of packaged files, bounded reading and atomic writing."""
 
-from __future__ import annotations
-
 import io
 import os
 import stat

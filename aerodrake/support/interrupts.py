@@ -1,7 +1,5 @@
 """Deferred handling of Ctrl-C and SIGTERM, so that results are saved first."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

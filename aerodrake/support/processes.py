@@ -1,7 +1,5 @@
 """Parallel work in isolated processes, one for each item."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

@@ -1,7 +1,5 @@
 """Folder of a command's results, which is written atomically."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Hidden folders in which results are prepared, and cleanup after killed processes."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os

@@ -1,7 +1,5 @@
 """Limit of the threads of numerical libraries."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Wall times of a controller's ticks, measured from outside."""
 
-from __future__ import annotations
-
 import time
 from typing import Any
 

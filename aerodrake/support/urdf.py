@@ -1,7 +1,5 @@
 """Reading and copying of robot descriptions, without external entities, with their meshes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 from xml.dom import expatbuilder

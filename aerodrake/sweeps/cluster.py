@@ -1,7 +1,5 @@
 """Executor of a Dask cluster."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Iterator
 from concurrent.futures import Executor

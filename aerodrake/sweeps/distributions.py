@@ -1,7 +1,5 @@
 """Distributions of the values of a scenario's key, and their notation."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass

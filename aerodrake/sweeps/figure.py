@@ -1,7 +1,5 @@
 """Figure of a sweep: distribution of the error, and error against each varied key."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

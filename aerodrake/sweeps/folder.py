@@ -1,7 +1,5 @@
 """Folder of a sweep: its plan, a row for each trial that has ended, and the results."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import json

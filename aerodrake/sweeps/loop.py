@@ -1,7 +1,5 @@
 """Flight of the trials of a sweep on any executor."""
 
-from __future__ import annotations
-
 import queue
 from collections.abc import Callable, Iterator
 from concurrent.futures import (

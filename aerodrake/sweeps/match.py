@@ -1,7 +1,5 @@
 """Comparison of the sweep in a folder with a plan, before it is resumed."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import tempfile

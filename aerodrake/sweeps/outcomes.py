@@ -1,11 +1,9 @@
 """Outcomes of a sweep: exit reasons and errors of its flights."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from scipy.stats import spearmanr
@@ -38,7 +36,7 @@ class Outcomes:
     key: str
 
     @classmethod
-    def read(cls, folder: Path, plan: Plan) -> Outcomes:
+    def read(cls, folder: Path, plan: Plan) -> Self:
         """Reads the rows of a sweep's folder.
 
         The headline is the first of `HEADLINES` that all completed flights have.

@@ -1,13 +1,11 @@
 """Plan of a sweep: a scenario and distributions of some of its keys."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any
+from typing import Any, Self
 
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.inputs import named_files
@@ -45,7 +43,7 @@ class Plan:
     integer_keys: frozenset[str] = frozenset()
 
     @classmethod
-    def make(cls, scenario: Scenario, vary: Iterable[str], trials: int | None = None) -> Plan:
+    def make(cls, scenario: Scenario, vary: Iterable[str], trials: int | None = None) -> Self:
         """Returns a plan in which each distribution is checked against the range of its key.
 
         Values of `normal` may still be out of range, and values may contradict each other; the

@@ -1,7 +1,5 @@
 """Summary, table and figure of a sweep."""
 
-from __future__ import annotations
-
 import os
 from collections import Counter
 from collections.abc import Mapping

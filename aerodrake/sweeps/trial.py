@@ -1,7 +1,5 @@
 """One flight of a sweep, and its row."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import socket

@@ -1,7 +1,5 @@
 """Arm controller: the joints' low-level controller."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

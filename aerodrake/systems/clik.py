@@ -1,7 +1,5 @@
 """Closed-loop inverse kinematics as a system, in place of the MPC."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 

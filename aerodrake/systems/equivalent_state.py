@@ -1,7 +1,5 @@
 """Initial state of the equivalent model at each tick."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Flight controller: the base's low-level controller."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 

@@ -1,7 +1,5 @@
 """Base class of the MPC and CLIK systems."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Kinematics of the end-effector as a system, evaluated once for all its consumers."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import BasicVector, Context, LeafSystem

@@ -1,7 +1,5 @@
 """MPC as a system."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Discrete state of a LeafSystem in named groups."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import Any, Generic, TypeVar
 

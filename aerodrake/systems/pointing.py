@@ -1,7 +1,5 @@
 """The orientation task as a system."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import BasicVector, Context, LeafSystem

@@ -1,7 +1,5 @@
 """The reference as a system."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 

@@ -1,7 +1,5 @@
 """Rotors and propellers at the plant's rate, as systems of Drake's own."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import Propeller, PropellerInfo

@@ -1,7 +1,5 @@
 """Sensors that sample the vehicle's state for all its consumers."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

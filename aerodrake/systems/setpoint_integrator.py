@@ -1,7 +1,5 @@
 """Setpoint integrator: setpoints of base and arm from accelerations."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

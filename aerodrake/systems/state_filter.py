@@ -1,7 +1,5 @@
 """State filter as a system."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Weight allocation as a system."""
 
-from __future__ import annotations
-
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.mpc.weight_allocation import AllocatedWeights, Mode, allocate

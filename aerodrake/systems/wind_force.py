@@ -1,7 +1,5 @@
 """Force of the wind on the base."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 

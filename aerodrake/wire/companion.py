@@ -1,7 +1,5 @@
 """The coordinator on a companion computer, which follows the clock of a station over the link."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Mapping

@@ -12,8 +12,6 @@ ignore messages with another number. If the scenarios of the two ends differ, no
 and both report the sections that differ.
 """
 
-from __future__ import annotations
-
 import ipaddress
 import re
 import secrets

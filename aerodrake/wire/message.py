@@ -10,8 +10,6 @@ The first three rows are the header, which does not depend on the scenario. The 
 microseconds.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Mapping
 from enum import IntEnum

@@ -1,7 +1,5 @@
 """System that outputs the signals of the coordinator's messages."""
 
-from __future__ import annotations
-
 from collections import namedtuple
 from functools import partial
 

@@ -13,8 +13,6 @@ next ticks, which they follow until the reply arrives. This compensates the late
 0.031 mm if the setpoints were extrapolated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from pydrake.lcm import DrakeLcmInterface

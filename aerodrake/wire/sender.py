@@ -1,7 +1,5 @@
 """System that publishes the station's signals."""
 
-from __future__ import annotations
-
 from pydrake.systems.framework import Context, LeafSystem
 
 from aerodrake.wire.link import Link

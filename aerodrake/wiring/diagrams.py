@@ -1,7 +1,5 @@
 """Traversal of diagrams."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from pydrake.systems.framework import Diagram, System

@@ -1,7 +1,5 @@
 """Wiring of guidance: the reference, its faults and its guard."""
 
-from __future__ import annotations
-
 from pydrake.systems.framework import Diagram
 
 from aerodrake.model.mpc.horizon import stage_times

@@ -1,7 +1,5 @@
 """Plant, scene graph, rotors and propellers, connected."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rates of systems as data."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

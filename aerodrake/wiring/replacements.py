@@ -1,8 +1,7 @@
 """Replacement of systems in station and coordinator by the user's own, by name."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
+from typing import Self
 
 from pydrake.systems.framework import (
     Diagram,
@@ -49,7 +48,7 @@ class Replacements:
         """
         return _ReplacingBuilder(self)
 
-    def part(self) -> Replacements:
+    def part(self) -> Self:
         """Returns the same replacements for a sub-diagram, which need not contain all of them."""
         part = Replacements(self._by_name)
         part._used, part._is_part = self._used, True

@@ -1,7 +1,5 @@
 """Sensors as a diagram: samples of the state, noise, delay, faults, and the state filter."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.common import RandomDistribution
 from pydrake.systems.framework import Diagram, DiagramBuilder, System

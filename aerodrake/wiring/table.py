@@ -1,8 +1,7 @@
 """Connections between systems as tables of names."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
+from typing import Self
 
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
@@ -31,7 +30,7 @@ class Wiring:
     inputs: tuple[tuple[str, str, str], ...] = ()
     outputs: tuple[tuple[str, str, str], ...] = ()
 
-    def __add__(self, other: Wiring) -> Wiring:
+    def __add__(self, other: Self) -> Self:
         """Returns the rows of both."""
         return Wiring(
             self.connections + other.connections,
@@ -39,7 +38,7 @@ class Wiring:
             self.outputs + other.outputs,
         )
 
-    def rename(self, old: str, new: str) -> Wiring:
+    def rename(self, old: str, new: str) -> Self:
         """Returns these rows with another name for a system."""
 
         def renamed(system: str) -> str:
@@ -51,7 +50,7 @@ class Wiring:
             tuple((renamed(system), port, name) for system, port, name in self.outputs),
         )
 
-    def insert(self, name: str, system: str, port: str) -> Wiring:
+    def insert(self, name: str, system: str, port: str) -> Self:
         """Returns these rows with a `SymbolicVectorSystem` inserted behind an output port.
 
         Args:

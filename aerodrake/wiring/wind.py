@@ -1,7 +1,5 @@
 """Wiring of the wind: noise, moving air, and the force on the base."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.common import RandomDistribution
 from pydrake.systems.framework import Diagram

@@ -4,8 +4,6 @@ The states of an axis begin with position, velocity, and those of the setpoint,
 [p, p', p_d, p_d']; u is the acceleration of the setpoint.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import NamedTuple

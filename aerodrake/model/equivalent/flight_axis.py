@@ -1,7 +1,5 @@
 """Model of one axis of the base in closed loop with its flight controller."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.linalg import expm
 

@@ -1,7 +1,5 @@
 """Identification of K_B: a gain by least squares, with its confidence interval."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 """Initial state x_0 of the equivalent model, from measurement, setpoints and the last tick."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -35,7 +33,7 @@ class Thrust(NamedTuple):
         specific_thrust: float,
         external_acceleration: np.ndarray,
         disturbance: np.ndarray,
-    ) -> Thrust:
+    ) -> Self:
         """Makes it from the measured state and outputs of filter and flight controller.
 
         Args:

@@ -10,10 +10,9 @@ of the command. The kinds of model differ in the response of the base's axes to 
 and in the states of that response.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -53,7 +52,7 @@ class EquivalentModel:
     base_is_commanded: bool
 
     @classmethod
-    def of(cls, scenario: Scenario, joints: int) -> EquivalentModel:
+    def of(cls, scenario: Scenario, joints: int) -> Self:
         """Returns the scenario's model at the rate of its MPC, for n `joints`."""
         config, rates = scenario.model, scenario.rates
         if config.kind != "flight":
@@ -66,7 +65,7 @@ class EquivalentModel:
         return cls._assemble(axes, rates.mpc_period_s, joints, base_is_commanded=False)
 
     @classmethod
-    def make(cls, kind: str, k_b: np.ndarray, dt: float, joints: int) -> EquivalentModel:
+    def make(cls, kind: str, k_b: np.ndarray, dt: float, joints: int) -> Self:
         """Returns one of the models that have K_B as their only parameter.
 
         Args:
@@ -81,7 +80,7 @@ class EquivalentModel:
     @classmethod
     def _assemble(
         cls, axes: list[AxisModel], dt: float, joints: int, base_is_commanded: bool
-    ) -> EquivalentModel:
+    ) -> Self:
         joint = np.array([[1, dt], [0, 1]]), np.array([[dt**2 / 2], [dt]])
         A = block_diag(*(axis.A for axis in axes), *[joint[0]] * joints)
         B = block_diag(*(axis.B[:, None] for axis in axes), *[joint[1]] * joints)

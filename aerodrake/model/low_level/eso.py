@@ -1,9 +1,7 @@
 """Extended state observer (ESO) of an integrator chain with an unknown constant input."""
 
-from __future__ import annotations
-
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -28,7 +26,7 @@ class ExtendedStateObserver(NamedTuple):
     L: np.ndarray
 
     @classmethod
-    def make(cls, order: int, bandwidth: float, dt: float) -> ExtendedStateObserver:
+    def make(cls, order: int, bandwidth: float, dt: float) -> Self:
         """Returns the observer for a measured velocity (order 1) or position (order 2).
 
         Args:

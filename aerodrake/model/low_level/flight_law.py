@@ -5,9 +5,7 @@ manipulation", 2023, as publicly known; the attitude error is that of T. Lee et
 al., "Geometric tracking control of a quadrotor UAV on SE(3)", 2010.
 """
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -31,7 +29,7 @@ class PositionGains(NamedTuple):
     integral: np.ndarray
 
     @classmethod
-    def make(cls, config: Flight) -> PositionGains:
+    def make(cls, config: Flight) -> Self:
         """Returns the gains of a scenario."""
         gains = config.position_gain, config.velocity_gain, config.integral_gain
         return cls(*(np.array(gain, dtype=float) for gain in gains))
@@ -49,7 +47,7 @@ class AttitudeGains(NamedTuple):
     rate: np.ndarray
 
     @classmethod
-    def make(cls, config: Flight) -> AttitudeGains:
+    def make(cls, config: Flight) -> Self:
         """Returns the gains of a scenario."""
         gains = config.attitude_gain, config.rate_gain
         return cls(*(np.array(gain, dtype=float) for gain in gains))

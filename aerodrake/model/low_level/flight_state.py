@@ -1,8 +1,6 @@
 """State and outputs of the flight controller."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -30,7 +28,7 @@ class FlightState(NamedTuple):
     acceleration: np.ndarray
 
     @classmethod
-    def at_rest(cls, p_B: np.ndarray, h_omega: np.ndarray, thrust: np.ndarray) -> FlightState:
+    def at_rest(cls, p_B: np.ndarray, h_omega: np.ndarray, thrust: np.ndarray) -> Self:
         """Returns the state in which the base is at rest, and level, at p_B.
 
         Args:

@@ -1,8 +1,6 @@
 """Inner loop of the flight controller: from a desired acceleration to rotor thrusts."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -54,7 +52,7 @@ class InnerLoop(NamedTuple):
     smoothing: float
 
     @classmethod
-    def make(cls, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: float) -> InnerLoop:
+    def make(cls, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: float) -> Self:
         """Returns the loop for a scenario's gains and a vehicle; `period` in s.
 
         Raises:

@@ -1,8 +1,6 @@
 """Discrete PID controller of the arm's joints."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -40,7 +38,7 @@ class JointPid(NamedTuple):
     dt: float
 
     @classmethod
-    def make(cls, arm: Arm, vehicle: VehicleModel, dt: float) -> JointPid:
+    def make(cls, arm: Arm, vehicle: VehicleModel, dt: float) -> Self:
         """Returns gains that give each joint the bandwidth and damping of `arm`; dt in s."""
         k_p = vehicle.joint_inertia * arm.bandwidth_rad_s**2
         k_d = vehicle.joint_inertia * 2 * arm.damping * arm.bandwidth_rad_s

@@ -1,8 +1,6 @@
 """Outer loop of the flight controller: from a base setpoint to a desired acceleration."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -36,7 +34,7 @@ class OuterLoop(NamedTuple):
     dt: float
 
     @classmethod
-    def make(cls, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: float) -> OuterLoop:
+    def make(cls, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: float) -> Self:
         """Returns the loop for a scenario's gains and a vehicle; `period` in s."""
         return cls(
             gains=PositionGains.make(config),

@@ -1,7 +1,5 @@
 """First-order lag of rotor thrust, with different time constants for rising and falling."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Allocation of a desired wrench to rotor thrusts within their limits."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -29,12 +27,12 @@ class ThrustAllocation(NamedTuple):
     maximum: float
 
     @classmethod
-    def of(cls, mixer: np.ndarray, minimum: float, maximum: float) -> ThrustAllocation:
+    def of(cls, mixer: np.ndarray, minimum: float, maximum: float) -> Self:
         """Returns the allocation for a mixer (4, k); minimum and maximum in N."""
         return cls(mixer, np.ascontiguousarray(np.linalg.pinv(mixer).T), minimum, maximum)
 
     @classmethod
-    def make(cls, vehicle: VehicleModel, rotor: Rotor) -> ThrustAllocation:
+    def make(cls, vehicle: VehicleModel, rotor: Rotor) -> Self:
         """Returns the allocation for the rotors of a vehicle.
 
         Raises:

@@ -1,7 +1,5 @@
 """Weighted closed-loop inverse kinematics with damped least squares."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Condensing: from a quadratic cost on stage outputs to a quadratic program in the inputs."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -39,7 +37,7 @@ class Condensing(NamedTuple):
     H_input: np.ndarray
 
     @classmethod
-    def make(cls, outputs: StageOutputs, ticks: np.ndarray, H_input: np.ndarray) -> Condensing:
+    def make(cls, outputs: StageOutputs, ticks: np.ndarray, H_input: np.ndarray) -> Self:
         """Computes the products for stages of `ticks` (N,) and H_input (m, N, N)."""
         G, ticks = outputs.responses, ticks.astype(float)
         products = np.einsum("fki,k,gkj->fgij", G, ticks, G, optimize=True)

@@ -1,7 +1,5 @@
 """Cost and bounds of the MPC as a condensed quadratic program (paper, section III-A, B)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property

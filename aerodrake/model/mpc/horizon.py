@@ -1,7 +1,5 @@
 """Stages of the MPC's horizon, and the outputs of the model at each of them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Unconstrained minimiser with the arm's null-space motion decoupled."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.linalg.lapack import dposv
 

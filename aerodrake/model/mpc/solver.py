@@ -1,7 +1,5 @@
 """Solver of the MPC's programs."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram

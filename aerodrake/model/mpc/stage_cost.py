@@ -1,7 +1,5 @@
 """Cost of posture and tracking, quadratic in the outputs of each stage."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Inputs and status of one tick of the MPC, or of a controller in its place."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

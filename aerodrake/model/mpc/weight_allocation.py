@@ -1,7 +1,5 @@
 """Weight allocation between base and arm motion (paper, section III-C)."""
 
-from __future__ import annotations
-
 import math
 from enum import IntEnum
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Dual active-set method for strictly convex quadratic programs."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Banded storage of a matrix."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -21,7 +19,7 @@ class BandedRows(NamedTuple):
     start: np.ndarray
 
     @classmethod
-    def of(cls, A: np.ndarray) -> BandedRows:
+    def of(cls, A: np.ndarray) -> Self:
         """Converts a dense matrix A (rows, nz)."""
         rows, nz = A.shape
         first = np.array([np.flatnonzero(row)[0] if row.any() else 0 for row in A], dtype=int)

@@ -1,7 +1,5 @@
 """Bounds of a scaled quadratic program: |z| <= 1 and lower <= A z <= upper."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from aerodrake.model.qp.banded_rows import BandedRows, row_dot

@@ -1,7 +1,5 @@
 """A condensed, scaled quadratic program, set up once and solved at every tick."""
 
-from __future__ import annotations
-
 from enum import IntEnum
 from typing import NamedTuple
 

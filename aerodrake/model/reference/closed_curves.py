@@ -1,7 +1,5 @@
 """Closed reference curves, which repeat lap by lap after a smooth start."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Reference curves of all kinds that a scenario can name."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import cached_property

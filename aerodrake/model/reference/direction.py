@@ -3,8 +3,6 @@
 Times are reference times in s. Before 0 the direction is that at 0.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 

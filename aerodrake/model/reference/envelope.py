@@ -1,9 +1,7 @@
 """Envelope of references that the vehicle can follow, and the check of a reference."""
 
-from __future__ import annotations
-
 from enum import IntEnum
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -40,7 +38,7 @@ class Envelope(NamedTuple):
     fastest: float
 
     @classmethod
-    def make(cls, config: Supervisor, start: np.ndarray) -> Envelope:
+    def make(cls, config: Supervisor, start: np.ndarray) -> Self:
         """Returns a scenario's envelope for an end-effector that starts at `start` (3,) m."""
         return cls(np.array(start), config.lowest_m, config.farthest_m, config.fastest_m_s)
 
@@ -73,7 +71,7 @@ class GuardState(NamedTuple):
     verdict: int
 
     @classmethod
-    def initial(cls, point: np.ndarray) -> GuardState:
+    def initial(cls, point: np.ndarray) -> Self:
         """Returns the state after a tick with an acceptable point (6,)."""
         return cls(point, point, int(ReferenceVerdict.OK))
 

@@ -1,7 +1,5 @@
 """Faults of the reference."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ Times are reference times in s: 0 is the end of the initial hover. Positions and
 p_E,d and its derivative in the world frame, z up.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 

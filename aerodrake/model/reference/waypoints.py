@@ -1,7 +1,5 @@
 """Waypoint files, CSV with the header `t,x,y,z`, and the smooth path through waypoints."""
 
-from __future__ import annotations
-
 import csv
 import io
 import reprlib

@@ -1,7 +1,5 @@
 """Checkpoint files of a residual network, with its provenance."""
 
-from __future__ import annotations
-
 import io
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Setpoint motions for data collection: curves in slowly turning planes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Features of the residual network, and the sizes of its layers."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from aerodrake.model.vehicle.rotation import roll_pitch_yaw, rotation_matrix

@@ -1,7 +1,5 @@
 """Gate that passes the network's Delta only while Delta improves the prediction."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from enum import IntEnum

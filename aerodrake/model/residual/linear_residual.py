@@ -1,9 +1,8 @@
 """Linear models of the residual velocity, as baselines for the network."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -29,7 +28,7 @@ class LinearResidual:
     alpha: float
 
     @classmethod
-    def fit(cls, flights: Sequence[Samples], alpha: float) -> LinearResidual:
+    def fit(cls, flights: Sequence[Samples], alpha: float) -> Self:
         """Minimises mean squared error + alpha |coefficients|^2, without penalty on the intercept.
 
         Args:
@@ -48,7 +47,7 @@ class LinearResidual:
         return cls(mean, scale, np.column_stack([slope.T, targets.mean(axis=0)]), alpha)
 
     @classmethod
-    def fit_ridge(cls, flights: Sequence[Samples], validation: Sequence[Samples]) -> LinearResidual:
+    def fit_ridge(cls, flights: Sequence[Samples], validation: Sequence[Samples]) -> Self:
         """Returns the fit with the penalty of `ALPHAS` that minimises the validation error."""
         fits = [cls.fit(flights, alpha) for alpha in ALPHAS]
         return min(

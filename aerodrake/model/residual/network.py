@@ -6,9 +6,8 @@ in float64, where steps of 1e-9 still count, and torch and numpy then agree to
 rounding. At this size float32 would be no faster.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
+from typing import Self
 
 import numpy as np
 import torch
@@ -35,7 +34,7 @@ class FeatureScaler:
             object.__setattr__(self, f.name, frozen)
 
     @classmethod
-    def nominal(cls, joints: int) -> FeatureScaler:
+    def nominal(cls, joints: int) -> Self:
         """Returns the ranges expected in slow flight, for a network without training data."""
         scale = np.concatenate(
             [
@@ -82,7 +81,7 @@ class ResidualNetwork(torch.nn.Module):
         torch.nn.init.zeros_(self.last.bias)
 
     @classmethod
-    def untrained(cls, joints: int, seed: int) -> ResidualNetwork:
+    def untrained(cls, joints: int, seed: int) -> Self:
         """Returns a network with the nominal scaler and a last layer of zeros."""
         return cls(joints, FeatureScaler.nominal(joints), seed)
 

@@ -1,7 +1,5 @@
 """Online learning of the network's last layer, in closed form and with guards."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

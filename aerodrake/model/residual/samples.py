@@ -1,7 +1,5 @@
 """Features and targets of the residual network from a recorded flight."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import numpy as np

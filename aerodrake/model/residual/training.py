@@ -1,7 +1,5 @@
 """Offline training of the residual network."""
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Callable, Sequence

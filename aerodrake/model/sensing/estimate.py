@@ -1,7 +1,5 @@
 """Estimate of the vehicle's state and the disturbances on its base: prediction and correction."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

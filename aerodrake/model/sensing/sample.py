@@ -1,8 +1,6 @@
 """Samples of the vehicle's state, their groups, and the noise on them."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -40,7 +38,7 @@ class Deviations(NamedTuple):
     joint: float
 
     @classmethod
-    def make(cls, config: Sensors) -> Deviations:
+    def make(cls, config: Sensors) -> Self:
         """Returns the deviations that a scenario's sensors have."""
         return cls(
             config.position_noise_m,

@@ -4,10 +4,8 @@ The groups are position (p_B and v_B), attitude (quaternion and omega_W), and jo
 Each comes from a sensor of its own and has a verdict of its own.
 """
 
-from __future__ import annotations
-
 from enum import IntEnum
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -86,7 +84,7 @@ class SampleCheck(NamedTuple):
     dt: float
 
     @classmethod
-    def make(cls, config: Filter, sensors: Sensors, dt: float) -> SampleCheck:
+    def make(cls, config: Filter, sensors: Sensors, dt: float) -> Self:
         """Returns the bounds for the noise that the filter assumes, or the sensors' if larger.
 
         Args:
@@ -123,7 +121,7 @@ class CheckState(NamedTuple):
     travel: np.ndarray
 
     @classmethod
-    def accepting(cls, sample: np.ndarray, stamp: float) -> CheckState:
+    def accepting(cls, sample: np.ndarray, stamp: float) -> Self:
         """Returns the state after a sample (13 + 2 n,) of the time `stamp` s was accepted."""
         return cls(sample, np.full(3, stamp), sample, np.zeros(3), np.zeros(3))
 

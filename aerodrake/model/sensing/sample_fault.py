@@ -1,7 +1,5 @@
 """Effect of a fault on samples."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 

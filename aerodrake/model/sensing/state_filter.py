@@ -1,8 +1,6 @@
 """Kalman filter that estimates the vehicle's present state from noisy, delayed samples."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from scipy.linalg import solve_discrete_are
@@ -58,7 +56,7 @@ class StateFilter(NamedTuple):
     dt: float
 
     @classmethod
-    def make(cls, config: Filter, dt: float) -> StateFilter:
+    def make(cls, config: Filter, dt: float) -> Self:
         """Returns the filter for the noise, disturbances and delay of a scenario; dt in s."""
         r, q = config.joint_noise_rad**2, JOINT_WALK_RAD**2
         P = (q + np.sqrt(q**2 + 4 * q * r)) / 2
@@ -90,9 +88,7 @@ class FilterState(NamedTuple):
     accelerations: np.ndarray
 
     @classmethod
-    def at_rest(
-        cls, gains: StateFilter, state: np.ndarray, trim_acceleration: np.ndarray
-    ) -> FilterState:
+    def at_rest(cls, gains: StateFilter, state: np.ndarray, trim_acceleration: np.ndarray) -> Self:
         """Returns the filter's state after a last sample one period before time 0.
 
         Args:

@@ -1,7 +1,5 @@
 """Fastest braking of setpoints."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from aerodrake.support.compiled import compiled

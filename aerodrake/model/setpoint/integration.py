@@ -1,8 +1,6 @@
 """Setpoints by double integration of commanded accelerations, within limits."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -26,7 +24,7 @@ class SetpointLimits(NamedTuple):
     acceleration: np.ndarray
 
     @classmethod
-    def make(cls, config: Mpc, vehicle: VehicleModel) -> SetpointLimits:
+    def make(cls, config: Mpc, vehicle: VehicleModel) -> Self:
         """Returns the limits of [p_B, q]: base by the scenario, joints by the URDF."""
         unbounded = np.full(3, np.inf)
         return cls(

@@ -1,7 +1,5 @@
 """Prescribed motions of setpoints, quadratic in each period as those of the MPC."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 

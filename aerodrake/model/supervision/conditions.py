@@ -1,9 +1,7 @@
 """Conditions under which the supervisor enters and leaves safe modes."""
 
-from __future__ import annotations
-
 from enum import IntEnum
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -127,7 +125,7 @@ class ConditionTable(NamedTuple):
     clear_s: np.ndarray
 
     @classmethod
-    def make(cls, conditions: tuple[Condition, ...]) -> ConditionTable:
+    def make(cls, conditions: tuple[Condition, ...]) -> Self:
         """Returns the columns of conditions."""
         columns = zip(*(condition[1:7] for condition in conditions), strict=True)
         signal, mode, *others = (np.array(column, dtype=float) for column in columns)
@@ -151,7 +149,7 @@ class SupervisorState(NamedTuple):
     pending_s: np.ndarray
 
     @classmethod
-    def initial(cls, count: int) -> SupervisorState:
+    def initial(cls, count: int) -> Self:
         """Returns the state in NOMINAL, with none of `count` conditions active."""
         return cls(int(SafeMode.NOMINAL), NO_CAUSE, np.zeros(count), np.zeros(count))
 

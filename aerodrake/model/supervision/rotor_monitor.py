@@ -1,8 +1,6 @@
 """Detection and isolation of rotor faults from the measured momentum of the vehicle."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -67,7 +65,7 @@ class RotorMonitor(NamedTuple):
     @classmethod
     def make(
         cls, vehicle: VehicleModel, rotor: Rotor, trim: np.ndarray, delay_s: float, dt: float
-    ) -> RotorMonitor:
+    ) -> Self:
         """Returns the monitor of a vehicle.
 
         Args:
@@ -136,7 +134,7 @@ class RotorMonitorState(NamedTuple):
     baseline_s: float
 
     @classmethod
-    def initial(cls, monitor: RotorMonitor) -> RotorMonitorState:
+    def initial(cls, monitor: RotorMonitor) -> Self:
         """Returns the state in trim, before the first sample."""
         trim, no_rotor = monitor.trim, np.zeros(len(monitor.trim))
         filters = np.zeros(6), np.zeros((2, 6)), np.tile(trim, (2, 1))

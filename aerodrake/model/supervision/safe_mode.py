@@ -1,9 +1,7 @@
 """Safe modes, and the motion of the setpoints in them."""
 
-from __future__ import annotations
-
 from enum import IntEnum
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -48,7 +46,7 @@ class SafeMotion(NamedTuple):
     tucked: np.ndarray
 
     @classmethod
-    def make(cls, config: Supervisor, vehicle: VehicleModel) -> SafeMotion:
+    def make(cls, config: Supervisor, vehicle: VehicleModel) -> Self:
         """Returns a vertical descent at `config.descend_m_s` with the arm tucked."""
         velocity = np.zeros(3 + vehicle.joints)
         velocity[2] = -config.descend_m_s

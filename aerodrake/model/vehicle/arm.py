@@ -1,7 +1,5 @@
 """Checks of a robot's arm: revolute joints in series, driven and limited."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RevoluteJoint, RigidBody

@@ -1,7 +1,5 @@
 """Forward kinematics and Jacobians of the end-effector and of the tool's axis."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

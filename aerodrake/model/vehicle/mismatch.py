@@ -1,7 +1,5 @@
 """Model mismatch: links of the plant that differ from their URDF."""
 
-from __future__ import annotations
-
 from xml.dom.minidom import Document, Element
 
 from aerodrake.scenario import Mismatch

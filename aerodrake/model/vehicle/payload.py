@@ -1,7 +1,5 @@
 """Payload at the end-effector: part of the plant, but not of the controllers' model."""
 
-from __future__ import annotations
-
 import math
 
 from pydrake.geometry import Sphere

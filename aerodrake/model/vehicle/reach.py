@@ -1,7 +1,5 @@
 """Reach of the arm."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import minimize
 

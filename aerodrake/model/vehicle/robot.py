@@ -1,10 +1,9 @@
 """Robot descriptions, and robots as parts of plants."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field
 from importlib import resources
+from typing import Self
 from xml.dom.minidom import Document
 
 import numpy as np
@@ -40,7 +39,7 @@ class RobotDescription:
     document: Document = field(repr=False)
 
     @classmethod
-    def read(cls, robot: str) -> RobotDescription:
+    def read(cls, robot: str) -> Self:
         """Reads a URDF.
 
         Args:

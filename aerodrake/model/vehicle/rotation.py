@@ -1,7 +1,5 @@
 """Rotations for compiled equations, which cannot call Drake's."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from aerodrake.support.compiled import compiled

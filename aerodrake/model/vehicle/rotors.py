@@ -1,8 +1,7 @@
 """Positions and spin of a robot's rotors."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -39,7 +38,7 @@ class Rotors:
         return np.vstack([np.ones_like(x), y, -x, -self.spin * torque_ratio])
 
     @classmethod
-    def of(cls, plant: MultibodyPlant, base: RigidBody, robot: str) -> Rotors:
+    def of(cls, plant: MultibodyPlant, base: RigidBody, robot: str) -> Self:
         """Reads the rotors from a plant.
 
         Args:

@@ -1,7 +1,5 @@
 """State vector of the vehicle and its named parts."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tucked configuration of the arm for a landing, away from the ground."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.geometry import SceneGraph, SceneGraphInspector
 from pydrake.multibody.plant import MultibodyPlant

@@ -1,9 +1,8 @@
 """Model of the vehicle: facts from its URDF, and its trim."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -126,7 +125,7 @@ class VehicleModel:
         return np.broadcast_to(np.array(values, dtype=float), self.joints)
 
     @classmethod
-    def load(cls, scenario: Scenario) -> VehicleModel:
+    def load(cls, scenario: Scenario) -> Self:
         """Reads the scenario's robot and computes its trim.
 
         Raises:

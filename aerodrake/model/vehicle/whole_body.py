@@ -1,7 +1,5 @@
 """Whole-body inverse dynamics and momentum."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import MultibodyForces

@@ -1,7 +1,5 @@
 """Wind: gusts and drag."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Faults between actuators and plant, and pushes, as systems of Drake's own."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

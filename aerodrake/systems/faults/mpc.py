@@ -1,7 +1,5 @@
 """MPC with faults, in place of `MpcSystem` if a scenario has MPC faults."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

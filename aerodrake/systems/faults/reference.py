@@ -1,7 +1,5 @@
 """Faults of the reference as a system."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

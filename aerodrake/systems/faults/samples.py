@@ -1,7 +1,5 @@
 """Faults of the samples as a system between sensors and state filter."""
 
-from __future__ import annotations
-
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
