@@ -1,4 +1,4 @@
-// The replay is unpacked where the reader comes near it, so that the page opens at once.
+// The replay is unpacked when it is almost visible, so that the page opens fast.
 const stage = document.getElementById("stage");
 const frame = document.getElementById("replay");
 
@@ -17,7 +17,7 @@ const near = new IntersectionObserver((seen) => {
 }, { rootMargin: "200px" });
 addEventListener("load", () => near.observe(stage));
 
-// Until the camera is asked for, whoever scrolls or swipes past the stage goes on to do so.
+// Scrolling and swiping over the stage scroll the page until the button is pressed.
 document.getElementById("take").addEventListener("click", () => {
   stage.classList.add("taken");
   frame.focus();
