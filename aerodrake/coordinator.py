@@ -13,6 +13,7 @@ from aerodrake.model.mpc.clik import InverseKinematics
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.horizon import stage_times
 from aerodrake.model.reference.direction import make_direction
+from aerodrake.model.residual.scenario_network import network_for
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMotion
@@ -79,17 +80,12 @@ WIRING = Wiring(
 )
 """Connections of the systems that all scenarios have; `controller` is `mpc` or `clik`."""
 
-OPTIONAL_WIRING = {
-    "pointing": Wiring(
-        connections=(("pointing", "pointing", "controller", "pointing"),),
-        inputs=(("state", "pointing", "state"),),
-        outputs=(
-            ("pointing", "tool_axis_d", "tool_axis_d"),
-            ("pointing", "tool_axis_horizon", "tool_axis_horizon"),
-        ),
-    ),
-}
-"""Connections of the systems that only some scenarios have, by their names."""
+POINTING_WIRING = Wiring(
+    connections=(("pointing", "pointing", "controller", "pointing"),),
+    inputs=shared_input("state", "pointing"),
+    outputs=outputs("pointing", "tool_axis_d", "tool_axis_horizon"),
+)
+"""Connections of the system that only scenarios with an orientation task have."""
 
 
 def make_coordinator(
@@ -123,22 +119,26 @@ def make_coordinator(
     replacements = replacements or Replacements()
     builder = replacements.builder()
     builder.AddSystem(make_guidance(scenario, vehicle, replacements.part()))
-    kinematics = Kinematics(vehicle.plant)
+    kinematics, wiring = Kinematics(vehicle.plant), WIRING
     systems = {
         "kinematics": KinematicsSystem(kinematics, vehicle.joints, vehicle.p_O),
         "weight_allocator": WeightAllocator(scenario.allocation, period),
         "equivalent_state": EquivalentState(model),
-        "residual_estimator": make_residual_estimator(scenario, model),
+        "residual_estimator": make_residual_estimator(
+            network_for(scenario, vehicle.joints),
+            model,
+            scenario.residual,
+            scenario.faults,
+            scenario.settle_s,
+        ),
         scenario.controller: make_controller(scenario, model, vehicle),
         "setpoint_integrator": make_setpoint_integrator(scenario, vehicle),
         "supervisor": make_supervisor(scenario, vehicle),
-        "pointing": make_pointing(scenario, vehicle),
     }
-    wiring = WIRING
+    if (pointing := make_pointing(scenario, vehicle)) is not None:
+        systems["pointing"], wiring = pointing, wiring + POINTING_WIRING
     for name, system in systems.items():
-        if system is not None:
-            builder.AddNamedSystem(name, system)
-            wiring += OPTIONAL_WIRING.get(name, Wiring())
+        builder.AddNamedSystem(name, system)
     return wiring.rename("controller", scenario.controller).build(builder, "coordinator")
 
 
@@ -148,7 +148,8 @@ def make_controller(
     """Makes the scenario's controller."""
     limits = SetpointLimits.make(scenario.mpc, vehicle)
     if scenario.controller == "mpc":
-        return make_mpc(scenario, MpcFormulation(scenario.mpc, model, limits, vehicle))
+        formulation = MpcFormulation(scenario.mpc, model, limits, vehicle)
+        return make_mpc(formulation, scenario.faults, scenario.settle_s)
     return ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, limits, vehicle))
 
 

@@ -14,8 +14,10 @@ independent of rounding. The coordinator sees outputs of the low-level controlle
 sample late.
 """
 
+from collections.abc import Iterator
+
 from pydrake.common import RandomGenerator
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.coordinator import make_coordinator
@@ -27,12 +29,10 @@ from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.faults.actuators import make_joint_faults, make_pushes
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.rotor_monitor import RotorMonitorSystem
-from aerodrake.wiring.diagrams import leaf_systems
 from aerodrake.wiring.physics import add_physics
-from aerodrake.wiring.rates import Rate
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.sensors import make_sensors
-from aerodrake.wiring.table import Wiring, outputs, shared_input
+from aerodrake.wiring.table import Rate, Wiring, outputs, shared_input
 from aerodrake.wiring.wind import make_wind
 
 RATES = (
@@ -122,7 +122,7 @@ def make_station(
     vehicle = vehicle or VehicleModel.load(scenario)
     replacements = replacements or Replacements()
     builder, offset = replacements.builder(), rates.plant_step_s / 2
-    physics = add_physics(builder, scenario, vehicle)
+    trim_thrust, wiring = add_physics(builder, scenario, vehicle)
     builder.AddSystem(
         make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s, replacements.part())
     )
@@ -138,17 +138,17 @@ def make_station(
     pid = JointPid.make(scenario.arm, vehicle, rates.arm_period_s)
     builder.AddNamedSystem("arm_controller", ArmController(pid, vehicle, offset))
     monitor = RotorMonitor.make(
-        vehicle, rotor, physics.trim_thrust, scenario.filter.delay_s, rates.sensor_period_s
+        vehicle, rotor, trim_thrust, scenario.filter.delay_s, rates.sensor_period_s
     )
     builder.AddNamedSystem("rotor_monitor", RotorMonitorSystem(monitor, vehicle))
-    wiring = physics.wiring + WIRING
-    for name, fault, port in (
+    wiring += WIRING
+    for name, fault, source in (
         ("joint_faults", make_joint_faults, ("arm_controller", "joint_torque")),
         ("pushes", make_pushes, ("wind", "generalized_force")),
     ):
         if (system := fault(scenario, vehicle.joints)) is not None:
             builder.AddNamedSystem(name, system)
-            wiring = wiring.insert(name, *port)
+            wiring = wiring.insert(name, source)
     return wiring.build(builder, "station")
 
 
@@ -194,6 +194,15 @@ def make_closed_loop(scenario: Scenario, replacements: Replacements | None = Non
     for name, port in add_closed_loop(builder, scenario, replacements).items():
         builder.ExportOutput(port, name)
     return Wiring().build(builder, "closed_loop")
+
+
+def leaf_systems(system: System) -> Iterator[System]:
+    """Yields the leaf systems of a diagram at any depth; a leaf system yields itself."""
+    if isinstance(system, Diagram):
+        for inner in system.GetSystems():
+            yield from leaf_systems(inner)
+    else:
+        yield system
 
 
 def make_context(diagram: Diagram, seed: int) -> Context:

@@ -8,7 +8,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from aerodrake.scenario import Filter, MovingTarget, Rates, Sensors, Wind
-from aerodrake.station import RATES, make_closed_loop, make_context
+from aerodrake.station import RATES, leaf_systems, make_closed_loop, make_context
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.mpc import MpcSystem
@@ -17,8 +17,7 @@ from aerodrake.systems.sensors import SensorSystem
 from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.systems.wind_force import WindForce
-from aerodrake.wiring.diagrams import leaf_systems
-from aerodrake.wiring.rates import Rate
+from aerodrake.wiring.table import Rate
 
 UPDATES = {
     FlightController: "_update",

@@ -24,8 +24,7 @@ def make_bare_plant(scenario: Scenario) -> Diagram:
     """
     vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()
-    physics = add_physics(builder, scenario, vehicle)
-    builder.AddNamedSystem("thrust_command", ConstantVectorSource(physics.trim_thrust))
+    trim_thrust, wiring = add_physics(builder, scenario, vehicle)
+    builder.AddNamedSystem("thrust_command", ConstantVectorSource(trim_thrust))
     builder.AddNamedSystem("joint_torque", ConstantVectorSource(vehicle.trim_torque))
-    wiring = physics.wiring + WIRING
-    return wiring.build(builder, "bare_plant")
+    return (wiring + WIRING).build(builder, "bare_plant")

@@ -12,22 +12,14 @@ from aerodrake.systems.faults.reference import ReferenceFaultSystem
 from aerodrake.systems.reference import ReferenceSystem
 from aerodrake.systems.reference_guard import ReferenceGuard
 from aerodrake.wiring.replacements import Replacements
-from aerodrake.wiring.table import Wiring
+from aerodrake.wiring.table import Wiring, outputs
 
-DIRECT = Wiring(connections=(("reference", "horizon", "reference_guard", "horizon"),))
-WITH_FAULTS = Wiring(
-    connections=(
-        ("reference", "horizon", "reference_fault", "horizon"),
-        ("reference_fault", "horizon", "reference_guard", "horizon"),
-    )
-)
-EXPORTS = Wiring(
+WIRING = Wiring(
+    connections=(("reference", "horizon", "reference_guard", "horizon"),),
     outputs=(
-        ("reference", "d_g", "d_g"),
-        ("reference_guard", "reference", "reference"),
-        ("reference_guard", "horizon", "horizon"),
-        ("reference_guard", "reference_verdict", "reference_verdict"),
-    )
+        *outputs("reference", "d_g"),
+        *outputs("reference_guard", "reference", "horizon", "reference_verdict"),
+    ),
 )
 
 
@@ -47,18 +39,12 @@ def make_guidance(
     builder.AddNamedSystem(
         "reference", ReferenceSystem(curve, vehicle.p_E, scenario.settle_s, stages_s)
     )
-    builder.AddNamedSystem(
-        "reference_guard",
-        ReferenceGuard(
-            Envelope.make(scenario.supervisor, vehicle.p_E),
-            vehicle.p_E,
-            scenario.mpc.horizon,
-            period,
-        ),
-    )
-    if not any(isinstance(fault, REFERENCE_FAULTS) for fault in scenario.faults):
-        return (DIRECT + EXPORTS).build(builder, "guidance")
-    builder.AddNamedSystem(
-        "reference_fault", ReferenceFaultSystem(scenario.faults, scenario.settle_s, stages_s)
-    )
-    return (WITH_FAULTS + EXPORTS).build(builder, "guidance")
+    envelope = Envelope.make(scenario.supervisor, vehicle.p_E)
+    guard = ReferenceGuard(envelope, vehicle.p_E, scenario.mpc.horizon, period)
+    builder.AddNamedSystem("reference_guard", guard)
+    wiring = WIRING
+    if any(isinstance(fault, REFERENCE_FAULTS) for fault in scenario.faults):
+        faulty = ReferenceFaultSystem(scenario.faults, scenario.settle_s, stages_s)
+        builder.AddNamedSystem("reference_fault", faulty)
+        wiring = WIRING.insert("reference_fault", ("reference", "horizon"), "horizon", "horizon")
+    return wiring.build(builder, "guidance")

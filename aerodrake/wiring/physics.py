@@ -1,7 +1,5 @@
 """Plant, scene graph, rotors and propellers, connected."""
 
-from typing import NamedTuple
-
 import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
@@ -33,21 +31,16 @@ WIRING = Wiring(
 )
 
 
-class Physics(NamedTuple):
-    """Result of `add_physics`.
+def add_physics(
+    builder: DiagramBuilder, scenario: Scenario, vehicle: VehicleModel
+) -> tuple[np.ndarray, Wiring]:
+    """Adds the scenario's plant, with its payload and mismatch, in trim by default.
 
-    Attributes:
-        trim_thrust: (k,) N, thrusts in trim.
-        wiring: Connections and outputs of the added systems. Free inputs: `u0` of `rotors`,
-            the commanded thrusts; `actuation` and `applied_generalized_force` of `plant`.
+    Returns:
+        (k,) N, thrusts in trim; connections and outputs of the added systems. Inputs left to
+        connect: `u0` of `rotors`, the commanded thrusts; `actuation` and
+        `applied_generalized_force` of `plant`.
     """
-
-    trim_thrust: np.ndarray
-    wiring: Wiring
-
-
-def add_physics(builder: DiagramBuilder, scenario: Scenario, vehicle: VehicleModel) -> Physics:
-    """Adds the scenario's plant, with its payload and mismatch, in trim by default."""
     step, rotor = scenario.rates.plant_step_s, scenario.vehicle.rotor
     plant = builder.AddNamedSystem("plant", MultibodyPlant(step))
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
@@ -66,5 +59,5 @@ def add_physics(builder: DiagramBuilder, scenario: Scenario, vehicle: VehicleMod
     wiring = WIRING
     if (rotor_faults := make_rotor_faults(scenario, len(trim))) is not None:
         builder.AddNamedSystem("rotor_faults", rotor_faults)
-        wiring = wiring.insert("rotor_faults", "rotors", "y0")
-    return Physics(trim, wiring)
+        wiring = wiring.insert("rotor_faults", ("rotors", "y0"))
+    return trim, wiring

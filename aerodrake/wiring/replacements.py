@@ -3,14 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Self
 
-from pydrake.systems.framework import (
-    Diagram,
-    DiagramBuilder,
-    InputPort,
-    OutputPort,
-    PortDataType,
-    System,
-)
+from pydrake.systems.framework import Diagram, DiagramBuilder, PortDataType, System
 
 from aerodrake.support.errors import BadInput, nearest
 
@@ -33,7 +26,7 @@ class Replacements:
     Station and coordinator, made alone, accept the names of their own systems.
 
     Args:
-        by_name: Function that makes the system of each name.
+        by_name: Replacement of the system of each name.
     """
 
     def __init__(self, by_name: Mapping[str, Replacement] | None = None):
@@ -74,17 +67,14 @@ class Replacements:
             raise BadInput("replacements", name, f"expected a system, got {type(theirs).__name__}")
         if theirs is not ours and theirs.GetSystemPathname().count("::") > 1:
             raise BadInput("replacements", name, "expected a new system, got one of a diagram")
-        for kind, ports_of in (("an input", _inputs), ("an output", _outputs)):
-            have = ports_of(theirs)
-            for port, expected in ports_of(ours).items():
+        for kind in ("input", "output"):
+            have = _ports(theirs, kind)
+            for port, expected in _ports(ours, kind).items():
                 if have.get(port) != expected:
                     got = have.get(port) or ", ".join(have) or "none"
-                    raise BadInput(
-                        "replacements",
-                        name,
-                        f"expected {kind} port '{port}' of {expected}, got {got}",
-                    )
-        for port in _inputs(theirs).keys() - _inputs(ours).keys():
+                    problem = f"expected an {kind} port '{port}' of {expected}, got {got}"
+                    raise BadInput("replacements", name, problem)
+        for port in _ports(theirs, "input").keys() - _ports(ours, "input").keys():
             raise BadInput("replacements", name, f"no signal for its input port '{port}'")
         theirs.set_name(name)
         return theirs
@@ -112,16 +102,11 @@ class _ReplacingBuilder(DiagramBuilder):
         return super().Build()
 
 
-def _inputs(system: System) -> dict[str, str]:
-    ports = map(system.get_input_port, range(system.num_input_ports()))
-    return {port.get_name(): _size(port) for port in ports}
-
-
-def _outputs(system: System) -> dict[str, str]:
-    ports = map(system.get_output_port, range(system.num_output_ports()))
-    return {port.get_name(): _size(port) for port in ports}
-
-
-def _size(port: InputPort | OutputPort) -> str:
-    is_vector = port.get_data_type() == PortDataType.kVectorValued
-    return f"size {port.size()}" if is_vector else "an abstract value"
+def _ports(system: System, kind: str) -> dict[str, str]:
+    """Returns the sizes of a system's `input` or `output` ports by name, for messages."""
+    sizes = {}
+    for i in range(getattr(system, f"num_{kind}_ports")()):
+        port = getattr(system, f"get_{kind}_port")(i)
+        is_vector = port.get_data_type() == PortDataType.kVectorValued
+        sizes[port.get_name()] = f"size {port.size()}" if is_vector else "an abstract value"
+    return sizes

@@ -1,7 +1,7 @@
-"""Connections between systems as tables of names."""
+"""Tables of names: connections between systems, and their rates."""
 
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import NamedTuple, Self
 
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
@@ -39,33 +39,28 @@ class Wiring:
         )
 
     def rename(self, old: str, new: str) -> Self:
-        """Returns these rows with another name for a system."""
-
-        def renamed(system: str) -> str:
-            return new if system == old else system
-
+        """Returns these rows with the name `new` wherever they have `old`."""
+        tables = (self.connections, self.inputs, self.outputs)
         return Wiring(
-            tuple((renamed(a), p, renamed(b), q) for a, p, b, q in self.connections),
-            tuple((name, renamed(system), port) for name, system, port in self.inputs),
-            tuple((renamed(system), port, name) for system, port, name in self.outputs),
+            *(tuple(tuple(new if x == old else x for x in row) for row in rows) for rows in tables)
         )
 
-    def insert(self, name: str, system: str, port: str) -> Self:
-        """Returns these rows with a `SymbolicVectorSystem` inserted behind an output port.
+    def insert(
+        self, name: str, source: tuple[str, str], input_port: str = "u0", output_port: str = "y0"
+    ) -> Self:
+        """Returns these rows with a system inserted behind the output port `source`.
 
-        Args:
-            name: The inserted system, with input `u0` and output `y0`.
-            system, port: The output port; its targets and its export move to `y0`.
+        Targets and export of `source`, (system, port), move to the output port of the inserted
+        system `name`. Default port names are those of a `SymbolicVectorSystem`.
         """
 
-        def moved(source: tuple[str, str]) -> tuple[str, str]:
-            return (name, "y0") if source == (system, port) else source
+        def moved(row: tuple[str, ...]) -> tuple[str, ...]:
+            return (name, output_port, *row[2:]) if row[:2] == source else row
 
-        connections = tuple((*moved(row[:2]), *row[2:]) for row in self.connections)
         return replace(
             self,
-            connections=(*connections, (system, port, name, "u0")),
-            outputs=tuple((*moved(row[:2]), row[2]) for row in self.outputs),
+            connections=(*map(moved, self.connections), (*source, name, input_port)),
+            outputs=tuple(map(moved, self.outputs)),
         )
 
     def apply(self, builder: DiagramBuilder) -> None:
@@ -93,3 +88,19 @@ class Wiring:
         diagram = builder.Build()
         diagram.set_name(name)
         return diagram
+
+
+class Rate(NamedTuple):
+    """Periodic events that several systems have in common.
+
+    Attributes:
+        systems: Their names; a scenario may have only some of them.
+        period: Key of the scenario's `rates`.
+        offset_steps: Offset from the multiples of the period, in steps of the plant.
+        kind: `discrete` or `unrestricted`; at one instant Drake runs unrestricted updates first.
+    """
+
+    systems: tuple[str, ...]
+    period: str
+    offset_steps: float = 0.0
+    kind: str = "discrete"

@@ -39,13 +39,8 @@ def make_wind(
     a, b = discrete_gusts(config, period)
     builder = (replacements or Replacements()).builder()
     builder.AddNamedSystem("gust_noise", RandomSource(RandomDistribution.kGaussian, len(b), period))
-    gusts = AffineSystem(
-        A=a * np.eye(len(b)),
-        B=np.diag(b),
-        C=np.eye(len(b)),
-        y0=np.array(config.velocity_m_s),
-        time_period=period,
-    )
+    identity, mean = np.eye(len(b)), np.array(config.velocity_m_s)
+    gusts = AffineSystem(A=a * identity, B=np.diag(b), C=identity, y0=mean, time_period=period)
     gusts.configure_random_state(np.diag(np.square(config.gust_m_s)))  # Stationary from the start.
     air = builder.AddNamedSystem("air", gusts)
     is_windy = air is not gusts or not is_at_rest(config)  # A replacement may always blow.

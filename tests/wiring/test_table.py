@@ -39,7 +39,7 @@ def test_an_inserted_system_feeds_targets_and_exports():
     builder, u = make_builder(), [Variable("u_0"), Variable("u_1")]
     negative = SymbolicVectorSystem(input=u, output=[-u[0], -u[1]])
     builder.AddNamedSystem("negative", negative)
-    diagram = WIRING.insert("negative", "half", "y0").build(builder, "both")
+    diagram = WIRING.insert("negative", ("half", "y0")).build(builder, "both")
     np.testing.assert_array_equal(evaluate(diagram, "half"), [-1.0, -2.0])
     np.testing.assert_array_equal(evaluate(diagram, "total"), [1.0, 2.0])
 

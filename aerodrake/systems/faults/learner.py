@@ -13,7 +13,6 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.estimation import EstimatorState, ResidualEstimation
 from aerodrake.model.residual.gate import GateCause, GateState, Sample
 from aerodrake.model.residual.online_learner import LearnerState
-from aerodrake.model.residual.scenario_network import network_for
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import (
     AnyFault,
@@ -22,7 +21,6 @@ from aerodrake.scenario import (
     LearnerNan,
     LearnerPoisoned,
     Residual,
-    Scenario,
 )
 from aerodrake.systems.residual_estimator import ResidualEstimator
 
@@ -92,19 +90,17 @@ class FaultyResidualEstimator(ResidualEstimator):
         return FaultyEstimation(**vars(self._estimation), **offsets)
 
 
-def make_residual_estimator(scenario: Scenario, model: EquivalentModel) -> ResidualEstimator:
-    """Returns the scenario's residual estimator: a faulty one if it has learning faults.
-
-    Raises:
-        ScenarioError: if the scenario's checkpoint cannot be used.
-    """
-    network = network_for(scenario, model.joints)
-    has_faults = any(isinstance(fault, LearnerFault) for fault in scenario.faults)
-    if network is None or not has_faults:
-        return ResidualEstimator(network, model, scenario.residual)
-    return FaultyResidualEstimator(
-        network, model, scenario.residual, scenario.faults, scenario.settle_s
-    )
+def make_residual_estimator(
+    network: ResidualNetwork | None,
+    model: EquivalentModel,
+    config: Residual,
+    faults: Sequence[AnyFault],
+    settle_s: float,
+) -> ResidualEstimator:
+    """Returns a scenario's residual estimator: a faulty one if it has learning faults."""
+    if network is None or not any(isinstance(fault, LearnerFault) for fault in faults):
+        return ResidualEstimator(network, model, config)
+    return FaultyResidualEstimator(network, model, config, faults, settle_s)
 
 
 def offsets_at(faults: Sequence[LearnerFault], reference_s: float) -> dict[str, Any]:

@@ -16,7 +16,6 @@ from aerodrake.scenario import (
     MpcMissed,
     MpcNonFinite,
     MpcStarved,
-    Scenario,
 )
 from aerodrake.systems.mpc import MpcSystem, SolvedProgram
 
@@ -78,8 +77,8 @@ class FaultyMpc(MpcSystem):
         return super()._solve(context, program)
 
 
-def make_mpc(scenario: Scenario, formulation: MpcFormulation) -> MpcSystem:
-    """Returns the scenario's MPC: a `FaultyMpc` if the scenario has MPC faults."""
-    if any(isinstance(fault, MPC_FAULTS) for fault in scenario.faults):
-        return FaultyMpc(formulation, scenario.faults, scenario.settle_s)
+def make_mpc(formulation: MpcFormulation, faults: Sequence[AnyFault], settle_s: float) -> MpcSystem:
+    """Returns a scenario's MPC: a `FaultyMpc` if its faults include MPC faults."""
+    if any(isinstance(fault, MPC_FAULTS) for fault in faults):
+        return FaultyMpc(formulation, faults, settle_s)
     return MpcSystem(formulation)

@@ -6,6 +6,7 @@ from pydrake.systems.framework import Context
 
 from aerodrake.model.residual.gate import GateCause
 from aerodrake.model.residual.network import ResidualNetwork
+from aerodrake.model.residual.scenario_network import network_for
 from aerodrake.scenario import (
     LearnerDiverged,
     LearnerNan,
@@ -83,8 +84,10 @@ def test_faults_add_up():
 def test_only_scenarios_with_learning_faults_and_a_learner_have_the_faulty_estimator(
     faults, mode, kind
 ):
-    scenario = Scenario(faults=faults, residual=Residual(mode=mode))
-    assert type(make_residual_estimator(scenario, equivalent_model())) is kind
+    config = Residual(mode=mode)
+    network = network_for(Scenario(residual=config), JOINTS)
+    estimator = make_residual_estimator(network, equivalent_model(), config, faults, SETTLE_S)
+    assert type(estimator) is kind
 
 
 def warmed_up(*faults) -> tuple[ResidualEstimator, Context, np.ndarray]:

@@ -1,7 +1,5 @@
 """FaultyMpc: times, kinds and severity of MPC faults, and the ticks that they affect."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -19,7 +17,6 @@ from aerodrake.scenario import (
     MpcNonFinite,
     MpcStarved,
     Push,
-    Scenario,
 )
 from aerodrake.support.tick_timer import TickTimer
 from aerodrake.systems.faults.mpc import FaultyMpc, make_mpc
@@ -161,10 +158,9 @@ def test_a_tick_with_a_fault_follows_the_shifted_plan(formulation, inputs, fault
 
 
 def test_only_a_scenario_with_mpc_faults_has_a_faulty_mpc(formulation):
-    assert type(make_mpc(Scenario(), formulation)) is MpcSystem
-    assert type(make_mpc(Scenario(faults=(Push(),)), formulation)) is MpcSystem
-    scenario = replace(Scenario(), faults=(Push(), MpcMissed()))
-    assert type(make_mpc(scenario, formulation)) is FaultyMpc
+    assert type(make_mpc(formulation, (), SETTLE_S)) is MpcSystem
+    assert type(make_mpc(formulation, (Push(),), SETTLE_S)) is MpcSystem
+    assert type(make_mpc(formulation, (Push(), MpcMissed()), SETTLE_S)) is FaultyMpc
 
 
 def test_missed_is_not_a_status_of_a_program():
