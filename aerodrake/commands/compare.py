@@ -61,8 +61,7 @@ def main(arguments: argparse.Namespace) -> int:
     original = load_scenario(arguments.scenario, overrides(arguments))
     target = arguments.out or new_folder(f"{original.name}-comparison")
 
-    from aerodrake.comparison.baseline import load_baseline
-    from aerodrake.comparison.compare import FILES, make_variants, notes
+    from aerodrake.comparison.compare import FILES, load_baseline, make_variants, notes
     from aerodrake.comparison.margins_report import FILES as MARGINS_FILES
     from aerodrake.comparison.margins_report import margins_table
     from aerodrake.comparison.page import comparison_page

@@ -7,14 +7,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from aerodrake.comparison.baseline import load_baseline
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import failure
 from aerodrake.reports.flight_folder import fly_into
 from aerodrake.scenario import OrientationOff, Scenario, Weights
+from aerodrake.scenario.load import MAX_FILE_BYTES
+from aerodrake.scenario.plain_yaml import parse
 from aerodrake.scenario.rules import check
+from aerodrake.scenario.schema import build
 from aerodrake.station import make_closed_loop
 from aerodrake.support.errors import BadInput, nearest
+from aerodrake.support.files import PACKAGE, locate, read_bounded
 from aerodrake.support.processes import run_parallel
 from aerodrake.systems.sensors import is_exact
 
@@ -31,60 +34,55 @@ INTERFACE_MODELS = {"position": "paper", "trajectory": "flight"}
 """Modified model of a scenario whose own model is the integral one, by flight interface."""
 
 
-def _with(section: str, **keys: Any) -> Callable[[Scenario], Scenario]:
-    """Returns a function that changes keys of one section."""
-    return lambda scenario: replace(
-        scenario, **{section: replace(getattr(scenario, section), **keys)}
-    )
+def _with(**sections: Mapping[str, Any]) -> Callable[[Scenario], Scenario]:
+    """Returns a function that changes keys of sections."""
+
+    def change(scenario: Scenario) -> Scenario:
+        changed = {name: replace(getattr(scenario, name), **sections[name]) for name in sections}
+        return replace(scenario, **changed)
+
+    return change
 
 
 def _proposed(scenario: Scenario) -> Scenario:
     """Returns the scenario with the paper's method: MPC, modified model, weights by gamma."""
-    model = scenario.model
-    if model.kind == "integral":
-        model = replace(model, kind=INTERFACE_MODELS[scenario.flight.interface])
-    return replace(
-        scenario,
-        controller="mpc",
-        model=model,
-        allocation=replace(scenario.allocation, kind="gamma"),
-    )
-
-
-def _with_residual(scenario: Scenario, mode: str) -> Scenario:
-    return _with("residual", mode=mode)(scenario)
-
-
-def _integral(scenario: Scenario) -> Scenario:
-    return _with("model", kind="integral")(_with_residual(scenario, "off"))
+    kind = scenario.model.kind
+    if kind == "integral":
+        kind = INTERFACE_MODELS[scenario.flight.interface]
+    method = _with(model={"kind": kind}, allocation={"kind": "gamma"})
+    return replace(method(scenario), controller="mpc")
 
 
 def _clik(scenario: Scenario) -> Scenario:
     """Bounds K_e: CLIK has no model of the base's lag, and becomes unstable at a large one."""
     k_e = tuple(min(gain, CLIK_MAX_K_E) for gain in scenario.mpc.k_e)
-    without_residual = _with("mpc", k_e=k_e)(_with_residual(scenario, "off"))
-    return replace(without_residual, controller="clik", orientation=OrientationOff())
+    bounded = _with(residual={"mode": "off"}, mpc={"k_e": k_e})(scenario)
+    return replace(bounded, controller="clik", orientation=OrientationOff())
+
+
+def _no_flight_model(scenario: Scenario) -> Scenario:
+    return _with(model={"kind": K_B_MODELS[scenario.flight.interface]})(scenario)
 
 
 PARTS: dict[str, Callable[[Scenario], Scenario]] = {
-    "no_flight_model": lambda scenario: _with("model", kind=K_B_MODELS[scenario.flight.interface])(
-        scenario
-    ),
-    "no_tilt": _with("mpc", tilt="none"),
-    "no_feedforward": _with("flight", feedforward="none"),
-    "short_horizon": _with("mpc", span_ticks=1),
-    "no_filter": _with("filter", kind="none"),
+    "no_flight_model": _no_flight_model,
+    "no_tilt": _with(mpc={"tilt": "none"}),
+    "no_feedforward": _with(flight={"feedforward": "none"}),
+    "short_horizon": _with(mpc={"span_ticks": 1}),
+    "no_filter": _with(filter={"kind": "none"}),
 }
 """Variants without one of the parts that this package adds to the paper's method, see `parts`."""
+
+_integral = _with(residual={"mode": "off"}, model={"kind": "integral"})
 
 VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
     "integral": _integral,
     "integral_best": _integral,  # With the weights of the baseline, see `make_variant`.
-    "modified": lambda scenario: _with_residual(scenario, "off"),
-    "modified+offline": lambda scenario: _with_residual(scenario, "offline"),
-    "modified+online": lambda scenario: _with_residual(scenario, "online"),
+    "modified": _with(residual={"mode": "off"}),
+    "modified+offline": _with(residual={"mode": "offline"}),
+    "modified+online": _with(residual={"mode": "online"}),
     "clik": _clik,
-    "fixed_weights": _with("allocation", kind="fixed"),
+    "fixed_weights": _with(allocation={"kind": "fixed"}),
     **PARTS,
 }
 """Functions that change the scenario with the paper's method into each variant.
@@ -103,9 +101,27 @@ OWN_VARIANT = {"off": "modified", "offline": "modified+offline", "online": "modi
 def make_variant(scenario: Scenario, name: str, baseline: Weights) -> Scenario:
     """Returns one variant of a scenario, unchecked; `baseline` is used by `integral_best`."""
     variant = VARIANTS[name](_proposed(scenario))
-    if name != "integral_best":
-        return variant
-    return _with("mpc", **dataclasses.asdict(baseline))(variant)
+    is_best = name == "integral_best"
+    return _with(mpc=dataclasses.asdict(baseline))(variant) if is_best else variant
+
+
+def load_baseline(scenario: Scenario, file: Path | None = None) -> Weights:
+    """Reads the weights of a baseline file: those of the integral model at its own best.
+
+    Args:
+        scenario: Its name selects the packaged file if `file` is None. If there is none of this
+            name, all weights are at their defaults.
+        file: YAML with keys of `Weights`, such as `k_e` and `w_4`; others are at their defaults.
+
+    Raises:
+        BadInput: if the file cannot be read, or is not valid.
+    """
+    packaged = locate(f"{PACKAGE}scenarios/baselines/{scenario.name}.yaml")
+    if file is None and not packaged.is_file():
+        return Weights()
+    path = file or packaged
+    text = read_bounded(path, MAX_FILE_BYTES).decode("utf-8", errors="replace")
+    return build(Weights, parse(text, path), path)
 
 
 def make_variants(
@@ -181,24 +197,22 @@ def compare(
     Raises:
         OSError: if a folder cannot be written.
     """
-    names = list(variants)
-    outcomes: dict[str, dict[str, Any]] = {}
-    flights = [(variants[name], folder / name) for name in names]
-    for index, outcome in run_parallel(_fly, flights, jobs):
-        name = names[index]
-        if isinstance(outcome, OSError | BadInput):
-            raise outcome  # Not caused by the variant: a full disk, for example.
-        if isinstance(outcome, Exception):
-            shutil.rmtree(folder / name, ignore_errors=True)
-            outcome = failure(outcome)
-        outcomes[name] = outcome
-        progress(name)
-    return {name: outcomes[name] for name in names}
+    summaries: dict[str, dict[str, Any]] = dict.fromkeys(variants, {})
+    flights = [(variant, folder / name) for name, variant in variants.items()]
+    for index, summary in run_parallel(_fly, flights, jobs):
+        own = flights[index][1]
+        if isinstance(summary, OSError | BadInput):
+            raise summary  # Not caused by the variant: a full disk, for example.
+        if isinstance(summary, Exception):
+            shutil.rmtree(own, ignore_errors=True)
+            summary = failure(summary)
+        summaries[own.name] = summary
+        progress(own.name)
+    return summaries
 
 
 def _fly(flight: tuple[Scenario, Path]) -> dict[str, Any]:
     scenario, folder = flight
     folder.mkdir()
     title = f"{scenario.name} as {folder.name}, seed {scenario.seed}"
-    summary, _ = fly_into(folder, FlightSimulation(scenario), title)
-    return summary
+    return fly_into(folder, FlightSimulation(scenario), title)[0]

@@ -1,21 +1,108 @@
-"""Figure of a comparison."""
+"""Figure of a comparison, and its panels: paths, distances and errors by variant."""
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple, Self
 
+import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from aerodrake.comparison.panels import View, draw_distances, draw_errors, draw_path
 from aerodrake.flight.log import FlightLog
-from aerodrake.reports.figures import INK, STYLE, cover, write_png
-from aerodrake.reports.flight_panels import draw_allocation, draw_inputs
+from aerodrake.reports.figures import ACCENT, INK, REFERENCE, STYLE, cover, plain_ticks, write_png
+from aerodrake.reports.flight_panels import (
+    LEAST_ERROR_MM,
+    draw_allocation,
+    draw_boundaries,
+    draw_distance,
+    draw_inputs,
+    plot_error,
+)
 from aerodrake.reports.residual_panels import draw_residual
 from aerodrake.scenario import Scenario
+
+COLORS = {
+    "integral": "#495057",
+    "integral_best": "#adb5bd",
+    "modified": "#74c0fc",
+    "modified+offline": "#1864ab",
+    "modified+online": ACCENT,
+    "clik": "#2b8a3e",
+    "fixed_weights": "#9c36b5",
+    "no_flight_model": "#5f3dc4",
+    "no_tilt": "#f08c00",
+    "no_feedforward": "#0c8599",
+    "short_horizon": "#c2255c",
+    "no_filter": "#862e9c",
+}
+PANEL_RATIO = 0.85
+"""Ratio of height to width of a panel with a path."""
 
 LEGEND_COLUMNS = 7
 PANELS = 4
 """Panels in a row, of paths and of distances."""
+
+
+class View(NamedTuple):
+    """Axes and limits of the panels with paths, the same for all variants.
+
+    Attributes:
+        axes: Horizontal and vertical world axis.
+        low, high: m, limits of each of the two.
+    """
+
+    axes: tuple[int, int]
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+    @classmethod
+    def of(cls, logs: Mapping[str, FlightLog]) -> Self:
+        """Returns the view along the world axis with the least motion that contains all paths."""
+        places = np.vstack([log[key] for log in logs.values() for key in ("p_E_m", "p_Ed_m")])
+        places = places[np.isfinite(places).all(axis=1)]
+        first, second = np.sort(np.argsort(np.ptp(places, axis=0), kind="stable")[1:])
+        middle, span = (places.max(axis=0) + places.min(axis=0)) / 2, np.ptp(places, axis=0) + 0.1
+        width = max(span[first], span[second] / PANEL_RATIO) / 2
+        half = np.array([width, PANEL_RATIO * width])
+        middle = middle[[first, second]]
+        return cls((int(first), int(second)), tuple(middle - half), tuple(middle + half))
+
+
+def draw_path(axes: Axes, name: str, log: FlightLog, view: View) -> None:
+    """Draws the path of one variant and the reference."""
+    first, second = view.axes
+    axes.plot(log["p_E_m"][:, first], log["p_E_m"][:, second], color=COLORS[name], linewidth=2)
+    axes.plot(log["p_Ed_m"][:, first], log["p_Ed_m"][:, second], **REFERENCE)
+    axes.set_title(name, color=COLORS[name], fontsize=10, loc="left")
+    axes.set_xlim(view.low[0], view.high[0])
+    axes.set_ylim(view.low[1], view.high[1])
+    axes.set_aspect("equal", adjustable="box")
+    axes.set(xlabel=f"{'xyz'[first]} / m", ylabel=f"{'xyz'[second]} / m")
+
+
+def draw_distances(axes: Axes, logs: Mapping[str, FlightLog], scenario: Scenario) -> None:
+    """Draws d_o, the distance to the centre of the learning space, of each variant."""
+    for name, log in logs.items():
+        draw_distance(axes, log, COLORS[name])
+    draw_boundaries(axes, scenario)
+    axes.set_xlabel("reference time / s")
+    axes.margins(x=0)
+
+
+def draw_errors(axes: Axes, logs: Mapping[str, FlightLog], columns: int) -> None:
+    """Draws the end-effector error of each variant, with a legend above."""
+    for name, log in logs.items():
+        plot_error(axes, log, log.error_m, color=COLORS[name], label=name)
+    errors = np.concatenate([log.error_m[log.is_flown] for log in logs.values()])
+    errors = errors[np.isfinite(errors)]
+    if len(errors):
+        low = max(1e3 * np.quantile(errors, 0.02), LEAST_ERROR_MM / 10)
+        axes.set_ylim(low, max(2e3 * errors.max(), 10 * low))
+    plain_ticks(axes.yaxis)
+    axes.set(ylabel="end-effector error / mm", xlabel="reference time / s")
+    axes.margins(x=0)
+    axes.legend(loc="lower center", ncols=columns, bbox_to_anchor=(0.5, 1.0))
 
 
 def plot_comparison(

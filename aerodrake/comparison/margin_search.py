@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import attrgetter
 from typing import Any, Self
 
 COARSE = 8
@@ -28,12 +29,7 @@ class Outcome:
 
     @classmethod
     def of(cls, summary: Mapping[str, Any], key: str) -> Self:
-        """Returns the outcome of a flight.
-
-        Args:
-            summary: Summary of the flight, as from `compare`.
-            key: Key of `summary["error"]`.
-        """
+        """Returns the outcome of a flight; `key` is that of `summary["error"]`."""
         error = summary.get("error", {}).get(key)
         return cls(error, summary["exit_reason"], summary["exit_cause"])
 
@@ -42,6 +38,8 @@ class Outcome:
         """Returns True if the flight was not completed."""
         return self.exit_reason != "completed"
 
+
+_is_lost = attrgetter("is_lost")
 
 Bracket = tuple[float | None, float | None]
 """The last value before an event (doubled error, lost flight), and the first with it."""
@@ -75,7 +73,7 @@ class Search:
         farthest, last = max(self.outcomes), len(self.values) - 1
         if farthest < last and not any(outcome.is_lost for outcome in self.outcomes.values()):
             return min((farthest // COARSE + 1) * COARSE, last)
-        for crosses in (self._is_lost, self._is_doubled):
+        for crosses in (_is_lost, self._is_doubled):
             before, crossed = self._bracket(crosses)
             if before is not None and crossed is not None and crossed > before + 1:
                 return (before + crossed) // 2
@@ -93,10 +91,7 @@ class Search:
     @property
     def lost(self) -> Bracket:
         """Returns the bracket of the lost flight, likewise."""
-        return self._values(self._is_lost)
-
-    def _is_lost(self, outcome: Outcome) -> bool:
-        return outcome.is_lost
+        return self._values(_is_lost)
 
     def _is_doubled(self, outcome: Outcome) -> bool:
         error = outcome.error_m

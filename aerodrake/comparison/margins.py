@@ -1,10 +1,9 @@
 """Robustness margins: disturbances that grow until the error doubles and the flight is lost."""
 
-import dataclasses
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import partial
-from itertools import takewhile
+from itertools import product, takewhile
 from typing import Any
 
 from aerodrake.comparison.margin_search import Outcome, Search
@@ -55,19 +54,18 @@ class Disturbance:
 
     def apply(self, scenario: Scenario, value: float) -> Scenario:
         """Returns the scenario with `value` added to its key, or as a factor on it."""
-        section = dataclasses.replace(
-            getattr(scenario, self.section), **{self.key: self._total(scenario, value)}
+        total = {self.key: self._total(scenario, value)}
+        return replace(
+            scenario, **{self.section: replace(getattr(scenario, self.section), **total)}
         )
-        return dataclasses.replace(scenario, **{self.section: section})
 
     def _total(self, scenario: Scenario, value: float) -> float:
         own = getattr(getattr(scenario, self.section), self.key)
         return own * value if self.start else own + value
 
     def _is_valid(self, scenario: Scenario, value: float) -> bool:
-        fields = dataclasses.fields(getattr(scenario, self.section))
-        (range_,) = (f.metadata for f in fields if f.name == self.key)
-        return range_["low"] <= self._total(scenario, value) <= range_["high"]
+        declared = {f.name: f.metadata for f in fields(getattr(scenario, self.section))}[self.key]
+        return declared["low"] <= self._total(scenario, value) <= declared["high"]
 
 
 DISTURBANCES: dict[str, Disturbance] = {
@@ -105,8 +103,7 @@ class Margins:
     @property
     def failed(self) -> bool:
         """Returns True if the process of any flight raised or died."""
-        outcomes = (o for variant in self.searches for o in self.outcomes(variant))
-        return any(outcome.exit_reason == "failed" for outcome in outcomes)
+        return any(o.exit_reason == "failed" for name in self.searches for o in self.outcomes(name))
 
 
 def find_margins(
@@ -140,14 +137,12 @@ def find_margins(
 
     def queue_next(name: str, label: str) -> None:
         search = searches[name][label]
-        index = search.next()
-        if index is not None:
+        if (index := search.next()) is not None:
             queued.append((name, label, index))
             flights.append(DISTURBANCES[label].apply(variants[name], search.values[index]))
 
-    for name in variants:
-        for label in DISTURBANCES:
-            queue_next(name, label)
+    for name, label in product(variants, DISTURBANCES):
+        queue_next(name, label)
     for flight, summary in run_parallel(_fly, flights, jobs):
         name, label, index = queued[flight]
         if isinstance(summary, Exception):
@@ -159,5 +154,4 @@ def find_margins(
 
 
 def _fly(scenario: Scenario) -> dict[str, Any]:
-    flight = FlightSimulation(scenario)
-    return summarize(scenario, flight.fly())
+    return summarize(scenario, FlightSimulation(scenario).fly())

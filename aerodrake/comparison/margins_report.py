@@ -8,9 +8,9 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from aerodrake.comparison.figure import COLORS
 from aerodrake.comparison.margin_search import LEAST_ERROR_M, Bracket, Search
 from aerodrake.comparison.margins import Margins
-from aerodrake.comparison.panels import COLORS
 from aerodrake.flight.summary import HEADLINES, millimetres, to_json
 from aerodrake.reports.figures import INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario import Scenario
@@ -46,20 +46,8 @@ NAME, CELL = 18, 8
 def write_margins(margins: Margins, scenario: Scenario, folder: Path) -> None:
     """Writes `FILES` into the folder.
 
-    Args:
-        margins: As from `find_margins`.
-        scenario: Scenario of the variants.
-        folder: An existing folder.
-    """
-    data = margins_mapping(margins, scenario.name)
-    (folder / "margins.json").write_text(to_json(data), encoding="utf-8")
-    plot_margins(margins, f"{scenario.name}, seed {scenario.seed}", folder / "margins.png")
-
-
-def margins_mapping(margins: Margins, scenario: str) -> dict[str, Any]:
-    """Returns the content of `margins.json`.
-
-    Keys:
+    Keys of `margins.json`:
+        scenario: Name of the scenario.
         error: Key of `summary["error"]`: the error that doubles.
         variants: By name and disturbance: the last value before the error doubles (the flight is
             lost) and the first at which it does, null if there is none. `flown` lists all
@@ -67,23 +55,23 @@ def margins_mapping(margins: Margins, scenario: str) -> dict[str, Any]:
 
     Args:
         margins: As from `find_margins`.
-        scenario: Name of the scenario.
+        scenario: Scenario of the variants.
+        folder: An existing folder.
     """
-    return {
-        "scenario": scenario,
-        "error": margins.key,
-        "variants": {
-            name: {
-                "error_m": margins.outcomes(name)[0].error_m,
-                **{label: _search_mapping(search) for label, search in searches.items()},
-            }
-            for name, searches in margins.searches.items()
-        },
+    variants = {
+        name: {
+            "error_m": margins.outcomes(name)[0].error_m,
+            **{label: _search_mapping(search) for label, search in searches.items()},
+        }
+        for name, searches in margins.searches.items()
     }
+    data = {"scenario": scenario.name, "error": margins.key, "variants": variants}
+    (folder / "margins.json").write_text(to_json(data), encoding="utf-8")
+    plot_margins(margins, f"{scenario.name}, seed {scenario.seed}", folder / "margins.png")
 
 
 def _search_mapping(search: Search) -> dict[str, Any]:
-    ends = ("last_held", "first_crossed")
+    ends = ("last_before", "first_crossed")
     return {
         "doubles": dict(zip(ends, search.doubles, strict=True)),
         "lost": dict(zip(ends, search.lost, strict=True)),
@@ -95,20 +83,27 @@ def _search_mapping(search: Search) -> dict[str, Any]:
 
 
 def margins_rows(margins: Margins) -> list[list[str]]:
-    """Returns one row per variant: name, error, both margins of each of `COLUMNS`, and a remark.
-
-    Args:
-        margins: As from `find_margins`.
-    """
-    return [_row(margins, name) for name in margins.searches]
+    """Returns one row per variant: name, error, both margins of each of `COLUMNS`, and a remark."""
+    rows = []
+    for name, searches in margins.searches.items():
+        undisturbed, *others = margins.outcomes(name)
+        cells = ["" if undisturbed.error_m is None else millimetres(undisturbed.error_m)]
+        for label, (_, factor) in COLUMNS.items():
+            search = searches[label]
+            cells += [_cell(search, bracket, factor) for bracket in (search.doubles, search.lost)]
+        failed = [outcome for outcome in others if outcome.exit_reason == "failed"]
+        remark = ""
+        if undisturbed.is_lost:
+            remark = f"{undisturbed.exit_reason}: {undisturbed.exit_cause}"
+        elif failed:
+            count = "1 flight" if len(failed) == 1 else f"{len(failed)} flights"
+            remark = f"{count} failed: {failed[0].exit_cause}"
+        rows.append([name, *cells, remark])
+    return rows
 
 
 def margins_table(margins: Margins) -> str:
-    """Returns the table of the disturbances that each variant tolerates, as text.
-
-    Args:
-        margins: As from `find_margins`.
-    """
+    """Returns the table of the disturbances that each variant tolerates, as text."""
     titles = [f"{title:>{2 * CELL}}" for title, _ in COLUMNS.values()]
     error, pair = f"{HEADLINES[margins.key]:>{CELL}}", f"{'x 2':>{CELL}}{'lost':>{CELL}}"
     lines = [
@@ -122,22 +117,6 @@ def margins_table(margins: Margins) -> str:
         line = f"{name:<{NAME}}{''.join(f'{cell:>{CELL}}' for cell in cells)}"
         lines.append(f"{line}{'  ' if remark else ''}{remark}".rstrip())
     return "\n".join(lines)
-
-
-def _row(margins: Margins, name: str) -> list[str]:
-    undisturbed, *others = margins.outcomes(name)
-    cells = ["" if undisturbed.error_m is None else millimetres(undisturbed.error_m)]
-    for label, (_, factor) in COLUMNS.items():
-        search = margins.searches[name][label]
-        cells += [_cell(search, bracket, factor) for bracket in (search.doubles, search.lost)]
-    failed = [outcome for outcome in others if outcome.exit_reason == "failed"]
-    remark = ""
-    if undisturbed.is_lost:
-        remark = f"{undisturbed.exit_reason}: {undisturbed.exit_cause}"
-    elif failed:
-        count = "1 flight" if len(failed) == 1 else f"{len(failed)} flights"
-        remark = f"{count} failed: {failed[0].exit_cause}"
-    return [name, *cells, remark]
 
 
 def _cell(search: Search, bracket: Bracket, factor: float) -> str:
@@ -178,19 +157,14 @@ def draw_margins(row: Sequence[Axes], margins: Margins) -> None:
         for name, searches in margins.searches.items():
             for label in disturbances:
                 _draw(axes, searches[label], COLUMNS[label][1], COLORS[name])
-        if len(disturbances) > 1:
-            _scale_factors(axes)
+        if len(disturbances) > 1:  # Factors, which have a logarithmic scale with 1 marked.
+            axes.set_xscale("log")
+            axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5], ["0.1", "0.2", "0.5", "1", "2", "5"])
+            axes.minorticks_off()
+            axes.axvline(1.0, **REFERENCE)
     row[0].set_ylabel("end-effector error / mm")
     for name in margins.searches:
         row[0].plot([], [], color=COLORS[name], label=name)
-
-
-def _scale_factors(axes: Axes) -> None:
-    """Gives the horizontal axis a logarithmic scale of factors, with 1 marked."""
-    axes.set_xscale("log")
-    axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5], ["0.1", "0.2", "0.5", "1", "2", "5"])
-    axes.minorticks_off()
-    axes.axvline(1.0, **REFERENCE)
 
 
 def _draw(axes: Axes, search: Search, factor: float, color: str) -> None:

@@ -5,8 +5,8 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from aerodrake.comparison import margins_report
+from aerodrake.comparison.figure import COLORS, View, draw_distances, draw_errors, draw_path
 from aerodrake.comparison.margins import Margins
-from aerodrake.comparison.panels import COLORS, View, draw_distances, draw_errors, draw_path
 from aerodrake.comparison.table import comparison_rows, comparison_titles, paper_rows
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import HEADLINES, Summaries, headline
@@ -16,7 +16,7 @@ from aerodrake.reports.page import render
 from aerodrake.reports.pictures import MOST_SAMPLES, Picture, sheet, timeline
 from aerodrake.reports.replay import replay_page
 from aerodrake.scenario import Scenario
-from aerodrake.scenario.schema import as_mapping
+from aerodrake.scenario.schema import as_mapping, flat
 from aerodrake.station import make_closed_loop
 
 LEGEND_COLUMNS = 3
@@ -75,27 +75,22 @@ def comparison_page(comparison: Comparison, resolved: str, commands: Sequence[st
 
 def changes(scenario: Scenario, variant: Scenario) -> list[tuple[str, str, str]]:
     """Returns key, value in the scenario and value in the variant, for each key that differs."""
-    before, after = _flat(as_mapping(scenario)), _flat(as_mapping(variant))
+    before, after = (
+        {key: str(value) for key, value in flat(as_mapping(config)).items()}
+        for config in (scenario, variant)
+    )
     return [
         (key, before.get(key, ""), after.get(key, ""))
-        for key in dict.fromkeys([*before, *after])
+        for key in {**before, **after}
         if before.get(key) != after.get(key)
     ]
-
-
-def _flat(node: Any, path: str = "") -> dict[str, str]:
-    """Returns the values of nested mappings, as text, by dotted key."""
-    if not isinstance(node, dict):
-        return {path.removeprefix("."): str(node)}
-    return {k: v for name, inner in node.items() for k, v in _flat(inner, f"{path}.{name}").items()}
 
 
 def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> Iterator[Picture]:
     if not logs:
         return
     thin = {name: log.thinned(MOST_SAMPLES).loaded() for name, log in logs.items()}
-    lines = -(-len(thin) // LEGEND_COLUMNS)
-    top = LEGEND_LINE * lines + LEGEND_PADDING
+    top = _legend_height(len(thin))
     with sheet("errors", 3.2 + top, top=top) as (figure, done):
         draw_errors(figure.add_subplot(), thin, LEGEND_COLUMNS)
     yield Picture(
@@ -135,14 +130,16 @@ def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> It
         )
 
 
+def _legend_height(entries: int) -> float:
+    """Returns the height of a legend in inches."""
+    return LEGEND_LINE * -(-entries // LEGEND_COLUMNS) + LEGEND_PADDING
+
+
 def _margins(margins: Margins) -> dict[str, Any]:
-    lines = -(-len(margins.searches) // LEGEND_COLUMNS)
-    top = LEGEND_LINE * lines + LEGEND_PADDING
-    height = 2.5 * len(margins_report.PANELS) + top
-    with sheet("margins", height, top=top) as (figure, done):
-        panels = figure.subplots(
-            len(margins_report.PANELS), 1, sharey=True, squeeze=False, gridspec_kw={"hspace": 0.35}
-        )[:, 0]
+    top, rows = _legend_height(len(margins.searches)), len(margins_report.PANELS)
+    with sheet("margins", 2.5 * rows + top, top=top) as (figure, done):
+        spaced = {"sharey": True, "squeeze": False, "gridspec_kw": {"hspace": 0.35}}
+        panels = figure.subplots(rows, 1, **spaced)[:, 0]
         margins_report.draw_margins(panels, margins)
         for axes in panels:
             axes.set_ylabel("error / mm")

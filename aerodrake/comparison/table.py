@@ -13,10 +13,9 @@ WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
 
 
 def comparison_titles(key: str) -> list[tuple[str, str, str]]:
-    """Returns a title of three lines, the last a unit, of each column but the exit reason.
+    """Returns titles of three lines, the last a unit, for the headline error of that key.
 
-    Args:
-        key: Key of the headline error.
+    The last column, the exit reason, has no title.
     """
     return [
         ("", "", "variant"),
@@ -42,12 +41,7 @@ def comparison_rows(summaries: Summaries) -> list[list[str]]:
 
 
 def comparison_table(summaries: Summaries, kind: str) -> str:
-    """Returns the table of all variants, with the paper's results below, as text.
-
-    Args:
-        summaries: As from `compare`.
-        kind: Kind of the reference.
-    """
+    """Returns the table as text, with the paper's results for a reference of that kind below."""
     key = headline(summaries)
     lines = [_line(list(titles)) for titles in zip(*comparison_titles(key), strict=True)]
     lines += map(_line, comparison_rows(summaries))
@@ -66,7 +60,6 @@ def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None
     change = ""
     if error[key] is not None and integral is not None and integral > LEAST_ERROR_M:
         change = f"{100 * (error[key] / integral - 1):+.1f} %"
-    room = arm["least_room_rad"]
     return [
         name,
         _length(error[key]),
@@ -76,18 +69,13 @@ def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None
         _number(rmse, 1e3),
         _number(arm["farthest_d_o_m"], 1e3, 0),
         _number(arm["outside_s"], 1, 1),
-        _number(room, 180 / np.pi, 0),
+        _number(arm["least_room_rad"], 180 / np.pi, 0),
         ending,
     ]
 
 
 def paper_rows(kind: str, key: str) -> list[list[str]]:
-    """Returns the paper's results for such a reference, without exit reasons; empty for none.
-
-    Args:
-        kind: Kind of the reference.
-        key: Key of the headline error.
-    """
+    """Returns the paper's results for a kind of reference, without exit reasons; empty for none."""
     paper = PAPER.get(kind)
     if not paper:
         return []

@@ -116,6 +116,15 @@ def as_mapping(config: Any) -> dict[str, Any]:
     return plain(config)
 
 
+def flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Returns the values of nested mappings by dotted key."""
+    values: dict[str, Any] = {}
+    for name, value in data.items():
+        key = f"{prefix}{name}"
+        values |= flat(value, f"{key}.") if isinstance(value, dict) else {key: value}
+    return values
+
+
 def map_files(config: Any, change: typing.Callable[[Path], Path]) -> Any:
     """Returns `config` with `change` applied to every file that is not in the package."""
     changes: dict[str, Any] = {}

@@ -2,7 +2,7 @@
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,55 +16,66 @@ MOST_STEPS = 100_000
 """Largest number of values of a grid along one key."""
 
 
-@dataclass(frozen=True)
-class Uniform:
-    """Uniform distribution from `low` to `high`.
+class Distribution:
+    """Distribution of the values of a key.
+
+    Attributes:
+        form: Notation.
 
     Raises:
-        ValueError: with the expected arguments.
+        ValueError: for invalid arguments, with the expected ones.
     """
+
+    form: ClassVar[str]
+
+    def __str__(self) -> str:
+        arguments = ", ".join(repr(getattr(self, field.name)) for field in fields(self))
+        return f"{type(self).__name__.lower()}({arguments})"
+
+    @property
+    def probes(self) -> tuple[Any, ...]:
+        """Returns the values that are checked against the range of the key."""
+        raise NotImplementedError
+
+    def draw(self, rng: np.random.Generator) -> Any:
+        """Draws one value. A grid has `value` in its place."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Uniform(Distribution):
+    """Uniform distribution from `low` to `high`."""
 
     low: float
     high: float
 
-    form: ClassVar[str] = "uniform(a, b)"
+    form = "uniform(a, b)"
 
     def __post_init__(self):
-        if not (_are_numbers(self.low, self.high) and self.low < self.high):
+        if not (are_numbers(self.low, self.high) and self.low < self.high):
             raise ValueError("expected two numbers, the lower one first")
-
-    def __str__(self) -> str:
-        return f"uniform({self.low!r}, {self.high!r})"
 
     @property
     def probes(self) -> tuple[float, ...]:
-        """Returns the ends: if they are valid for a key, all values are."""
+        # All values are valid if these are.
         return self.low, self.high
 
     def draw(self, rng: np.random.Generator) -> float:
-        """Draws one value."""
         return float(rng.uniform(self.low, self.high))
 
 
 @dataclass(frozen=True)
-class Normal:
-    """Normal distribution of mean `mean` and standard deviation `deviation`.
-
-    Raises:
-        ValueError: with the expected arguments.
-    """
+class Normal(Distribution):
+    """Normal distribution of mean `mean` and standard deviation `deviation`."""
 
     mean: float
     deviation: float
 
-    form: ClassVar[str] = "normal(m, s)"
+    form = "normal(m, s)"
 
     def __post_init__(self):
-        if not (_are_numbers(self.mean, self.deviation) and self.deviation > 0):
+        if not (are_numbers(self.mean, self.deviation) and self.deviation > 0):
             raise ValueError("expected a mean and a standard deviation above 0")
-
-    def __str__(self) -> str:
-        return f"normal({self.mean!r}, {self.deviation!r})"
 
     @property
     def probes(self) -> tuple[float, ...]:
@@ -72,21 +83,16 @@ class Normal:
         return (self.mean,)
 
     def draw(self, rng: np.random.Generator) -> float:
-        """Draws one value."""
         return float(rng.normal(self.mean, self.deviation))
 
 
 @dataclass(frozen=True)
-class Choice:
-    """Equally likely values: numbers, words, booleans, or lists of numbers.
-
-    Raises:
-        ValueError: with the expected arguments.
-    """
+class Choice(Distribution):
+    """Equally likely values: numbers, words, booleans, or lists of numbers."""
 
     values: tuple[Any, ...]
 
-    form: ClassVar[str] = "choice(x, y, ...)"
+    form = "choice(x, y, ...)"
 
     def __post_init__(self):
         if not self.values or not all(_is_plain(value) for value in self.values):
@@ -97,35 +103,26 @@ class Choice:
 
     @property
     def probes(self) -> tuple[Any, ...]:
-        """Returns all values."""
         return self.values
 
     def draw(self, rng: np.random.Generator) -> Any:
-        """Draws one value."""
         return self.values[int(rng.integers(len(self.values)))]
 
 
 @dataclass(frozen=True)
-class Linspace:
-    """Grid of `count` evenly spaced numbers from `low` to `high`.
-
-    Raises:
-        ValueError: with the expected arguments.
-    """
+class Linspace(Distribution):
+    """Grid of `count` evenly spaced numbers from `low` to `high`."""
 
     low: float
     high: float
     count: int
 
-    form: ClassVar[str] = "linspace(a, b, n)"
+    form = "linspace(a, b, n)"
 
     def __post_init__(self):
         is_count = isinstance(self.count, int) and not isinstance(self.count, bool)
-        if not (_are_numbers(self.low, self.high) and is_count and 2 <= self.count <= MOST_STEPS):
+        if not (are_numbers(self.low, self.high) and is_count and 2 <= self.count <= MOST_STEPS):
             raise ValueError(f"expected two numbers, and how many of them: 2 to {MOST_STEPS}")
-
-    def __str__(self) -> str:
-        return f"linspace({self.low!r}, {self.high!r}, {self.count})"
 
     @property
     def probes(self) -> tuple[float, ...]:
@@ -138,22 +135,11 @@ class Linspace:
         return float(self.low * (1 - fraction) + self.high * fraction)
 
 
-Distribution = Uniform | Normal | Choice | Linspace
-
-KINDS: dict[str, type[Any]] = {
-    "uniform": Uniform,
-    "normal": Normal,
-    "choice": Choice,
-    "linspace": Linspace,
-}
+KINDS = {kind.__name__.lower(): kind for kind in (Uniform, Normal, Choice, Linspace)}
 
 
 def parse_distribution(text: str, key: str) -> Distribution:
-    """Reads `uniform(0, 2)` and the like.
-
-    Args:
-        text: Distribution as typed.
-        key: Key of the scenario, named in errors.
+    """Reads `uniform(0, 2)` and the like, for a key of the scenario.
 
     Raises:
         BadInput: with `--vary`, the key and the expected form.
@@ -178,13 +164,13 @@ def make_rng(seed: int, trial: int, key: str) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence([seed, trial, *key.encode()]))
 
 
-def _are_numbers(*values: object) -> bool:
+def are_numbers(*values: object) -> bool:
+    """Returns True if all values are finite numbers."""
     return all(
         isinstance(v, int | float) and not isinstance(v, bool) and math.isfinite(v) for v in values
     )
 
 
 def _is_plain(value: object) -> bool:
-    return isinstance(value, str | bool) or _are_numbers(
-        *(value if isinstance(value, list) else [value])
-    )
+    numbers = value if isinstance(value, list) else [value]
+    return isinstance(value, str | bool) or are_numbers(*numbers)

@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from aerodrake.flight.summary import HEADLINES
 from aerodrake.reports.figures import ACCENT, INK, STYLE, write_png
 from aerodrake.scenario.plain_yaml import dump_line
-from aerodrake.sweeps.outcomes import Outcomes, are_numbers
+from aerodrake.sweeps.distributions import are_numbers
+from aerodrake.sweeps.outcomes import Outcomes
 
 COLUMNS, MOST_PANELS = 3, 12
 PANEL_IN = (4.6, 3.4)
@@ -25,13 +26,7 @@ TOP = 0.95
 
 
 def plot_sweep(outcomes: Outcomes, title: str, path: Path) -> None:
-    """Writes the figure.
-
-    Args:
-        outcomes: Outcomes of the trials.
-        title: Plain text.
-        path: PNG file to write.
-    """
+    """Writes the figure of a sweep as PNG; `title` is plain text."""
     names = list(outcomes.parameters)[: MOST_PANELS - 1]
     columns = min(COLUMNS, 1 + len(names))
     rows = math.ceil((1 + len(names)) / columns)
@@ -70,11 +65,11 @@ def _draw_parameter(axes: Axes, outcomes: Outcomes, name: str) -> None:
     values, done = outcomes.parameters[name], outcomes.completed
     axes.set_xlabel(name, parse_math=False)
     axes.set_ylabel(_label(outcomes))
-    if are_numbers(values) and len({*values}) > MOST_CATEGORIES:
+    if are_numbers(*values) and len({*values}) > MOST_CATEGORIES:
         x = np.array(values, dtype=float)
     else:
         by_word = {dump_line(v): v for v in values}
-        words = sorted(by_word, key=by_word.get) if are_numbers(values) else sorted(by_word)
+        words = sorted(by_word, key=by_word.get) if are_numbers(*values) else sorted(by_word)
         x = np.array([words.index(dump_line(value)) for value in values], dtype=float)
         axes.set_xticks(range(len(words)), [word[:20] for word in words], parse_math=False)
         for category in range(len(words)):

@@ -63,11 +63,6 @@ def sweep_folder(target: Path, plan: Plan, resumes: bool) -> Iterator[SweepFolde
     Without `resumes`, a finished sweep in the folder is replaced as a whole. With it, the sweep in
     the folder is resumed, with the same number of trials or more.
 
-    Args:
-        target: Path of the folder.
-        plan: Plan of the sweep.
-        resumes: True to resume the sweep in the folder.
-
     Raises:
         BadInput: if `target` cannot be written, contains other files, is in use by another
             sweep, or has another plan.
@@ -95,18 +90,12 @@ def read_rows(path: Path) -> Iterator[dict[str, Any]]:
             try:
                 row = json.loads(line)
                 is_row = type(row["trial"]) is int and isinstance(row["exit_reason"], str)
-                if not is_row or not _are_figures(row.get("error", {})):
+                kinds = {*map(type, row.get("error", {}).values())}
+                if not is_row or kinds - {int, float, type(None)}:
                     raise ValueError
-            except (ValueError, KeyError, TypeError, RecursionError):
+            except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
                 raise BadInput(path / ROWS, "", f"line {number}: expected a trial's row") from None
             yield row
-
-
-def _are_figures(error: object) -> bool:
-    """Returns True if `error` is a mapping of names to numbers or null."""
-    return isinstance(error, dict) and all(
-        figure is None or type(figure) in (int, float) for figure in error.values()
-    )
 
 
 def _begin(target: Path, plan: Plan, locks: contextlib.ExitStack) -> None:
@@ -117,8 +106,8 @@ def _begin(target: Path, plan: Plan, locks: contextlib.ExitStack) -> None:
         with contextlib.ExitStack() as earlier:
             _lock(target, earlier)
             if (target / PLAN).is_file() and not (target / SUMMARY).is_file():
-                message = f"{target} contains an unfinished sweep; --resume continues it"
-                raise BadInput("--out", "", message)
+                unfinished = f"{target} contains an unfinished sweep; --resume continues it"
+                raise BadInput("--out", "", unfinished)
             with run_folder(target, FILES) as folder:
                 save_scenario(plan.scenario, folder)
                 (folder / PLAN).write_text(_plan_text(plan), encoding="utf-8")

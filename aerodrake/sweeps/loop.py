@@ -2,15 +2,10 @@
 
 import queue
 from collections.abc import Callable, Iterator
-from concurrent.futures import (
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    Future,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent import futures
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
+from itertools import islice
 from threading import Thread
 from typing import Any
 
@@ -19,6 +14,9 @@ from aerodrake.support.errors import ProcessDied
 from aerodrake.sweeps.child import DiedBeforeCall, call_in_child, kill_children
 from aerodrake.sweeps.folder import SweepFolder
 from aerodrake.sweeps.trial import Trial, fly_trial
+
+Result = tuple[dict[str, Any], dict[str, Any] | None]
+"""Row and timing of a trial; no timing if its process died."""
 
 MOST_IN_FLIGHT = 1000
 """Largest number of trials that are submitted to the executor at a time."""
@@ -60,50 +58,46 @@ def sweep(
     plan = folder.plan
     missing = (plan.trial(i) for i in range(plan.trials) if i not in folder.recorded)
     try:
-        for trial in missing:
+        for trial in islice(missing, MOST_IN_FLIGHT):
             submit(trial)
-            if len(running) < MOST_IN_FLIGHT:
-                continue
-            _record(ended.get(), running, folder, submit, progress)
         while running:
-            _record(ended.get(), running, folder, submit, progress)
+            future = ended.get()
+            trial, deaths = running.pop(future)
+            result = _result(future, trial, deaths + 1)
+            if result is None:
+                submit(trial, deaths + 1)
+                continue
+            folder.append(*result)
+            progress(result[0])
+            for trial in islice(missing, 1):
+                submit(trial)
     finally:
         left = [future for future in running if not future.cancel()]
-        while left := list(wait(left, timeout=0.1).not_done):
+        while left := list(futures.wait(left, timeout=0.1).not_done):
             kill_children()
 
 
-def _record(
-    future: Future,
-    running: dict[Future, tuple[Trial, int]],
-    folder: SweepFolder,
-    submit: Callable[[Trial, int], None],
-    progress: Callable[[dict[str, Any]], None],
-) -> None:
-    """Writes the row of a trial that has ended, or submits it again if its process died."""
-    trial, deaths = running.pop(future)
+def _result(future: Future, trial: Trial, attempts: int) -> Result | None:
+    """Returns the result of a trial that has ended; None if it is to be flown again."""
     try:
-        row, timing = future.result()
-    except (CancelledError, BrokenExecutor) as error:
+        return future.result()
+    except (futures.CancelledError, futures.BrokenExecutor) as error:
         raise ProcessDied(f"the executor failed: {type(error).__name__}") from None
     except ProcessDied as error:
-        if deaths + 1 < MOST_DEATHS:
-            submit(trial, deaths + 1)
-            return
+        if attempts < MOST_DEATHS:
+            return None
         if isinstance(error, DiedBeforeCall):
             raise
-        row, timing = {**trial.header(), **failure(error)}, None
+        return {**trial.header(), **failure(error)}, None
     except Exception as error:
         cause = failure(error)["exit_cause"].removeprefix("BadInput: ")
         raise ProcessDied(f"trial {trial.index} could not be flown: {cause}") from None
-    folder.append(row, timing)
-    progress(row)
 
 
 @contextmanager
 def processes(jobs: int) -> Iterator[Executor]:
     """Yields an executor of `jobs` threads, each of which waits for a child process of its own."""
-    executor = ThreadPoolExecutor(jobs)
+    executor = futures.ThreadPoolExecutor(jobs)
     try:
         yield executor
     finally:

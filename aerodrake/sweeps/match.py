@@ -3,15 +3,15 @@
 import hashlib
 import json
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from aerodrake.scenario.load import save_scenario
 from aerodrake.scenario.plain_yaml import parse
+from aerodrake.scenario.schema import flat
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import read_bounded
-from aerodrake.sweeps.distributions import Distribution, Linspace, parse_distribution
+from aerodrake.sweeps.distributions import Linspace, parse_distribution
 from aerodrake.sweeps.plan import Plan
 
 SCENARIO, PLAN = "scenario.yaml", "sweep.json"
@@ -21,39 +21,40 @@ MAX_BYTES = 10_000_000
 
 
 def check_same(target: Path, plan: Plan) -> None:
-    """Checks that a folder contains the sweep of a plan, which may have more trials.
-
-    Args:
-        target: Folder of the sweep.
-        plan: Plan to compare with.
+    """Checks that the folder `target` contains the sweep of a plan, which may have more trials.
 
     Raises:
         BadInput: if the folder contains no sweep, or another one: with the first key that differs.
         OSError: if the folder cannot be read.
     """
-    stored = _read_plan(target)
-    ours = _flat(stored) | {"vary": _grid(stored["vary"])}
+    stored = _values(target, _read_plan(target))
     with tempfile.TemporaryDirectory() as temporary:
         saved = Path(temporary)
         save_scenario(plan.scenario, saved)
-        ours = _read_scenario(target) | ours
-        mapping = {**plan.as_mapping(), "vary": plan.vary}
-        theirs = _read_scenario(saved) | _flat(mapping) | {"vary": _grid(plan.vary)}
+        expected = _values(saved, {**plan.as_mapping(), "vary": plan.vary})
         files = {p.relative_to(f) for f in (target, saved) for p in f.glob("inputs*/**/*")}
         for file in sorted(files):
             if not all((f / file).is_dir() for f in (target, saved)):
-                ours[str(file)], theirs[str(file)] = (_content(f / file) for f in (target, saved))
-    if ours["trials"] < theirs["trials"]:
-        del ours["trials"], theirs["trials"]
-    for key in {**ours, **theirs}:
-        if ours.get(key) != theirs.get(key):
-            own, other = (_shown(values.get(key)) for values in (ours, theirs))
-            raise BadInput("--resume", key, f"the sweep in {target} has {own}, not {other}")
+                stored[str(file)], expected[str(file)] = _content(target / file, saved / file)
+    if stored["trials"] < expected["trials"]:
+        del stored["trials"], expected["trials"]
+    for key in {**stored, **expected}:
+        if stored.get(key) != expected.get(key):
+            one, other = (f"{values.get(key, 'none')}"[:60] for values in (stored, expected))
+            raise BadInput("--resume", key, f"the sweep in {target} has {one}, not {other}")
 
 
-def _grid(vary: Mapping[str, Distribution]) -> list[str]:
-    """Returns the keys of a grid, whose order determines that of the trials."""
-    return [key for key, distribution in vary.items() if isinstance(distribution, Linspace)]
+def _values(folder: Path, plan: dict[str, Any]) -> dict[str, Any]:
+    """Returns the values of scenario and plan by dotted key.
+
+    `vary` has the keys of the grid, whose order determines that of the trials.
+    """
+    content = read_bounded(folder / SCENARIO, MAX_BYTES)
+    scenario = parse(content.decode(errors="replace"), folder / SCENARIO)
+    if not isinstance(scenario, dict):
+        raise BadInput(folder / SCENARIO, "", "expected the scenario of a sweep")
+    grid = [key for key, distribution in plan["vary"].items() if isinstance(distribution, Linspace)]
+    return flat(scenario) | flat(plan) | {"vary": grid}
 
 
 def _read_plan(target: Path) -> dict[str, Any]:
@@ -71,31 +72,11 @@ def _read_plan(target: Path) -> dict[str, Any]:
     raise BadInput(path, "", "expected the plan of a sweep")
 
 
-def _read_scenario(folder: Path) -> dict[str, Any]:
-    content = read_bounded(folder / SCENARIO, MAX_BYTES)
-    scenario = parse(content.decode(errors="replace"), folder / SCENARIO)
-    if not isinstance(scenario, dict):
-        raise BadInput(folder / SCENARIO, "", "expected the scenario of a sweep")
-    return _flat(scenario)
-
-
-def _flat(data: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Returns the values of nested mappings by dotted key."""
-    flat: dict[str, Any] = {}
-    for key, value in data.items():
-        if isinstance(value, dict):
-            flat |= _flat(value, f"{prefix}{key}.")
-        else:
-            flat[f"{prefix}{key}"] = value
-    return flat
-
-
-def _content(file: Path) -> str:
-    """Returns a label of a file's content, from its SHA-256."""
-    if not file.is_file():
-        return "no such file"
-    return f"content {hashlib.sha256(file.read_bytes()).hexdigest()[:16]}"
-
-
-def _shown(value: Any) -> str:
-    return "none" if value is None else f"{value}"[:60]
+def _content(*files: Path) -> list[str]:
+    """Returns a label of each file's content, from its SHA-256."""
+    return [
+        f"content {hashlib.sha256(file.read_bytes()).hexdigest()[:16]}"
+        if file.is_file()
+        else "no such file"
+        for file in files
+    ]

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from aerodrake.flight.summary import HEADLINES
+from aerodrake.sweeps.distributions import are_numbers
 from aerodrake.sweeps.folder import read_rows
 from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.trial import FAILURES
@@ -41,21 +42,18 @@ class Outcomes:
 
         The headline is the first of `HEADLINES` that all completed flights have.
         """
-        trials, endings = [], []
-        errors: dict[str, list[float]] = {key: [] for key in HEADLINES}
-        for trial, ending, error in sorted(_brief(folder), key=lambda brief: brief[0]):
-            trials.append(trial)
-            endings.append(ending)
-            for key, values in errors.items():
-                value = error[key] if ending == "completed" else None
-                values.append(np.nan if value is None else value)
+        briefs = sorted(map(_brief, read_rows(folder)), key=lambda brief: brief[0])
+        trials, endings, errors = ([brief[i] for brief in briefs] for i in range(3))
         is_completed = np.array([ending == "completed" for ending in endings], dtype=bool)
-        arrays = {key: np.array(values, dtype=float) for key, values in errors.items()}
-        whole = (k for k in HEADLINES if np.isfinite(arrays[k][is_completed]).all())
-        key = next(whole, "mean_m")
+        # (T, K) m, by trial and headline; NaN for null.
+        error_m = np.array(errors, dtype=float).reshape(-1, len(HEADLINES))
+        error_m[~is_completed] = np.nan
+        whole = np.isfinite(error_m[is_completed]).all(axis=0)
+        key = next((k for k, is_whole in zip(HEADLINES, whole, strict=True) if is_whole), "mean_m")
         drawn = [plan.trial(index).parameters for index in trials]
         parameters = {name: [values[name] for values in drawn] for name in plan.vary}
-        return cls(np.array(trials, dtype=int), endings, arrays[key], parameters, key)
+        column = error_m[:, list(HEADLINES).index(key)]
+        return cls(np.array(trials, dtype=int), endings, column, parameters, key)
 
     @property
     def completed(self) -> np.ndarray:
@@ -74,7 +72,7 @@ class Outcomes:
         not numbers, if they or the errors are all equal, or if there are too few flights.
         """
         values = self.parameters[name]
-        if not are_numbers(values):
+        if not are_numbers(*values):
             return None
         flown = np.array([ending not in FAILURES for ending in self.endings], dtype=bool)
         x, y = np.array(values, dtype=float)[flown], self.error_m[flown]
@@ -85,14 +83,7 @@ class Outcomes:
         return float(result.statistic), float(result.pvalue)
 
 
-def are_numbers(values: Sequence[Any]) -> bool:
-    """Returns True if all values are numbers."""
-    return all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
-
-
-def _brief(folder: Path) -> list[tuple[int, str, dict[str, Any]]]:
-    """Returns index, exit reason and headline errors of each row; whole rows need much memory."""
-    return [
-        (row["trial"], row["exit_reason"], {k: row.get("error", {}).get(k) for k in HEADLINES})
-        for row in read_rows(folder)
-    ]
+def _brief(row: Mapping[str, Any]) -> tuple[int, str, list[float | None]]:
+    """Returns index, exit reason and headline errors of a row; whole rows need much memory."""
+    error = row.get("error", {})
+    return row["trial"], row["exit_reason"], [error.get(key) for key in HEADLINES]

@@ -4,7 +4,9 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import reduce
 from importlib.metadata import version
+from operator import getitem
 from typing import Any, Self
 
 from aerodrake.scenario import Scenario
@@ -67,13 +69,11 @@ class Plan:
                 if _overlap(key, other):
                     raise BadInput(VARY, key, f"expected each key once, but {other} contains it")
             distributions[key] = parse(distribution, key)
-        grid = math.prod(d.count for d in distributions.values() if isinstance(d, Linspace))
-        is_grid = any(isinstance(d, Linspace) for d in distributions.values())
-        if trials is None and not is_grid:
-            raise BadInput(
-                "--trials", "", "expected a number of trials, since no linspace() spans a grid"
-            )
-        count = grid if trials is None else trials
+        grid = [d.count for d in distributions.values() if isinstance(d, Linspace)]
+        if trials is None and not grid:
+            expected = "expected a number of trials, since no linspace() spans a grid"
+            raise BadInput("--trials", "", expected)
+        count = math.prod(grid) if trials is None else trials
         if not 1 <= count <= MOST_TRIALS:
             raise BadInput("--trials", "", f"expected 1 to {MOST_TRIALS}, got {count}")
         return cls(scenario, count, distributions, _integer_keys(scenario, distributions))
@@ -132,22 +132,15 @@ def _integer_keys(scenario: Scenario, vary: Mapping[str, Distribution]) -> froze
     """
     keys, files = set(), {*named_files(scenario)}
     for key, distribution in vary.items():
-        probed = [
-            set_key(scenario, VARY, f"{key}={dump_line(value)}") for value in distribution.probes
-        ]
-        for other in probed:
-            if {*named_files(other)} - files:
-                raise BadInput(
-                    VARY,
-                    key,
-                    "expected a packaged file; others are set once for the sweep, with --set",
-                )
+        probed = [set_key(scenario, VARY, f"{key}={dump_line(v)}") for v in distribution.probes]
+        if any({*named_files(other)} - files for other in probed):
+            expected = "expected a packaged file; others are set once for the sweep, with --set"
+            raise BadInput(VARY, key, expected)
         scenario = probed[0]
-        if type(_value(scenario, key)) is int:
+        if type(reduce(getitem, _parts(key), as_mapping(scenario))) is int:
             if not isinstance(distribution, Choice | Linspace):
-                raise BadInput(
-                    VARY, key, "is a whole number; expected choice(x, y, ...) or linspace(a, b, n)"
-                )
+                kinds = f"{Choice.form} or {Linspace.form}"
+                raise BadInput(VARY, key, f"is a whole number; expected {kinds}")
             keys.add(key)
     return frozenset(keys)
 
@@ -159,16 +152,10 @@ def _overlap(one: str, other: str) -> bool:
 
 
 def _parts(key: str) -> list[str | int]:
+    """Returns the names and indices in a dotted key."""
     words = key.replace("[", ".[").split(".")
     return [int(w[1:-1]) if re.fullmatch(r"\[\d+\]", w) else w for w in words]
 
 
 def _as_integer(value: Any) -> Any:
     return int(value) if isinstance(value, float) and value.is_integer() else value
-
-
-def _value(scenario: Scenario, key: str) -> Any:
-    node: Any = as_mapping(scenario)
-    for name in key.replace("[", ".[").split("."):
-        node = node[int(name[1:-1])] if name.startswith("[") else node[name]
-    return node

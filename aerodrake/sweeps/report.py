@@ -26,10 +26,7 @@ NARROWEST = 38
 
 
 def write_report(folder: SweepFolder) -> dict[str, Any]:
-    """Writes the figure and `sweep_summary.json`, which finish a sweep.
-
-    Returns:
-        The content of `sweep_summary.json`.
+    """Writes the figure and `sweep_summary.json`, which finish a sweep; returns its content.
 
     Raises:
         BadInput: if a file cannot be written.
@@ -55,11 +52,6 @@ def summarize_sweep(outcomes: Outcomes, plan: Plan, folder: Path) -> dict[str, A
         correlations: Spearman's rank correlation of each key with that error, and its p-value,
             or null; flights that were not completed have the worst rank.
         worst: The five worst trials, with the command that flies each alone.
-
-    Args:
-        outcomes: Outcomes of the trials.
-        plan: Plan of the sweep.
-        folder: Folder of the sweep.
     """
     correlations = {name: outcomes.correlation(name) for name in outcomes.parameters}
     return {
@@ -92,15 +84,10 @@ def _spread(outcomes: Outcomes) -> dict[str, Any] | None:
 
 
 def sweep_table(summary: Mapping[str, Any]) -> str:
-    """Returns the results of a sweep as text for a terminal.
-
-    Args:
-        summary: As from `summarize_sweep`.
-    """
+    """Formats a summary, as from `summarize_sweep`, for a terminal."""
     endings = ", ".join(f"{count} {ending}" for ending, count in summary["endings"].items())
-    lines = [
-        f"{summary['scenario']}, seed {summary['seed']}: {summary['trials']} trials, {endings}"
-    ]
+    title = f"{summary['scenario']}, seed {summary['seed']}"
+    lines = [f"{title}: {summary['trials']} trials, {endings}"]
     error, correlations = summary["error"], summary["correlations"]
     labels = {name: f"  {name}: {summary['vary'][name]}" for name in correlations}
     width = max([NARROWEST, *(len(label) + 1 for label in labels.values())])

@@ -14,7 +14,7 @@ from aerodrake.flight.summary import failure, repeatable, summarize
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import override
 from aerodrake.scenario.plain_yaml import dump_line
-from aerodrake.support.errors import BadInput, ScenarioError
+from aerodrake.support.errors import ScenarioError
 from aerodrake.support.threads import single_thread
 
 FAILURES = ("failed", "refused")
@@ -26,7 +26,7 @@ class Trial:
     """One flight of a sweep, as `aerodrake run SCENARIO` flies it with the options of `overrides`.
 
     Attributes:
-        index: Index of the trial, from 0.
+        index: Index, from 0.
         seed: Seed of the trial's scenario.
         parameters: Values of the varied keys.
         scenario: Scenario that all trials share.
@@ -51,18 +51,10 @@ class Trial:
         return override(self.scenario, self.overrides())
 
     def command(self, scenario: Path) -> str:
-        """Returns the shell command that flies this trial alone.
-
-        Args:
-            scenario: `scenario.yaml` of the sweep.
-        """
-        words = ["aerodrake", "run", str(scenario)]
-        for option, assignment in self.overrides():
-            words += [
-                option,
-                assignment.removeprefix("seed=") if option == "--seed" else assignment,
-            ]
-        return shlex.join(words)
+        """Returns the shell command that flies this trial alone; `scenario` is the sweep's file."""
+        words = [word for pair in self.overrides() for word in pair]
+        words[-1] = str(self.seed)  # Without `seed=`.
+        return shlex.join(["aerodrake", "run", str(scenario), *words])
 
     def header(self) -> dict[str, Any]:
         """Returns the first entries of the row, which do not depend on the flight."""
@@ -84,14 +76,16 @@ def fly_trial(trial: Trial) -> tuple[dict[str, Any], dict[str, Any]]:
     try:
         scenario = trial.resolved()
         with single_thread():
-            flight = FlightSimulation(scenario)
-            figures = repeatable(summarize(scenario, flight.fly()))
+            figures = repeatable(summarize(scenario, FlightSimulation(scenario).fly()))
         ending = {k: v for k, v in figures.items() if k not in ("scenario", "seed", "version")}
     except (Exception, SystemExit) as error:  # Drake raises SystemExit.
         if _is_machine_error(error):
             raise
-        # Without the source, which depends on the path of the sweep's folder.
-        ending = refusal(error) if isinstance(error, ScenarioError) else failure(error)
+        ending = failure(error)
+        if isinstance(error, ScenarioError):
+            # Without the source, which depends on the path of the sweep's folder.
+            message = str(type(error)("", *error.args[1:]))
+            ending = {"exit_reason": "refused", "exit_cause": message}
     timing = {
         "trial": trial.index,
         "wall_s": round(time.perf_counter() - start, 6),
@@ -111,9 +105,3 @@ def _is_machine_error(error: BaseException) -> bool:
         cause = cause.__context__
     is_missing = isinstance(error, ScenarioError) and isinstance(cause, FileNotFoundError)
     return cause is not None and not is_missing
-
-
-def refusal(error: BadInput) -> dict[str, str]:
-    """Returns the end of the row of a trial whose values are invalid."""
-    message = str(type(error)("", *error.args[1:]))
-    return {"exit_reason": "refused", "exit_cause": message}

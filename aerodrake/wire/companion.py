@@ -64,11 +64,10 @@ class Companion:
     """Coordinator that receives the samples of a station and replies with setpoints.
 
     Its time is the station's: it advances to the time of each sample, and replies at once if that
-    is the time of a tick. Without samples it does not advance: their ticks are missed and never
-    made up for. The effect on the flight is left to the supervisor of the station. After a pause
-    of its own it replies to the first tick that arrives. A station that is silent for
-    `supervisor.attitude_lost_s` is taken as dead. If there are several stations, it serves the
-    first that it receives.
+    is the time of a tick. Ticks without a sample are missed and not computed later; the supervisor
+    of the station handles them. After a pause of this process the first tick that arrives has a
+    reply. A station that is silent for `supervisor.attitude_lost_s` counts as dead. Of several
+    stations, the first one received is served.
 
     Args:
         scenario: Scenario of the station.
@@ -99,11 +98,10 @@ class Companion:
             Simulator(self._coordinator, warm).AdvanceTo(scenario.rates.mpc_period_s)
 
     def serve(self, progress: Callable[[float], None]) -> Service:
-        """Waits for a station and serves it until the end of its flight, or until it is dead.
+        """Serves a station until the end of its flight, or until it is dead.
 
         Args:
-            progress: Called every 50 ms or more often, with the station's time in s; it may
-                raise.
+            progress: Called every 50 ms or more often, with the station's time in s; may raise.
 
         Raises:
             BadInput: if the station has another scenario.
@@ -129,9 +127,6 @@ class Companion:
     def process_messages(self, timeout_ms: int = 0) -> bool:
         """Processes the received messages and replies; returns True if the station is alive.
 
-        Args:
-            timeout_ms: Time to wait for a message.
-
         Raises:
             BadInput: as `Link.receive`.
         """
@@ -148,7 +143,7 @@ class Companion:
             elif message.phase is Phase.FLYING:
                 is_alive = True
                 self._advance_to(message)
-                if self._is_tick(message.time):
+                if self._ticks_between(message.time - 1e-6, message.time + 1e-6):
                     self._publish_reply(message.time)
                     took_s = time.perf_counter() - start
                     self.service.reply_ms.append(1e3 * took_s)
@@ -163,15 +158,13 @@ class Companion:
 
         The coordinator has no sample check: Drake raises on absurd values.
         """
-        length = np.linalg.norm(message.signals["state"][:4])
-        is_bounded = all(
-            (np.abs(values) < MAX_MAGNITUDE).all() for values in message.signals.values()
-        )
+        quaternion_error = abs(np.linalg.norm(message.signals["state"][:4]) - 1)
+        is_bounded = (np.abs(np.concatenate([*message.signals.values()])) < MAX_MAGNITUDE).all()
         # A longer silence would have ended the flight.
         latest = self._time + self.scenario.supervisor.plan_lost_s
         is_next = self.link.phase is Phase.WAITING or message.time < latest
         is_new = is_next and max(self._time, BEFORE) < message.time < MAX_MAGNITUDE
-        return is_bounded and abs(length - 1) < UNIT_LENGTH and is_new
+        return is_bounded and quaternion_error < UNIT_LENGTH and is_new
 
     def _advance_to(self, message: Message) -> None:
         """Advances to the time of a sample; all events of that instant see its values."""
@@ -211,9 +204,6 @@ class Companion:
         for name, size in self.link.incoming.sizes.items():
             value = signals.get(name, np.zeros(size))
             self._coordinator.GetInputPort(name).FixValue(context, value)
-
-    def _is_tick(self, time: float) -> bool:
-        return self._ticks_between(time - 1e-6, time + 1e-6) == 1
 
     def _ticks_between(self, begin: float, end: float) -> int:
         """Returns the number of ticks after `begin` and before `end`, in s."""

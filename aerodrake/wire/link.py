@@ -90,10 +90,7 @@ class Link:
         self.lcm.Publish(self._channel, self.outgoing.encode(message))
 
     def wait(self, check: Callable[[], None]) -> None:
-        """Waits for the other end.
-
-        Args:
-            check: Called every 0.1 s; it may raise.
+        """Waits for the other end, and calls `check`, which may raise, every 0.1 s.
 
         Raises:
             BadInput: as `receive`.
@@ -104,17 +101,15 @@ class Link:
             check()
 
     def close(self, time: float) -> None:
-        """Announces the end of the flight until the other end confirms it.
+        """Announces the end of the flight at `time` in s until the other end confirms it.
 
-        Args:
-            time: s, end of the flight. Messages may be lost and the other end may be dead, so
-                that the announcement is repeated, for `CLOSING_S` at most.
+        The announcement may be lost, so that it is repeated; after `CLOSING_S` the other end
+        counts as dead.
         """
         self.phase = Phase.OVER
         for _ in range(round(CLOSING_S / 0.02)):
             self.publish(time, {})
-            own = (message for message in self._decode(20) if message.station == self.station)
-            if any(message.phase is Phase.OVER for message in own):
+            if (self.station, Phase.OVER) in [(m.station, m.phase) for m in self._decode(20)]:
                 return
 
     def receive(self, timeout_ms: int = 0) -> list[Message]:
@@ -133,20 +128,17 @@ class Link:
                 self.station = message.station
             differing = ", ".join(message.differing)
             if message.station != self.station:
+                reason = "messages of another station are ignored"
                 self.reject(
-                    "the coordinator serves another station"
-                    if self._is_station
-                    else "messages of another station are ignored"
+                    "the coordinator serves another station" if self._is_station else reason
                 )
             elif not differing:
                 messages.append(message)
             elif self.phase is Phase.WAITING:
                 self.close(0.0)
                 end = "coordinator" if self._is_station else "station"
-                problem = (
-                    f"expected a {end} of the same scenario, got one that differs in {differing}"
-                )
-                raise BadInput("--lcm", "", problem)
+                expected = f"expected a {end} of the same scenario"
+                raise BadInput("--lcm", "", f"{expected}, got one that differs in {differing}")
             else:
                 self.reject(f"messages of another scenario are ignored; it differs in {differing}")
         return messages
@@ -172,10 +164,7 @@ class Link:
 
 
 def make_lcm(url: str) -> DrakeLcm:
-    """Returns an LCM interface.
-
-    Args:
-        url: URL in LCM's form, udpm://ADDRESS:PORT?ttl=N.
+    """Returns an LCM interface for a URL in LCM's form, udpm://ADDRESS:PORT?ttl=N.
 
     Raises:
         BadInput: if the URL is invalid. LCM itself would continue without a network.
@@ -184,10 +173,9 @@ def make_lcm(url: str) -> DrakeLcm:
     try:
         address, port, ttl = match.groups(default="0")
         is_valid = ipaddress.IPv4Address(address).is_multicast
-        is_valid = is_valid and 0 < int(port) < 65536 and int(ttl) < 256
+        if is_valid and 0 < int(port) < 65536 and int(ttl) < 256:
+            return DrakeLcm(url)
     except (AttributeError, ValueError):
-        is_valid = False
-    if not is_valid:
-        problem = f"expected udpm://ADDRESS:PORT?ttl=N with a multicast address, got {url!r}"
-        raise BadInput("--lcm", "", problem)
-    return DrakeLcm(url)
+        pass
+    problem = f"expected udpm://ADDRESS:PORT?ttl=N with a multicast address, got {url!r}"
+    raise BadInput("--lcm", "", problem)

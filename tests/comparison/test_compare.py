@@ -9,14 +9,15 @@ import pytest
 
 from aerodrake.cli import main
 from aerodrake.comparison import compare as module
-from aerodrake.comparison.compare import OWN_VARIANT, compare, make_variants, notes
+from aerodrake.comparison.compare import OWN_VARIANT, compare, load_baseline, make_variants, notes
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import repeatable
 from aerodrake.scenario import Model, Scenario, Weights
-from aerodrake.scenario.load import load_scenario
-from aerodrake.scenario.schema import as_mapping
+from aerodrake.scenario.load import load_scenario, packaged_scenarios
+from aerodrake.scenario.schema import as_mapping, flat
 from aerodrake.support.errors import BadInput
 from tests.in_this_process import in_this_process
+from tests.modules import PACKAGE
 
 SHORT = [("--set", "duration=0.3"), ("--set", "settle_s=0.1")]
 
@@ -24,14 +25,7 @@ SHORT = [("--set", "duration=0.3"), ("--set", "settle_s=0.1")]
 def differences(a: Scenario, b: Scenario) -> dict[str, tuple[object, object]]:
     """{section.key: (in a, in b)} where they differ."""
 
-    def flat(data, prefix=""):
-        for key, value in data.items():
-            if isinstance(value, dict):
-                yield from flat(value, f"{prefix}{key}.")
-            else:
-                yield f"{prefix}{key}", value
-
-    ours, theirs = (dict(flat(as_mapping(s))) for s in (a, b))
+    ours, theirs = (flat(as_mapping(s)) for s in (a, b))
     return {key: (ours[key], theirs[key]) for key in ours if ours[key] != theirs[key]}
 
 
@@ -108,6 +102,54 @@ def test_a_missing_network_is_noted(paper):
 def test_baseline_weights_of_another_arm_are_refused(paper):
     with pytest.raises(BadInput, match="as integral_best: mpc.w_3_joints: expected 1 value, or 6"):
         make_variants(paper, baseline=Weights(w_3_joints=(1.0, 2.0)))
+
+
+# Baselines.
+
+PACKAGED = sorted((PACKAGE / "scenarios" / "baselines").iterdir())
+
+
+@pytest.mark.parametrize("path", PACKAGED, ids=lambda path: path.stem)
+def test_packaged_baselines_belong_to_packaged_scenarios(path):
+    assert path.stem in packaged_scenarios() and path.suffix == ".yaml"
+    scenario = load_scenario(path.stem)
+    assert load_baseline(scenario) == load_baseline(scenario, path) != Weights()
+
+
+def test_baselines_are_no_scenarios():
+    assert "baselines" not in packaged_scenarios() and len(PACKAGED) == 3
+
+
+def test_a_scenario_without_a_baseline_has_the_default_weights():
+    assert load_baseline(load_scenario("hover")) == Weights()
+
+
+def test_a_file_replaces_the_packaged_baseline(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("k_e: [1.0, 2.0, 3.0]")
+    assert load_baseline(load_scenario("clover_paper"), path) == Weights(k_e=(1.0, 2.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("w_4: [1]", "w_4: expected a list of 3 numbers"),
+        ("w_7: [1]", "w_7: unknown key"),
+        ("w_2_joints: [-1]", "w_2_joints.0.: expected a number in"),
+        ("", "expected a mapping of keys to values"),
+        ("baseline: {k_e: [1, 1, 1]}", "baseline: removed; put its keys in a file"),
+    ],
+)
+def test_an_invalid_file_is_refused(text, message, tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text(text)
+    with pytest.raises(BadInput, match=f"mine.yaml: {message}"):
+        load_baseline(load_scenario("hover"), path)
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    with pytest.raises(BadInput, match="none.yaml: expected a readable file"):
+        load_baseline(load_scenario("hover"), tmp_path / "none.yaml")
 
 
 # Flights.

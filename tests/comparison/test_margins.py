@@ -245,8 +245,8 @@ def test_failed_flights_are_reported_and_lost_flights_are_results(
     )
     figures = json.loads((tmp_path / "out" / "margins.json").read_text())
     assert figures["variants"]["modified"]["payload_kg"] == {
-        "doubles": {"last_held": 0.0, "first_crossed": 1.9},
-        "lost": {"last_held": 0.0, "first_crossed": 1.9},
+        "doubles": {"last_before": 0.0, "first_crossed": 1.9},
+        "lost": {"last_before": 0.0, "first_crossed": 1.9},
         "flown": [
             [0.0, pytest.approx(0, abs=1e-6), "completed"],
             [1.9, None, "failed"],

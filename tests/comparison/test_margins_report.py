@@ -73,13 +73,13 @@ def test_the_file_contains_all_flights(margins, tmp_path):
     modified = figures["variants"]["modified"]
     assert modified["error_m"] == 0.0017
     assert modified["delay_s"] == {
-        "doubles": {"last_held": 0.02, "first_crossed": 0.021},
-        "lost": {"last_held": 0.02, "first_crossed": 0.021},
+        "doubles": {"last_before": 0.02, "first_crossed": 0.021},
+        "lost": {"last_before": 0.02, "first_crossed": 0.021},
         "flown": [[0.0, 0.0017, "completed"], [0.02, 0.003, "completed"], [0.021, None, "lost"]],
     }
-    assert modified["thrust_up"]["lost"] == {"last_held": 5.0, "first_crossed": None}
+    assert modified["thrust_up"]["lost"] == {"last_before": 5.0, "first_crossed": None}
     assert figures["variants"]["clik"]["payload_kg"]["lost"] == {
-        "last_held": None,
+        "last_before": None,
         "first_crossed": 0.0,
     }
 

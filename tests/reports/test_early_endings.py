@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from aerodrake.comparison.figure import plot_comparison
-from aerodrake.comparison.panels import draw_errors
+from aerodrake.comparison.figure import draw_errors, plot_comparison
 from aerodrake.flight.log import PER_TICK, FlightLog
 from aerodrake.reports.figures import LEAST_TIME_S, cover
 from aerodrake.reports.flight_panels import draw_distance, draw_error, draw_paths, draw_plan
