@@ -40,9 +40,8 @@ def with_joints(scenario: Scenario, joints: int, robot: Path) -> Scenario:
         last, transmission = _repeat(root, last, transmission, f"joint_{number + 1}")
     tree.write(robot)
     angles = (*working, *[0.0] * (joints - len(arm)))[:joints]
-    return replace(
-        scenario, vehicle=replace(scenario.vehicle, robot=str(robot), working_rad=angles)
-    )
+    vehicle = replace(scenario.vehicle, robot=str(robot), working_rad=angles)
+    return replace(scenario, vehicle=vehicle)
 
 
 def _fix(joint: Element, angle: float) -> None:
@@ -59,9 +58,8 @@ def _repeat(
 ) -> tuple[Element, Element]:
     """Inserts a light link and a joint before the last link; returns joint and transmission."""
     between = f"{name}_link"
-    inertial = ElementTree.SubElement(
-        ElementTree.SubElement(root, "link", name=between), "inertial"
-    )
+    link = ElementTree.SubElement(root, "link", name=between)
+    inertial = ElementTree.SubElement(link, "inertial")
     ElementTree.SubElement(inertial, "mass", value="0.005")
     moments = {"ixx": LIGHT, "iyy": LIGHT, "izz": LIGHT, "ixy": "0", "ixz": "0", "iyz": "0"}
     ElementTree.SubElement(inertial, "inertia", moments)

@@ -83,9 +83,6 @@ def _solve_equalities(
     solution = np.zeros(n + m)
     for _ in range(REFINEMENTS):
         # Least squares, since multipliers of linearly dependent rows are not unique.
-        solution += (
-            np.linalg.lstsq(K, right - K @ solution, rcond=1e-13)[0]
-            if m
-            else (np.linalg.solve(K, right - K @ solution))
-        )
+        rest = right - K @ solution
+        solution += np.linalg.lstsq(K, rest, rcond=1e-13)[0] if m else np.linalg.solve(K, rest)
     return solution[:n], solution[n:]

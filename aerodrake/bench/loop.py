@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,19 +23,6 @@ SCENARIO = "clover"
 MPC = "mpc"
 
 
-@dataclass(frozen=True)
-class Cost:
-    """Cost of one simulation.
-
-    Attributes:
-        wall_s: Wall time.
-        cpu_s: CPU time of this process.
-    """
-
-    wall_s: float
-    cpu_s: float
-
-
 def loop_figures(
     simulated_s: float, repeats: int, progress: Callable[[str], None]
 ) -> dict[str, Any]:
@@ -44,7 +31,7 @@ def loop_figures(
     Keys:
         closed_loop_over_plant: Ratio of the least wall times of closed loop and bare plant;
             `closed_loop_over_plant_cpu` is the same for CPU time.
-        real_time_factor: That of the whole flight, with monitor and logs.
+        real_time_factor: Simulated time over wall time of the flight, with monitor and logs.
         loop: Wall time in ms per simulated second of `plant`, `closed_loop` and `flight`;
             fraction of monitor and logs in the flight; `systems`, the time of each Python
             system by its module, measured by a stopwatch around all its callbacks in
@@ -60,44 +47,42 @@ def loop_figures(
     """
     progress("closed loop beside bare plant")
     scenario = replace(load_scenario(SCENARIO), duration=simulated_s, settle_s=0.0)
-    plant, closed_loop, flight = (
-        make_bare_plant(scenario), make_closed_loop(scenario), FlightSimulation(scenario)
-    )  # fmt: skip
+    plant, closed_loop = make_bare_plant(scenario), make_closed_loop(scenario)
+    flight = FlightSimulation(scenario)
     flight.fly()  # Compiles the equations.
     plants, loops, flights = [], [], []
     for _ in range(repeats):
-        plants.append(_cost(plant, scenario))
-        loops.append(_cost(closed_loop, scenario))
+        plants.append(_wall_and_cpu_s(plant, scenario))
+        loops.append(_wall_and_cpu_s(closed_loop, scenario))
         flights.append(flight.fly().wall_s)
-    plant_s, loop_s = (min(cost.wall_s for cost in costs) for costs in (plants, loops))
-    plant_cpu_s, loop_cpu_s = (min(cost.cpu_s for cost in costs) for costs in (plants, loops))
-    per_second = 1e3 / simulated_s
+    (plant_s, plant_cpu_s), (loop_s, loop_cpu_s) = np.min(plants, axis=0), np.min(loops, axis=0)
+    flight_s, per_second = min(flights), 1e3 / simulated_s
     progress("time by system")
     systems, timed_ms, overhead_ms = _by_system(scenario, repeats)
     return {
         "closed_loop_over_plant": rounded(loop_s / plant_s),
         "closed_loop_over_plant_cpu": rounded(loop_cpu_s / plant_cpu_s),
-        "real_time_factor": rounded(simulated_s / min(flights)),
+        "real_time_factor": rounded(simulated_s / flight_s),
         "mpc_overhead_ms": rounded(overhead_ms),
         "loop": {
             "plant_ms_per_s": rounded(plant_s * per_second),
             "closed_loop_ms_per_s": rounded(loop_s * per_second),
-            "flight_ms_per_s": rounded(min(flights) * per_second),
-            "monitor_and_log_share": rounded(1 - loop_s / min(flights)),
+            "flight_ms_per_s": rounded(flight_s * per_second),
+            "monitor_and_log_share": rounded(1 - loop_s / flight_s),
             "systems_ms_per_s": {name: rounded(ms) for name, ms in systems.items()},
             "framework_ms_per_s": rounded(timed_ms - sum(systems.values()) - plant_s * per_second),
         },
     }
 
 
-def _cost(diagram: Diagram, scenario: Scenario) -> Cost:
-    """Returns the cost of a simulation from trim."""
+def _wall_and_cpu_s(diagram: Diagram, scenario: Scenario) -> tuple[float, float]:
+    """Returns wall time and CPU time of a simulation from trim."""
     simulator = Simulator(diagram, make_context(diagram, scenario.seed))
     simulator.Initialize()
     with single_thread():
         wall, cpu = time.perf_counter(), time.process_time()
         simulator.AdvanceTo(scenario.duration)
-        return Cost(time.perf_counter() - wall, time.process_time() - cpu)
+        return time.perf_counter() - wall, time.process_time() - cpu
 
 
 def _by_system(scenario: Scenario, repeats: int) -> tuple[dict[str, float], float, float]:
@@ -114,15 +99,12 @@ def _by_system(scenario: Scenario, repeats: int) -> tuple[dict[str, float], floa
     for _ in range(repeats):
         seconds.clear()
         timer.times_ms.clear()
-        wall_s = _cost(closed_loop, scenario).wall_s
+        wall_s, _ = _wall_and_cpu_s(closed_loop, scenario)
         if wall_s < whole_s:
             best, whole_s, ticks = dict(seconds), wall_s, len(timer.times_ms)
             best["mpc_forming_and_solving"] = 1e-3 * sum(timer.times_ms)
     best["mpc_overhead"] = best.pop(MPC) - best["mpc_forming_and_solving"]
-    ordered = sorted(best.items(), key=lambda item: -item[1])
     per_second = 1e3 / scenario.duration
-    return (
-        {name: per_second * s for name, s in ordered},
-        per_second * whole_s,
-        1e3 * best["mpc_overhead"] / ticks,
-    )
+    ordered = sorted(best.items(), key=lambda item: -item[1])
+    systems = {name: per_second * s for name, s in ordered}
+    return systems, per_second * whole_s, 1e3 * best["mpc_overhead"] / ticks

@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy import ndarray
 from scipy import sparse
 
 
@@ -25,7 +26,7 @@ class Peer(ABC):
     package: ClassVar[str]
     settings: ClassVar[str]
 
-    def __init__(self, A: np.ndarray):
+    def __init__(self, A: ndarray):
         self.A = A
         self._one = np.ones(A.shape[1])
         self._reach = np.abs(A).sum(axis=1)
@@ -37,9 +38,7 @@ class Peer(ABC):
         """Sets up the solver before the first program."""
 
     @abstractmethod
-    def solve(
-        self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
-    ) -> np.ndarray:
+    def solve(self, H: ndarray, g: ndarray, lower: ndarray, upper: ndarray) -> ndarray:
         """Returns the minimiser (nz,), or the last iterate.
 
         Args:
@@ -48,9 +47,7 @@ class Peer(ABC):
             lower, upper: (rows,), infinite where there is no bound.
         """
 
-    def _without_redundant(
-        self, lower: np.ndarray, upper: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _without_redundant(self, lower: ndarray, upper: ndarray) -> tuple[ndarray, ...]:
         """Returns the bounds, infinite for redundant constraints, and which rows remain (rows,)."""
         above, below = upper < self._reach, lower > -self._reach
         return np.where(below, lower, -np.inf), np.where(above, upper, np.inf), above | below
@@ -65,22 +62,15 @@ class Daqp(Peer):
     def _set_up(self) -> None:
         self._dual = np.zeros(sum(self.A.shape))
 
-    def solve(
-        self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
-    ) -> np.ndarray:
+    def solve(self, H: ndarray, g: ndarray, lower: ndarray, upper: ndarray) -> ndarray:
         # The bounds stay finite: dual_start with an infinite one gives NaN.
         _, _, needed = self._without_redundant(lower, upper)
         remaining = np.concatenate([np.ones(len(g), dtype=bool), needed])
+        high = np.concatenate([self._one, upper[needed]])
+        low = np.concatenate([-self._one, lower[needed]])
         # dual_start without active constraints only costs time.
         start = self._dual[remaining] if self._dual.any() else None
-        z, _, _, info = self._library.solve(
-            H,
-            g,
-            self.A[needed],
-            np.concatenate([self._one, upper[needed]]),
-            np.concatenate([-self._one, lower[needed]]),
-            dual_start=start,
-        )
+        z, _, _, info = self._library.solve(H, g, self.A[needed], high, low, dual_start=start)
         self._dual[:] = 0
         self._dual[remaining] = info["lam"]
         return z
@@ -103,16 +93,13 @@ class Piqp(Peer):
         for name in ("eps_abs", "eps_rel", "eps_duality_gap_abs", "eps_duality_gap_rel"):
             setattr(settings, name, 1e-9)
 
-    def solve(
-        self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
-    ) -> np.ndarray:
+    def solve(self, H: ndarray, g: ndarray, lower: ndarray, upper: ndarray) -> ndarray:
         lower, upper, needed = self._without_redundant(lower, upper)
         scale, low, high = 1 / np.diag(H).mean(), lower[needed], upper[needed]
         if np.array_equal(needed, self._rows):
             self._solver.update(P=H * scale, c=g * scale, h_l=low, h_u=high)
         else:
-            self._rows, A = needed, self.A[needed]
-            one = self._one
+            self._rows, A, one = needed, self.A[needed], self._one
             self._solver.setup(H * scale, g * scale, None, None, A, low, high, -one, one)
         self._solver.solve()
         return np.array(self._solver.result.x)
@@ -135,19 +122,11 @@ class ProxQp(Peer):
         self._solver.settings.initial_guess = library.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT
         self._is_new = True
 
-    def solve(
-        self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
-    ) -> np.ndarray:
+    def solve(self, H: ndarray, g: ndarray, lower: ndarray, upper: ndarray) -> ndarray:
         lower, upper, _ = self._without_redundant(lower, upper)
         scale = 1 / np.diag(H).mean()
-        program: dict[str, Any] = {
-            "H": H * scale,
-            "g": g * scale,
-            "l": lower,
-            "u": upper,
-            "l_box": -self._one,
-            "u_box": self._one,
-        }
+        box = {"l_box": -self._one, "u_box": self._one}
+        program: dict[str, Any] = {"H": H * scale, "g": g * scale, "l": lower, "u": upper, **box}
         if self._is_new:
             self._is_new = False
             self._solver.init(
@@ -169,12 +148,12 @@ class Sparse(Peer):
         self._entries = self._triangle.indices * nz + columns
         self._solver: Any = None
 
-    def _cost(self, H: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _cost(self, H: ndarray, g: ndarray) -> tuple[ndarray, ndarray]:
         """Returns the upper triangle of H by columns, and g, both over the mean diagonal of H."""
         scale = 1 / np.diag(H).mean()
         return scale * H.ravel()[self._entries], scale * g
 
-    def _upper(self, entries: np.ndarray) -> sparse.csc_matrix:
+    def _upper(self, entries: ndarray) -> sparse.csc_matrix:
         triangle = self._triangle.copy()
         triangle.data = entries
         return triangle
@@ -190,30 +169,16 @@ class Osqp(Sparse):
         "max_iter 4000"
     )
 
-    def solve(
-        self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
-    ) -> np.ndarray:
+    def solve(self, H: ndarray, g: ndarray, lower: ndarray, upper: ndarray) -> ndarray:
         lower, upper, _ = self._without_redundant(lower, upper)
         entries, g = self._cost(H, g)
         low, high = np.concatenate([-self._one, lower]), np.concatenate([self._one, upper])
         if self._solver is None:
             self._solver = self._library.OSQP()
             A = sparse.csc_matrix(np.vstack([np.eye(len(g)), self.A]))
-            self._solver.setup(
-                self._upper(entries),
-                g,
-                A,
-                low,
-                high,
-                verbose=False,
-                scaling=0,
-                rho=0.03,
-                adaptive_rho_interval=25,
-                check_termination=10,
-                eps_abs=5e-8,
-                eps_rel=5e-8,
-                max_iter=4000,
-            )
+            step = {"scaling": 0, "rho": 0.03, "adaptive_rho_interval": 25, "verbose": False}
+            end = {"check_termination": 10, "eps_abs": 5e-8, "eps_rel": 5e-8, "max_iter": 4000}
+            self._solver.setup(self._upper(entries), g, A, low, high, **step, **end)
         else:
             self._solver.update(Px=entries, q=g, l=low, u=high)
         return np.array(self._solver.solve(raise_error=False).x)
@@ -232,9 +197,7 @@ class Clarabel(Sparse):
         super()._set_up()
         self._bounds = np.zeros(0, dtype=bool)
 
-    def solve(
-        self, H: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray
-    ) -> np.ndarray:
+    def solve(self, H: ndarray, g: ndarray, lower: ndarray, upper: ndarray) -> ndarray:
         lower, upper, _ = self._without_redundant(lower, upper)
         entries, g = self._cost(H, g)
         bounds = np.concatenate([upper, -lower])
@@ -256,10 +219,4 @@ class Clarabel(Sparse):
         return np.array(self._solver.solve().x)
 
 
-PEERS: dict[str, type[Peer]] = {
-    "daqp": Daqp,
-    "piqp": Piqp,
-    "proxqp": ProxQp,
-    "osqp": Osqp,
-    "clarabel": Clarabel,
-}
+PEERS = {"daqp": Daqp, "piqp": Piqp, "proxqp": ProxQp, "osqp": Osqp, "clarabel": Clarabel}

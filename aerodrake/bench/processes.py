@@ -24,9 +24,6 @@ print(json.dumps([code, wall, peak * (1 if sys.platform == "darwin" else 1024)])
 It is a small separate process, since a command inherits the peak memory of its parent.
 """
 
-MEGABYTE = 1e6
-"""Bytes per megabyte."""
-
 
 @dataclass(frozen=True)
 class ProcessCost:
@@ -53,7 +50,7 @@ def run_command(*arguments: str) -> ProcessCost:
     code, wall_s, peak = json.loads(done.stdout)
     if code != 0:
         raise RuntimeError(f"{' '.join(command)} ended with {code}: {done.stderr.strip()}")
-    return ProcessCost(wall_s, peak / MEGABYTE)
+    return ProcessCost(wall_s, peak / 1e6)
 
 
 def process_figures(
@@ -75,10 +72,8 @@ def process_figures(
 
     def flown(scenario: str, duration_s: float) -> ProcessCost:
         with tempfile.TemporaryDirectory() as folder:
-            out = str(Path(folder, "run"))
-            return run_command(
-                "run", scenario, "--quiet", "--out", out, "--duration", str(duration_s)
-            )
+            options = ("--quiet", "--out", str(Path(folder, "run")))
+            return run_command("run", scenario, *options, "--duration", str(duration_s))
 
     progress("start-up")
     helps = [run_command("--help") for _ in range(repeats)]

@@ -17,7 +17,8 @@ from aerodrake.reports.figures import ACCENT, REFERENCE, STYLE
 FILES = ("bench.json", "bench.png")
 """Files that a benchmark writes."""
 
-WIDTHS = (18, 9, 9, 9, 9, 9, 9, 12, 8, 8)
+COLUMNS = ("<18", *[">9"] * 6, ">12", ">8", ">8")
+"""Alignment and width of the columns of the solvers' table."""
 
 Figures = Mapping[str, Any]
 
@@ -33,12 +34,11 @@ def missing_peers() -> list[str]:
 
 def bench_table(figures: Figures) -> str:
     """Returns all figures as text."""
-    return "\n\n".join(
-        [_solvers(figures), _settings(figures), _scaling(figures), _loop(figures), _whole(figures)]
-    )
+    sections = (_solvers, _settings, _scaling, _loop, _processes)
+    return "\n\n".join("\n".join(section(figures)) for section in sections)
 
 
-def _solvers(figures: Figures) -> str:
+def _solvers(figures: Figures) -> list[str]:
     tick, peers = figures["tick"], figures["peers"]
     rows = [
         ("", "median", "p99", "worst", "solving", "constr.", "p99", "u_0 error", "ours/", "p99"),
@@ -48,85 +48,84 @@ def _solvers(figures: Figures) -> str:
     ]  # fmt: skip
     statuses = [f"{100 * s:.2f} % {n}" for n, s in tick["status_shares"].items() if s]
     forming, overhead = tick["forming_median_ms"], tick["overhead_ms"]
-    return "\n".join(
-        [
-            f"MPC tick over {tick['ticks']} ticks of {', '.join(SCENARIOS)}: forming and solving",
-            *map(_line, rows),
-            f"status: {', '.join(statuses)}; forming {forming:.3f} ms of each median; "
-            f"system overhead {overhead:.3f} ms",
-            f"constrained: {tick['bounded']['ticks']} ticks of these and of {CONSTRAINED} with an "
-            "active constraint",
-        ]
-    )
+    return [
+        f"MPC tick over {tick['ticks']} ticks of {', '.join(SCENARIOS)}: forming and solving",
+        *("".join(map(format, row, COLUMNS)).rstrip() for row in rows),
+        f"status: {', '.join(statuses)}; forming {forming:.3f} ms of each median; "
+        f"system overhead {overhead:.3f} ms",
+        f"constrained: {tick['bounded']['ticks']} ticks of these and of {CONSTRAINED} with an "
+        "active constraint",
+    ]
 
 
 def _solver(name: str, figures: Figures) -> list[str]:
     if figures["median_ms"] is None:
         return [name, "not installed"]
-    constrained = figures["bounded"]
+    times = [figures[f"{key}_ms"] for key in ("median", "p99", "worst", "solving_median")]
+    constrained = [figures["bounded"][f"{key}_ms"] for key in ("median", "p99")]
+    ratios = [figures.get(f"{key}_ratio") for key in ("median", "p99")]
     return [
         name,
-        *(_number(figures[f"{key}_ms"]) for key in ("median", "p99", "worst", "solving_median")),
-        *(_number(constrained[f"{key}_ms"]) for key in ("median", "p99")),
+        *("" if ms is None else f"{ms:.3f}" for ms in times + constrained),
         f"{figures['u0_error_max']:.1e}",
-        *(_number(figures.get(f"{key}_ratio"), 2) for key in ("median", "p99")),
+        *("" if ratio is None else f"{ratio:.2f}" for ratio in ratios),
     ]
 
 
-def _settings(figures: Figures) -> str:
+def _settings(figures: Figures) -> list[str]:
     lines = [f"  {name}: {p['settings']}" for name, p in figures["peers"].items() if p["version"]]
-    return "\n".join(["settings of the peers", *lines])
+    return ["settings of the peers", *lines]
 
 
-def _scaling(figures: Figures) -> str:
+def _scaling(figures: Figures) -> list[str]:
     scaling = figures["scaling"]
-    horizon, joints = scaling["horizon"], scaling["joints"]
-    return "\n".join(
-        [
-            f"tick by horizon: ms ~ N^{scaling['horizon_exponent']:.2f} from N = {FITTED_FROM} on",
-            _row("N", [row["N"] for row in horizon], 0),
-            *_medians(horizon),
-            _row("joints", [row["joints"] for row in joints], 0),
-            *_medians(joints),
-        ]
-    )
-
-
-def _medians(rows: Sequence[Figures]) -> list[str]:
-    lines = [_row("median ms", [row["median_ms"] for row in rows])]
-    for name in rows[0]["peers_median_ms"]:
-        lines.append(_row(f"{name} ms", [row["peers_median_ms"][name] for row in rows]))
+    exponent = scaling["horizon_exponent"]
+    lines = [f"tick by horizon: ms ~ N^{exponent:.2f} from N = {FITTED_FROM} on"]
+    for key, rows in (("N", scaling["horizon"]), ("joints", scaling["joints"])):
+        lines += [_row(key, [row[key] for row in rows], 0)]
+        lines += [_row(f"{name} ms", times) for name, times in _medians(rows).items()]
     return lines
 
 
-def _loop(figures: Figures) -> str:
+def _medians(rows: Sequence[Figures]) -> dict[str, list[float]]:
+    """Returns the median times in ms of the MPC, `median`, and of the peer if it is installed."""
+    peers = {
+        name: [row["peers_median_ms"][name] for row in rows] for name in rows[0]["peers_median_ms"]
+    }
+    return {"median": [row["median_ms"] for row in rows], **peers}
+
+
+def _loop(figures: Figures) -> list[str]:
     loop = figures["loop"]
-    return "\n".join(
-        [
-            f"closed loop over bare plant: {figures['closed_loop_over_plant']:.2f}; "
-            f"a flight at {figures['real_time_factor']:.1f} x real time; "
-            f"monitor and logs {100 * loop['monitor_and_log_share']:.1f} % of it",
-            "ms of wall time per simulated second",
-            _entry("bare plant", loop["plant_ms_per_s"]),
-            _entry("closed loop", loop["closed_loop_ms_per_s"]),
-            _entry("flight", loop["flight_ms_per_s"]),
-            "parts of the closed loop, by a stopwatch around each Python system",
-            *(_entry(name, ms) for name, ms in loop["systems_ms_per_s"].items()),
-            _entry("framework", loop["framework_ms_per_s"]),
-        ]
-    )
+    whole = {"bare plant": "plant", "closed loop": "closed_loop", "flight": "flight"}
+    parts = {**loop["systems_ms_per_s"], "framework": loop["framework_ms_per_s"]}
+    return [
+        f"closed loop over bare plant: {figures['closed_loop_over_plant']:.2f}; "
+        f"a flight at {figures['real_time_factor']:.1f} x real time; "
+        f"monitor and logs {100 * loop['monitor_and_log_share']:.1f} % of it",
+        "ms of wall time per simulated second",
+        *(_entry(name, loop[f"{key}_ms_per_s"]) for name, key in whole.items()),
+        "parts of the closed loop, by a stopwatch around each Python system",
+        *(_entry(name, ms) for name, ms in parts.items()),
+    ]
 
 
-def _whole(figures: Figures) -> str:
+def _processes(figures: Figures) -> list[str]:
     memory, startup = figures["memory"], figures["startup"]
-    return "\n".join(
-        [
-            f"peak memory: {figures['peak_rss_mb']:.0f} MB for {memory['clover_s']:g} s of clover; "
-            f"{figures['rss_growth_mb']:+.1f} MB from 1 s of hover to {memory['hover_s']:g} s",
-            f"start-up: --help {startup['help_s']:.2f} s, "
-            f"run hover --duration 1 {startup['hover_s']:.2f} s",
-        ]
-    )
+    return [
+        f"peak memory: {figures['peak_rss_mb']:.0f} MB for {memory['clover_s']:g} s of clover; "
+        f"{figures['rss_growth_mb']:+.1f} MB from 1 s of hover to {memory['hover_s']:g} s",
+        f"start-up: --help {startup['help_s']:.2f} s, "
+        f"run hover --duration 1 {startup['hover_s']:.2f} s",
+    ]
+
+
+def _row(name: str, values: Sequence[float], digits: int = 3) -> str:
+    return f"  {name:<12}" + "".join(f"{value:>9.{digits}f}" for value in values)
+
+
+def _entry(name: str, ms: float) -> str:
+    return f"  {name:<26}{ms:>9.2f}"
 
 
 def plot_bench(figures: Figures, path: Path) -> None:
@@ -138,11 +137,11 @@ def plot_bench(figures: Figures, path: Path) -> None:
     """
     with rc_context(STYLE):
         figure = Figure(figsize=(14, 8.5), layout="constrained")
-        grid = figure.add_gridspec(2, 2)
-        _draw_solvers(figure.add_subplot(grid[0, 0]), figures)
-        _draw_horizon(figure.add_subplot(grid[0, 1]), figures["scaling"])
-        _draw_loop(figure.add_subplot(grid[1, 0]), figures["loop"])
-        _draw_joints(figure.add_subplot(grid[1, 1]), figures["scaling"])
+        (solvers, horizon), (loop, joints) = figure.subplots(2, 2)
+        _draw_solvers(solvers, figures)
+        _draw_horizon(horizon, figures["scaling"])
+        _draw_loop(loop, figures["loop"])
+        _draw_joints(joints, figures["scaling"])
         figure.savefig(path, dpi=110, metadata={"Software": None})
 
 
@@ -166,15 +165,14 @@ def _draw_solvers(axes: Axes, figures: Figures) -> None:
 
 def _draw_horizon(axes: Axes, scaling: Figures) -> None:
     N = np.array([row["N"] for row in scaling["horizon"]])
-    times = np.array([row["median_ms"] for row in scaling["horizon"]])
+    medians = _medians(scaling["horizon"])
     forming = [row["forming_median_ms"] for row in scaling["horizon"]]
-    axes.loglog(N, times, marker="o", color=ACCENT, label="tick")
+    axes.loglog(N, medians["median"], marker="o", color=ACCENT, label="tick")
     axes.loglog(N, forming, marker="o", color="#74c0fc", label="forming")
-    if PEER in scaling["horizon"][0]["peers_median_ms"]:
-        theirs = [row["peers_median_ms"][PEER] for row in scaling["horizon"]]
-        axes.loglog(N, theirs, marker="o", color="#495057", label=PEER)
+    if PEER in medians:
+        axes.loglog(N, medians[PEER], marker="o", color="#495057", label=PEER)
     fitted = N >= FITTED_FROM
-    start = times[fitted][0]
+    start = np.array(medians["median"])[fitted][0]
     axes.loglog(N[fitted], start * (N[fitted] / FITTED_FROM) ** 2, **REFERENCE, label="N^2")
     axes.set_xticks(N, list(map(str, N)), minor=False)
     axes.minorticks_off()
@@ -199,28 +197,7 @@ def _draw_loop(axes: Axes, loop: Figures) -> None:
 
 def _draw_joints(axes: Axes, scaling: Figures) -> None:
     n = [row["joints"] for row in scaling["joints"]]
-    axes.plot(n, [row["median_ms"] for row in scaling["joints"]], marker="o", color=ACCENT)
-    if PEER in scaling["joints"][0]["peers_median_ms"]:
-        theirs = [row["peers_median_ms"][PEER] for row in scaling["joints"]]
-        axes.plot(n, theirs, marker="o", color="#495057")
+    for name, times in _medians(scaling["joints"]).items():
+        axes.plot(n, times, marker="o", color="#495057" if name == PEER else ACCENT)
     axes.set_title("by joints", fontsize=10, loc="left")
     axes.set(xlabel="joints", ylabel="median / ms", ylim=(0, None), xticks=n)
-
-
-def _number(value: float | None, digits: int = 3) -> str:
-    return "" if value is None else f"{value:.{digits}f}"
-
-
-def _line(cells: Sequence[str]) -> str:
-    text = f"{cells[0]:<{WIDTHS[0]}}"
-    return (
-        text + "".join(f"{c:>{w}}" for c, w in zip(cells[1:], WIDTHS[1:], strict=False))
-    ).rstrip()
-
-
-def _row(name: str, values: Sequence[float], digits: int = 3) -> str:
-    return f"  {name:<12}" + "".join(f"{value:>9.{digits}f}" for value in values)
-
-
-def _entry(name: str, ms: float) -> str:
-    return f"  {name:<26}{ms:>9.2f}"

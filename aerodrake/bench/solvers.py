@@ -26,7 +26,7 @@ CONSTRAINED = "moving_target_paper"
 
 
 @dataclass(frozen=True)
-class Evaluation:
+class EvaluatedReplay:
     """A replay of K ticks, compared with the exact minimisers.
 
     Attributes:
@@ -52,7 +52,7 @@ def installed_peers() -> tuple[str, ...]:
     return tuple(names)
 
 
-def evaluate(recorded: RecordedTicks, replay: Replay) -> Evaluation:
+def evaluate(recorded: RecordedTicks, replay: Replay) -> EvaluatedReplay:
     """Compares the solutions of a replay with the exact minimisers."""
     formulation = recorded.formulation
     optima = [
@@ -60,7 +60,7 @@ def evaluate(recorded: RecordedTicks, replay: Replay) -> Evaluation:
         for tick in recorded.inputs
     ]
     best = np.array([formulation.inputs(optimum.z)[0] for optimum in optima])
-    return Evaluation(
+    return EvaluatedReplay(
         replay,
         {name: np.abs(u_0 - best).max(axis=1) for name, u_0 in replay.u_0.items()},
         np.array([optimum.is_constrained for optimum in optima]),
@@ -89,7 +89,7 @@ def solver_figures(
         progress: Called with the name of each step at its start.
     """
     names = installed_peers()
-    evaluations: dict[str, Evaluation] = {}
+    evaluations: dict[str, EvaluatedReplay] = {}
     for name in (*SCENARIOS, CONSTRAINED):
         scenario = load_scenario(name)
         progress(f"flight of {name}")
@@ -107,16 +107,12 @@ def solver_figures(
     tick["exact_residual_max"] = rounded(max(e.residual for e in evaluations.values()))
     peers = {}
     for name, kind in PEERS.items():
-        figures = (
-            _figures(evaluations, name) if name in names else {"median_ms": None, "p99_ms": None}
-        )
+        peers[name] = figures = {"package": kind.package, "settings": kind.settings}
+        figures["version"] = version(kind.package) if name in names else None
+        figures |= _figures(evaluations, name) if name in names else spread(np.zeros(0))
         for key in ("median", "p99"):
             theirs = figures[f"{key}_ms"]
             figures[f"{key}_ratio"] = rounded(tick[f"{key}_ms"] / theirs) if theirs else None
-        figures["package"] = kind.package
-        figures["version"] = version(kind.package) if name in names else None
-        figures["settings"] = kind.settings
-        peers[name] = figures
     return {"tick": tick, "peers": peers}
 
 
@@ -131,7 +127,7 @@ def spread(times_ms: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _figures(evaluations: Mapping[str, Evaluation], solver: str) -> dict[str, Any]:
+def _figures(evaluations: Mapping[str, EvaluatedReplay], solver: str) -> dict[str, Any]:
     """Returns the figures of one solver over SCENARIOS, and by scenario."""
     figures = _pooled([evaluations[name] for name in SCENARIOS], solver)
     by_scenario = {name: _pooled([e], solver) for name, e in evaluations.items()}
@@ -142,7 +138,7 @@ def _figures(evaluations: Mapping[str, Evaluation], solver: str) -> dict[str, An
     return figures
 
 
-def _pooled(evaluations: list[Evaluation], solver: str) -> dict[str, Any]:
+def _pooled(evaluations: list[EvaluatedReplay], solver: str) -> dict[str, Any]:
     """Returns the figures of one solver over all ticks of some evaluations."""
     tick_ms = np.concatenate([e.replay.tick_ms(solver) for e in evaluations])
     forming_ms = np.concatenate([e.replay.forming_ms[solver] for e in evaluations])

@@ -16,7 +16,7 @@ from aerodrake.flight.summary import rounded
 
 @dataclass(frozen=True)
 class Effort:
-    """Durations, in simulated time, and numbers of repetitions.
+    """Durations, in simulated time, and numbers of repetitions; by default those of `FULL`.
 
     Attributes:
         duration_s, settle_s: Reference time of the recorded flights, and hover before it.
@@ -28,28 +28,18 @@ class Effort:
         clover_s, hover_s: Reference time of the flights whose memory is measured.
     """
 
-    duration_s: float
-    settle_s: float
-    passes: int
-    scaling_s: float
-    loop_s: float
-    repeats: int
-    starts: int
-    clover_s: float
-    hover_s: float
+    duration_s: float = 30.0
+    settle_s: float = 3.0
+    passes: int = 3
+    scaling_s: float = 1.0
+    loop_s: float = 10.0
+    repeats: int = 5
+    starts: int = 3
+    clover_s: float = 30.0
+    hover_s: float = 600.0
 
 
-FULL = Effort(
-    duration_s=30.0,
-    settle_s=3.0,
-    passes=3,
-    scaling_s=1.0,
-    loop_s=10.0,
-    repeats=5,
-    starts=3,
-    clover_s=30.0,
-    hover_s=600.0,
-)
+FULL = Effort()
 QUICK = Effort(
     duration_s=1.2,
     settle_s=0.3,

@@ -21,47 +21,41 @@ SystemTimes = dict[str, float]
 """s, by the name of the module that defines the system."""
 
 
-class _Stopwatch:
-    """Measures the exclusive time of each system: without nested calls of other systems."""
+@contextmanager
+def timed_systems() -> Iterator[SystemTimes]:
+    """Times the callbacks of every Python system that is built in this context.
 
-    def __init__(self) -> None:
-        self.seconds: SystemTimes = defaultdict(float)
-        self._nested_s: list[float] = []
+    Times are exclusive: that of an output that another system's update evaluates counts for the
+    system that computes it. Time that Drake spends between callbacks is not included.
+    """
+    seconds: SystemTimes = defaultdict(float)
+    nested_s: list[float] = []  # Of each callback that runs, the time of others that it called.
 
-    def timed(self, name: str, callback: Callable[..., Any]) -> Callable[..., Any]:
+    def timed(name: str, callback: Callable[..., Any]) -> Callable[..., Any]:
         """Returns the callback with timing, which adds about 0.5 us per call."""
 
         @functools.wraps(callback)
         def timed_callback(*arguments: Any) -> Any:
-            self._nested_s.append(0.0)
+            nested_s.append(0.0)
             start = time.perf_counter()
             try:
                 return callback(*arguments)
             finally:
                 whole = time.perf_counter() - start
-                self.seconds[name] += whole - self._nested_s.pop()
-                if self._nested_s:
-                    self._nested_s[-1] += whole
+                seconds[name] += whole - nested_s.pop()
+                if nested_s:
+                    nested_s[-1] += whole
 
         return timed_callback
 
-
-@contextmanager
-def timed_systems() -> Iterator[SystemTimes]:
-    """Times the callbacks of every Python system that is built in this context.
-
-    The time of an output that another system's update evaluates is that of the system that
-    computes it. Time that Drake spends between callbacks is not included.
-    """
-    stopwatch = _Stopwatch()
     originals = {name: getattr(LeafSystem, name) for name in DECLARATIONS}
 
     def timing(original: Callable[..., Any]) -> Callable[..., Any]:
         def declare(system: LeafSystem, *arguments: Any, **named: Any) -> Any:
             module = type(system).__module__.rpartition(".")[2]
             # Allocators are timed as well, but called only once.
-            wrapped = [stopwatch.timed(module, a) if callable(a) else a for a in arguments]
-            named = {k: stopwatch.timed(module, a) if callable(a) else a for k, a in named.items()}
+            wrapped = [timed(module, a) if callable(a) else a for a in arguments]
+            named = {k: timed(module, a) if callable(a) else a for k, a in named.items()}
             return original(system, *wrapped, **named)
 
         return declare
@@ -69,7 +63,7 @@ def timed_systems() -> Iterator[SystemTimes]:
     for name, original in originals.items():
         setattr(LeafSystem, name, timing(original))
     try:
-        yield stopwatch.seconds
+        yield seconds
     finally:
         for name, original in originals.items():
             setattr(LeafSystem, name, original)

@@ -83,8 +83,7 @@ def record_ticks(scenario: Scenario) -> RecordedTicks:
     vehicle = VehicleModel.load(scenario)
     model = EquivalentModel.of(scenario, vehicle.joints)
     limits = SetpointLimits.make(scenario.mpc, vehicle)
-    formulation = MpcFormulation(scenario.mpc, model, limits, vehicle)
-    return RecordedTicks(formulation, inputs)
+    return RecordedTicks(MpcFormulation(scenario.mpc, model, limits, vehicle), inputs)
 
 
 def replay(
@@ -111,7 +110,7 @@ def replay(
             slow = {n for n in peers if number and np.median(solving[n]) > SLOW_MS}
             fast = [name for name in names if name not in slow]
             solvers = {n: peers[n](formulation.A).solve for n in fast if n != OWN}
-            solvers[OWN] = _Own(formulation).solve
+            solvers[OWN] = _own_solver(formulation)
             if not number:
                 _warm_up(recorded, solvers)
             for k, tick in enumerate(inputs):
@@ -139,23 +138,22 @@ def _timed_program(formulation: MpcFormulation, tick: MpcInputs) -> tuple[MpcPro
     """Returns the program of a tick and the times in ms to form it without and with H."""
     start = time.perf_counter()
     program = formulation.form(tick)
-    formed = time.perf_counter()
+    own_ms = 1e3 * (time.perf_counter() - start)
     _ = program.H
-    complete = time.perf_counter()
-    return program, 1e3 * (formed - start), 1e3 * (complete - start)
+    return program, own_ms, 1e3 * (time.perf_counter() - start)
 
 
-class _Own:
-    """The MPC's solver, with the active set of the last tick as in `MpcSystem`."""
+def _own_solver(formulation: MpcFormulation) -> Callable[[MpcProgram], QpResult]:
+    """Returns the MPC's solver, with the active set of the last tick as in `MpcSystem`."""
+    solver, active = MpcSolver(formulation), None
 
-    def __init__(self, formulation: MpcFormulation):
-        self._solver = MpcSolver(formulation)
-        self._active: np.ndarray | None = None
-
-    def solve(self, program: MpcProgram) -> QpResult:
-        result = self._solver.solve(program, self._active)
-        self._active = result.active if is_constrained(result.status) else None
+    def solve(program: MpcProgram) -> QpResult:
+        nonlocal active
+        result = solver.solve(program, active)
+        active = result.active if is_constrained(result.status) else None
         return result
+
+    return solve
 
 
 def _warm_up(recorded: RecordedTicks, solvers: Mapping[str, Callable[..., object]]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.condensing import Condensing, gradient, hessian, outputs_under
-from aerodrake.model.mpc.horizon import Prediction, StageOutputs, stage_ticks
+from aerodrake.model.mpc.horizon import StageOutputs, StageStates, stage_ticks
 from aerodrake.model.mpc.stage_cost import (
     TrackingTask,
     add_tracking,
@@ -19,7 +19,6 @@ from aerodrake.model.mpc.stage_cost import (
 from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.setpoint.braking import braking
 from aerodrake.model.setpoint.integration import SetpointLimits
-from aerodrake.model.vehicle.kinematics import TaskVector
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
 
@@ -104,7 +103,7 @@ class MpcFormulation:
     ):
         self.config, self.model, self.limits = config, model, limits
         self.stage_ticks = ticks = stage_ticks(config)
-        self.prediction = Prediction(model, ticks)
+        self.states = StageStates(model, ticks)
         self.scale = np.repeat(limits.acceleration, config.horizon)
         self._p_O = vehicle.p_O
         w_2_joints = vehicle.per_joint(config.w_2_joints, "mpc.w_2_joints")
@@ -123,7 +122,7 @@ class MpcFormulation:
         change = np.eye(config.horizon) - np.eye(config.horizon, k=-1)
         H_input = np.multiply.outer(W_3, np.diag(ticks)) + np.multiply.outer(W_5, change.T @ change)
         H_input *= limits.acceleration[:, None, None] ** 2
-        outputs = StageOutputs(model, self.prediction, model.dt * ticks, limits.acceleration)
+        outputs = StageOutputs(model, self.states, model.dt * ticks, limits.acceleration)
         self.condensing = Condensing.make(outputs, ticks, H_input)
         self._form_rows(outputs)
 
@@ -137,7 +136,7 @@ class MpcFormulation:
         not guaranteed: then bounds are `relaxed`, and the setpoint integrator enforces
         the limits.
         """
-        model, limits, prediction = self.model, self.limits, self.prediction
+        model, limits, states = self.model, self.limits, self.states
         high = np.concatenate([limits.velocity[:3], limits.upper[3:], limits.velocity[3:]])
         low = np.concatenate([-limits.velocity[:3], limits.lower[3:], -limits.velocity[3:]])
         bounded = np.concatenate(
@@ -151,13 +150,13 @@ class MpcFormulation:
             return np.vstack([x[:, bounded].reshape(len(x) * len(high), -1), brake])
 
         N, m = self.config.horizon, len(limits.acceleration)
-        by_input = rows(prediction.Gamma).reshape(-1, N, m) * limits.acceleration
+        by_input = rows(states.Gamma).reshape(-1, N, m) * limits.acceleration
         A = by_input.transpose(0, 2, 1).reshape(-1, m * N)
         norms = np.linalg.norm(A, axis=1)
         self.A = A / norms[:, None]
         self._upper = np.concatenate([np.tile(high, N), limits.upper[3:]]) / norms
         self._lower = np.concatenate([np.tile(low, N), limits.lower[3:]]) / norms
-        free = np.hstack([rows(prediction.Phi), rows(prediction.Psi)]) / norms[:, None]
+        free = np.hstack([rows(states.Phi), rows(states.Psi)]) / norms[:, None]
         # Free response of the rows and of the outputs, per [x_0, Delta].
         outputs_free = outputs.free_response.reshape(-1, free.shape[1])
         self._free_response = np.vstack([free, outputs_free])
@@ -167,13 +166,9 @@ class MpcFormulation:
         config, end_effector = self.config, tick.end_effector
         free = self._free_response @ np.concatenate([tick.x_0, tick.delta])
         rows, free = free[: len(self.A)], free[len(self.A) :].reshape(-1, config.horizon)
-        cost = posture_cost(
-            config.horizon,
-            self.W_2 * np.where(self._is_base, tick.w_q, tick.w_m),
-            self._W_4 * tick.w_d,
-            end_effector.J_B,
-            end_effector.p_EB - self._p_O,
-        )
+        W_2 = self.W_2 * np.where(self._is_base, tick.w_q, tick.w_m)
+        W_4, offset = self._W_4 * tick.w_d, end_effector.p_EB - self._p_O
+        cost = posture_cost(config.horizon, W_2, W_4, end_effector.J_B, offset)
         rpy_rates = tick.rpy_rates * self._rates
         tilts, is_predicted = config.tilt == "flatness", config.error == "predicted"
         for task in self._tasks(tick):
@@ -220,17 +215,11 @@ class MpcFormulation:
 
     def _tasks(self, tick: MpcInputs) -> Iterator[TrackingTask]:
         """Yields the task of J_1 and, if there is one, that of J_6."""
-        config, pointing = self.config, tick.pointing
-        error = tick.end_effector.p_E - tick.reference[0, :3]
-        K_e = limited_gain(self._K_e, error, config.approach_speed_m_s)
-        yield _task(tick.end_effector, tick.reference, K_e, self._W_1)
+        position, pointing = tick.end_effector, tick.pointing
+        tasks = [(position, tick.reference, self._K_e, self._W_1, self.config.approach_speed_m_s)]
         if pointing is not None:
-            error = pointing.axis.value - pointing.reference[0, :3]
-            K_o = limited_gain(self._K_o, error, config.approach_speed_rad_s)
-            yield _task(pointing.axis, pointing.reference, K_o, self._W_6)
-
-
-def _task(
-    vector: TaskVector, reference: np.ndarray, gain: np.ndarray, weight: np.ndarray
-) -> TrackingTask:
-    return TrackingTask(vector.value, vector.r, vector.J_c, vector.J_u, reference, gain, weight)
+            speed = self.config.approach_speed_rad_s
+            tasks.append((pointing.axis, pointing.reference, self._K_o, self._W_6, speed))
+        for task, reference, K, W, speed in tasks:
+            K = limited_gain(K, task.value - reference[0, :3], speed)
+            yield TrackingTask(task.value, task.r, task.J_c, task.J_u, reference, K, W)

@@ -34,11 +34,11 @@ def stage_times(config: Mpc, period: float) -> np.ndarray:
     return period * np.append(0, np.cumsum(stage_ticks(config)))
 
 
-class Prediction:
-    """x_k = Phi_k x_0 + Gamma_k U + Psi_k Delta for k = 1 ... N, with the states eliminated.
+class StageStates:
+    """States x_k = Phi_k x_0 + Gamma_k U + Psi_k Delta of the model at the end of stage k.
 
-    U stacks u_0 ... u_{N-1}. The model is constant, so the matrices are computed once. Stage k
-    lasts `stage_ticks[k - 1]` ticks with constant input u_{k-1}; x_k is the state at its end.
+    U stacks u_0 ... u_{N-1}. Stage k = 1 ... N lasts `stage_ticks[k - 1]` ticks with constant
+    input u_{k-1}.
 
     Attributes:
         Phi: (N, nx, nx).
@@ -63,10 +63,6 @@ class Prediction:
                 Gamma[:, k * m : (k + 1) * m] += model.B
             self.Phi[k], self.Gamma[k], self.Psi[k] = Phi, Gamma, Psi
 
-    def free_response(self, x_0: np.ndarray, delta: np.ndarray) -> np.ndarray:
-        """Returns the states (N, nx) from x_0 (nx,) with `delta` (3,) m/s and zero inputs."""
-        return self.Phi @ x_0 + self.Psi @ delta
-
 
 class StageOutputs:
     """y = [p_B', q', p_B, q, a, a'] at the end of each stage, F = 2 (3 + n) + 6 numbers.
@@ -88,13 +84,13 @@ class StageOutputs:
 
     Args:
         model: The equivalent model.
-        prediction: Prediction of the model over the stages.
+        states: States of the model at the stages.
         stage_s: (N,) s, duration of each stage.
         scale: (m,), inputs per unit of z.
     """
 
     def __init__(
-        self, model: EquivalentModel, prediction: Prediction, stage_s: np.ndarray, scale: np.ndarray
+        self, model: EquivalentModel, states: StageStates, stage_s: np.ndarray, scale: np.ndarray
     ):
         N, m = len(stage_s), len(scale)
         self.axis = np.concatenate([np.arange(m), np.arange(m), np.arange(3), np.arange(3)])
@@ -112,10 +108,10 @@ class StageOutputs:
             return np.moveaxis(np.concatenate(parts, axis=1), 0, 1)
 
         nx = len(model.A)
-        by_x_0 = outputs(prediction.Phi, np.eye(nx))
-        by_delta = outputs(prediction.Psi, np.zeros((nx, 3)))
+        by_x_0 = outputs(states.Phi, np.eye(nx))
+        by_delta = outputs(states.Psi, np.zeros((nx, 3)))
         self.free_response = np.concatenate([by_x_0, by_delta], axis=2)
-        by_u = outputs(prediction.Gamma, np.zeros((nx, N * m))).reshape(-1, N, N, m)
+        by_u = outputs(states.Gamma, np.zeros((nx, N * m))).reshape(-1, N, N, m)
         G = np.array([by_u[f, :, :, axis] * scale[axis] for f, axis in enumerate(self.axis)])
         largest = np.abs(G).max(axis=(1, 2))
         is_identical = np.abs(G[:, None] - G).max(axis=(2, 3)) <= IDENTICAL * largest

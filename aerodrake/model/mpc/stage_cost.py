@@ -87,9 +87,9 @@ def add_tracking(
     F, N = cost.c.shape
     J_c, J_u, reference = task.J_c, task.J_u, task.reference
     T = tilt_matrix(task.r) if tilts else np.zeros((3, 3))
-    rows = rate_rows(J_c, T)
+    rows = output_rows(J_c, T, is_rate=True)
     if is_predicted:
-        rows += task.gain.reshape(3, 1) * value_rows(J_c, T)
+        rows += task.gain.reshape(3, 1) * output_rows(J_c, T, is_rate=False)
     for i in range(3):
         turning = J_u[i, 0] * rpy_rates[0] + J_u[i, 1] * rpy_rates[1] + J_c[i, 3] * rpy_rates[2]
         for f in range(F):
@@ -113,7 +113,8 @@ def predict_task(
         tilts: As for `add_tracking`.
         y: (F, N).
     """
-    rows = value_rows(J_c, tilt_matrix(r) if tilts else np.zeros((3, 3)))
+    T = tilt_matrix(r) if tilts else np.zeros((3, 3))
+    rows = output_rows(J_c, T, is_rate=False)
     predicted = np.empty((y.shape[1] + 1, 3))
     predicted[0] = value
     for k in range(y.shape[1]):
@@ -126,27 +127,20 @@ def predict_task(
 
 
 @compiled
-def value_rows(J_c: np.ndarray, T: np.ndarray) -> np.ndarray:
-    """Returns (3, F): the task vector r per output [p_B', q', p_B, q, a, a'].
+def output_rows(J_c: np.ndarray, T: np.ndarray, is_rate: bool) -> np.ndarray:
+    """Returns (3, F): the task vector r, or its rate r', per output [p_B', q', p_B, q, a, a'].
 
     Args:
         J_c: (3, 4 + n), task Jacobian.
         T: (3, 3) s^2, from `tilt_matrix`, or zero.
+        is_rate: True for r', False for r.
     """
     m = J_c.shape[1] - 1
     rows = np.zeros((3, 2 * m + 6))
-    rows[:, m : m + 3], rows[:, m + 3 : 2 * m] = J_c[:, :3], J_c[:, 4:]  # Without yaw's column.
-    rows[:, 2 * m : 2 * m + 3] = T
-    return rows
-
-
-@compiled
-def rate_rows(J_c: np.ndarray, T: np.ndarray) -> np.ndarray:
-    """Returns (3, F): the rate r' per output. J_c and T are as for `value_rows`."""
-    m = J_c.shape[1] - 1
-    rows = np.zeros((3, 2 * m + 6))
-    rows[:, :3], rows[:, 3:m] = J_c[:, :3], J_c[:, 4:]
-    rows[:, 2 * m + 3 :] = T
+    motion, tilt = (0, 2 * m + 3) if is_rate else (m, 2 * m)
+    rows[:, motion : motion + 3] = J_c[:, :3]
+    rows[:, motion + 3 : motion + m] = J_c[:, 4:]  # Without yaw's column.
+    rows[:, tilt : tilt + 3] = T
     return rows
 
 

@@ -125,16 +125,9 @@ def solve_active_set(qp: FactorisedQp, guess: np.ndarray, max_exchanges: int) ->
 
 @compiled
 def _make_active_set(nz: int) -> ActiveSet:
-    empty = np.empty((nz, nz))
-    return ActiveSet(
-        np.empty(nz, dtype=np.int64),
-        np.empty(nz, dtype=np.int64),
-        np.empty(nz),
-        empty,
-        empty.copy(),
-        empty.copy(),
-        empty.copy(),
-    )
+    index, square = np.empty(nz, dtype=np.int64), np.empty((nz, nz))
+    squares = square, square.copy(), square.copy(), square.copy()
+    return ActiveSet(index, index.copy(), np.empty(nz), *squares)
 
 
 @compiled

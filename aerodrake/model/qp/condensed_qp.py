@@ -4,7 +4,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from pydrake.solvers import MathematicalProgram, OsqpSolver, SolutionResult, SolverOptions
+from pydrake.solvers import MathematicalProgram, OsqpSolver, SolutionResult
 from scipy.linalg.lapack import dpotrf, dpotrs, dtrtri
 
 from aerodrake.model.qp.active_set import FactorisedQp, solve_active_set
@@ -19,6 +19,16 @@ ACCEPTED_RESIDUAL = 1e-3
 
 DIVERGED = 2.0
 """|z| beyond which an OSQP iterate is discarded; that of an infeasible program is huge."""
+
+OSQP_OPTIONS = {
+    "scaling": 0,
+    "rho": 0.03,
+    "adaptive_rho_interval": 25,
+    "check_termination": 25,
+    "eps_abs": 1e-5,
+    "eps_rel": 1e-5,
+    "polishing": 0,
+}
 
 
 class QpStatus(IntEnum):
@@ -105,6 +115,8 @@ class CondensedQp:
         unbounded = np.full(rows, np.inf)
         self._rows = self._program.AddLinearConstraint(A, -unbounded, unbounded, z)
         self._solver = OsqpSolver()
+        for name, value in OSQP_OPTIONS.items():
+            self._program.SetSolverOption(self._solver.id(), name, value)
         self._max_iterations = max_iterations
         # A constrained program, so that compiled code is loaded before the first tick.
         self.solve(np.eye(nz), -2.0 * np.eye(nz)[0], -unbounded, unbounded)
@@ -126,10 +138,7 @@ class CondensedQp:
             active: (nz + rows,), active set of a similar program. If it is None or empty, the
                 bounds that the unconstrained minimiser violates are used.
         """
-        factor = _cholesky(H)
-        if factor is None:
-            return self._unsolved(QpStatus.NON_FINITE)
-        minimiser, _ = dpotrs(factor, -g, lower=1)
+        factor, minimiser = _factorise(H, g)
         if (result := self.accept_unconstrained(minimiser, lower, upper)) is not None:
             return result
         if (status := _invalid(minimiser, lower, upper)) is not None:
@@ -143,12 +152,11 @@ class CondensedQp:
         if exact.is_optimal:
             return QpResult(exact.z.clip(-1, 1), QpStatus.EXCHANGED, 0, exact.active)
         result, guess = self._osqp(H, g, lower, upper, self._max_iterations)
-        if guess is None:
-            return result
-        exact = solve_active_set(qp, guess, MAX_EXCHANGES)
-        if exact.is_optimal:
-            z = exact.z.clip(-1, 1)
-            return QpResult(z, QpStatus.SOLVED, result.iterations, exact.active)
+        if guess is not None:
+            exact = solve_active_set(qp, guess, MAX_EXCHANGES)
+            if exact.is_optimal:
+                z = exact.z.clip(-1, 1)
+                return QpResult(z, QpStatus.SOLVED, result.iterations, exact.active)
         return result
 
     def solve_by_osqp(
@@ -158,10 +166,7 @@ class CondensedQp:
 
         H, g, lower and upper are as for `solve`.
         """
-        factor = _cholesky(H)
-        if factor is None:
-            return self._unsolved(QpStatus.NON_FINITE)
-        minimiser, _ = dpotrs(factor, -g, lower=1)
+        _, minimiser = _factorise(H, g)
         if (status := _invalid(minimiser, lower, upper)) is not None:
             return self._unsolved(status)
         lower, upper = without_redundant(lower, upper, self._reach)
@@ -192,16 +197,15 @@ class CondensedQp:
         scale = 1 / np.diag(H).mean()
         self._cost.evaluator().UpdateCoefficients(H * scale, g * scale, 0, True)
         self._rows.evaluator().set_bounds(lower, upper)
-        result = self._solver.Solve(self._program, None, self._options(iterations))
+        self._program.SetSolverOption(self._solver.id(), "max_iter", iterations)
+        result = self._solver.Solve(self._program)
         details, z = result.get_solver_details(), result.get_x_val()
         if result.get_solution_result() is SolutionResult.kInfeasibleConstraints:
             return self._unsolved(QpStatus.INFEASIBLE, details.iter), None
         unsolved = self._unsolved(QpStatus.ITERATION_LIMIT, details.iter)
         if not np.abs(z).max() < DIVERGED:
             return unsolved, None
-        multipliers = np.concatenate(
-            [result.GetDualSolution(self._box), result.GetDualSolution(self._rows)]
-        )
+        multipliers = np.concatenate([result.GetDualSolution(b) for b in (self._box, self._rows)])
         magnitude = np.abs(multipliers)
         is_active = magnitude > 1e-3 * magnitude.max(initial=0.0)
         # Drake's multipliers of upper bounds are negative.
@@ -210,30 +214,20 @@ class CondensedQp:
             return QpResult(z.clip(-1, 1), QpStatus.INACCURATE, details.iter, guess), guess
         return unsolved, guess
 
-    def _options(self, max_iterations: int) -> SolverOptions:
-        options = SolverOptions()
-        for name, value in {
-            "scaling": 0,
-            "rho": 0.03,
-            "adaptive_rho_interval": 25,
-            "check_termination": 25,
-            "eps_abs": 1e-5,
-            "eps_rel": 1e-5,
-            "polishing": 0,
-            "max_iter": max_iterations,
-        }.items():
-            options.SetOption(self._solver.id(), name, value)
-        return options
-
     def _unsolved(self, status: QpStatus, iterations: int = 0) -> QpResult:
         return QpResult(np.zeros(self.A.shape[1]), status, iterations, self._no_active)
 
 
-def _cholesky(H: np.ndarray) -> np.ndarray | None:
-    """Returns the lower Cholesky factor; None if H is not positive definite and finite."""
+def _factorise(H: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the lower Cholesky factor of H, and the unconstrained minimiser (nz,).
+
+    The minimiser is NaN if H is not positive definite and finite.
+    """
     # H is symmetric: its transpose has LAPACK's order without a copy.
     factor, is_indefinite = dpotrf(H.T, lower=1, clean=0)
-    return None if is_indefinite or not np.isfinite(factor.diagonal()).all() else factor
+    if is_indefinite or not np.isfinite(factor.diagonal()).all():
+        return factor, np.full_like(g, np.nan)
+    return factor, dpotrs(factor, -g, lower=1)[0]
 
 
 def _invalid(minimiser: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> QpStatus | None:

@@ -164,7 +164,7 @@ def test_feasibility_is_recursive(horizon, ticks_of, vehicle):
     ours = MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
     first = ticks_of(model)[0]
     tick = dataclasses.replace(first, reference=np.zeros((horizon + 1, 6)), delta=np.zeros(3))
-    by_input = ours.prediction.Gamma[:, model.joint_velocity].sum(axis=(0, 1))
+    by_input = ours.states.Gamma[:, model.joint_velocity].sum(axis=(0, 1))
     speeds = by_input.reshape(horizon, -1).T.ravel() * ours.scale
     x = tick.x_0.copy()
     x[model.joint_position] = vehicle.upper - 0.8

@@ -1,4 +1,4 @@
-"""Stages of the horizon; prediction and stage outputs against the model, tick by tick."""
+"""Stages of the horizon; states and outputs against the model, tick by tick."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from aerodrake.model.equivalent.axis_models import AXIS_MODELS
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.mpc.horizon import Prediction, StageOutputs, stage_ticks
+from aerodrake.model.mpc.horizon import StageOutputs, StageStates, stage_ticks
 from aerodrake.scenario import Flight, Model, Mpc, Scenario
 
 K_B = (6.67, 1.8, 2.38)
@@ -51,14 +51,14 @@ def test_the_default_spans_two_seconds_with_short_stages_first():
 @pytest.mark.parametrize(
     ("stage_ticks", "joints"), [([1], 6), ([1] * 15, 6), ([1, 1, 2, 3, 5], 2), ([4, 1, 7], 3)]
 )
-def test_prediction_equals_the_model_tick_by_tick(kind, stage_ticks, joints):
+def test_states_equal_the_model_tick_by_tick(kind, stage_ticks, joints):
     """Inputs are constant over their stages, Delta over the horizon."""
     model = EquivalentModel.of(Scenario(model=Model(kind=kind, k_b=K_B)), joints)
-    prediction, N = Prediction(model, stage_ticks), len(stage_ticks)
+    stages, N = StageStates(model, stage_ticks), len(stage_ticks)
     rng = np.random.default_rng(0)
     x, delta = rng.normal(size=len(model.A)), rng.normal(size=3)
     u = rng.normal(size=(N, 3 + joints))
-    states = prediction.free_response(x, delta) + prediction.Gamma @ u.ravel()
+    states = stages.Phi @ x + stages.Psi @ delta + stages.Gamma @ u.ravel()
     assert states.shape == (N, len(model.A))
     for k, ticks in enumerate(stage_ticks):
         for _ in range(ticks):
@@ -68,15 +68,15 @@ def test_prediction_equals_the_model_tick_by_tick(kind, stage_ticks, joints):
 
 def test_states_do_not_depend_on_later_inputs():
     model = EquivalentModel.of(Scenario(), 6)
-    prediction = Prediction(model, [1, 2, 4])
+    states = StageStates(model, [1, 2, 4])
     for k in range(3):
-        assert np.any(prediction.Gamma[k][:, 9 * k : 9 * (k + 1)] != 0)
-        np.testing.assert_array_equal(prediction.Gamma[k][:, 9 * (k + 1) :], 0)
+        assert np.any(states.Gamma[k][:, 9 * k : 9 * (k + 1)] != 0)
+        np.testing.assert_array_equal(states.Gamma[k][:, 9 * (k + 1) :], 0)
 
 
 def outputs(scenario: Scenario) -> tuple[EquivalentModel, StageOutputs]:
     model = EquivalentModel.of(scenario, joints=3)
-    return model, StageOutputs(model, Prediction(model, TICKS), model.dt * TICKS, SCALE)
+    return model, StageOutputs(model, StageStates(model, TICKS), model.dt * TICKS, SCALE)
 
 
 @pytest.mark.parametrize("kind", ["flight", "exact", "integral"])
@@ -119,8 +119,8 @@ def test_slightly_different_responses_are_distinct():
 def test_rounding_errors_do_not_separate_responses():
     """Rounding depends on how matrices are multiplied, for example on the number of threads."""
     model = EquivalentModel.of(Scenario(), joints=3)
-    prediction = Prediction(model, TICKS)
-    exact = StageOutputs(model, prediction, model.dt * TICKS, SCALE)
-    prediction.Gamma *= 1 + 1e-15 * np.random.default_rng(0).normal(size=prediction.Gamma.shape)
-    rounded = StageOutputs(model, prediction, model.dt * TICKS, SCALE)
+    states = StageStates(model, TICKS)
+    exact = StageOutputs(model, states, model.dt * TICKS, SCALE)
+    states.Gamma *= 1 + 1e-15 * np.random.default_rng(0).normal(size=states.Gamma.shape)
+    rounded = StageOutputs(model, states, model.dt * TICKS, SCALE)
     np.testing.assert_array_equal(rounded.kind, exact.kind)
