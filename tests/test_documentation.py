@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from aerodrake.cli import main, make_parser
-from aerodrake.commands.options import overrides
+from aerodrake.commands.options import load
 from aerodrake.scenario.load import load_scenario, packaged_scenarios
 
 ROOT = Path(__file__).parents[1]
@@ -115,7 +115,7 @@ def check(arguments: list[str]) -> None:
         return
     scenario = getattr(parsed, "scenario", "")
     if scenario and not Path(scenario).suffix:
-        load_scenario(scenario, overrides(parsed))
+        load(parsed)
 
 
 def test_readme_has_the_current_graph():

@@ -3,7 +3,10 @@
 import argparse
 from pathlib import Path
 
-from aerodrake.commands.options import add_output, new_folder, printer
+from aerodrake.commands import options
+from aerodrake.support.errors import BadInput
+from aerodrake.support.files import write_atomically
+from aerodrake.support.run_folder import run_folder
 
 HELP = "measure computation times and memory"
 
@@ -14,7 +17,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--json", type=Path, metavar="FILE", help="also write the figures to FILE; replaces it"
     )
-    add_output(command, "runs/bench-TIME; replaces an earlier benchmark in it")
+    options.add_output(command, "runs/bench-TIME; replaces earlier results in it")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -22,26 +25,20 @@ def main(arguments: argparse.Namespace) -> int:
 
     Skips solvers that are not installed; pip install aerodrake[bench] installs them.
     """
-    from tqdm import tqdm
-
-    from aerodrake.support.errors import BadInput
-    from aerodrake.support.files import write_atomically
-    from aerodrake.support.run_folder import run_folder
-
     file = arguments.json
     if file is not None and (file.is_dir() or not file.parent.is_dir()):
         raise BadInput("--json", "", f"expected a file in an existing folder, got {file}")
-    target = arguments.out or new_folder("bench")
+    target = arguments.out or options.new_folder("bench")
 
     from aerodrake.bench.report import FILES, bench_table, missing_peers, plot_bench
     from aerodrake.bench.suite import FULL, QUICK, STEPS, bench
     from aerodrake.flight.summary import to_json
 
-    say = printer(arguments)
+    say = options.printer(arguments)
     for note in missing_peers():
         say(f"note: {note}")
     with run_folder(target, FILES) as folder:
-        with tqdm(total=STEPS, unit="step", disable=arguments.quiet) as bar:
+        with options.progress_bar(arguments, None, STEPS, "step") as bar:
 
             def begin(step: str) -> None:
                 bar.set_description(step)

@@ -8,28 +8,23 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from aerodrake.commands.options import (
-    add_jobs,
-    add_output,
-    add_scenario,
-    new_folder,
-    overrides,
-    print_notes,
-    printer,
-)
+from aerodrake.commands import options
+from aerodrake.scenario import Scenario, Weights
+from aerodrake.scenario.inputs import frozen
+from aerodrake.scenario.plain_yaml import dump
+from aerodrake.scenario.schema import as_mapping
+from aerodrake.support.interrupts import deferred_interrupts
+from aerodrake.support.run_folder import run_folder
 
 if TYPE_CHECKING:
-    from aerodrake.comparison.margins import Margins
     from aerodrake.comparison.page import Comparison
-    from aerodrake.flight.summary import Summaries
-    from aerodrake.scenario import Scenario, Weights
 
 HELP = "compare variants of a scenario"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Declares the arguments of the command."""
-    add_scenario(command)
+    options.add_scenario(command)
     command.add_argument(
         "--variant",
         action="append",
@@ -50,33 +45,26 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="YAML file with the weights of integral_best; default: the packaged file of the "
         "scenario's name, or the default weights",
     )
-    add_jobs(command)
-    add_output(command, "runs/SCENARIO-comparison-TIME; replaces an earlier comparison in it")
+    options.add_jobs(command)
+    options.add_output(command, "runs/SCENARIO-comparison-TIME; replaces earlier results in it")
 
 
 def main(arguments: argparse.Namespace) -> int:
     """Flies all variants of a scenario and compares them with the paper's figures."""
-    from aerodrake.scenario.load import load_scenario
-
-    original = load_scenario(arguments.scenario, overrides(arguments))
-    target = arguments.out or new_folder(f"{original.name}-comparison")
+    original = options.load(arguments)
+    target = arguments.out or options.new_folder(f"{original.name}-comparison")
 
     from aerodrake.comparison.compare import FILES, load_baseline, make_variants, notes
     from aerodrake.comparison.margins_report import FILES as MARGINS_FILES
     from aerodrake.comparison.margins_report import margins_table
     from aerodrake.comparison.page import comparison_page
     from aerodrake.comparison.table import comparison_table
-    from aerodrake.scenario.inputs import frozen
-    from aerodrake.scenario.plain_yaml import dump
-    from aerodrake.scenario.schema import as_mapping
-    from aerodrake.support.interrupts import deferred_interrupts
-    from aerodrake.support.run_folder import run_folder
 
-    say = printer(arguments)
+    say = options.printer(arguments)
     with frozen(original) as scenario:
         baseline = load_baseline(scenario, arguments.baseline)
         variants = make_variants(scenario, arguments.variant, baseline)
-        print_notes(say, scenario, notes(scenario))
+        options.print_notes(say, scenario, notes(scenario))
         with run_folder(target, FILES) as folder:
             comparison = _fly(arguments, scenario, variants, baseline, folder)
             with deferred_interrupts():
@@ -101,22 +89,20 @@ def _fly(
     folder: Path,
 ) -> Comparison:
     """Flies the variants, with --margins also to their margins, and writes figures and results."""
-    from tqdm import tqdm
-
     from aerodrake.comparison.compare import OWN_VARIANT, compare, make_variant
     from aerodrake.comparison.figure import plot_comparison
+    from aerodrake.comparison.margins import find_margins
+    from aerodrake.comparison.margins_report import write_margins
     from aerodrake.comparison.page import Comparison
     from aerodrake.flight.log import FlightLog
-    from aerodrake.flight.summary import to_json
+    from aerodrake.flight.summary import headline, to_json
     from aerodrake.model.vehicle.vehicle import VehicleModel
-    from aerodrake.support.interrupts import deferred_interrupts
 
-    with tqdm(
-        total=len(variants), desc=scenario.name, unit="variant", disable=arguments.quiet
-    ) as bar:
-        summaries = compare(variants, folder, arguments.jobs, lambda name: bar.update())
+    name, jobs = scenario.name, arguments.jobs
+    with options.progress_bar(arguments, name, len(variants), "variant") as bar:
+        summaries = compare(variants, folder, jobs, lambda name: bar.update())
     with deferred_interrupts():
-        figures = {"scenario": scenario.name, "variants": summaries}
+        figures = {"scenario": name, "variants": summaries}
         (folder / "comparison.json").write_text(to_json(figures), encoding="utf-8")
         vehicle = VehicleModel.load(scenario)  # The same in all variants.
         logs = {
@@ -126,43 +112,24 @@ def _fly(
         }
         own = OWN_VARIANT[scenario.residual.mode]
         own_scenario = make_variant(scenario, own, baseline)
-        title = f"{scenario.name}, seed {scenario.seed}"
+        title = f"{name}, seed {scenario.seed}"
         plot_comparison(logs, own, own_scenario, title, folder / "comparison.png")
-    margins = _find_margins(arguments, scenario, variants, summaries, folder)
+    margins = None
+    if arguments.margins:
+        with options.progress_bar(arguments, f"{name} margins", None, "flight") as bar:
+            margins = find_margins(variants, summaries, headline(summaries), jobs, bar.update)
+        with deferred_interrupts():
+            write_margins(margins, scenario, folder)
     return Comparison(scenario, variants, own, summaries, logs, margins)
-
-
-def _find_margins(
-    arguments: argparse.Namespace,
-    scenario: Scenario,
-    variants: dict[str, Scenario],
-    summaries: Summaries,
-    folder: Path,
-) -> Margins | None:
-    """Finds and writes the variants' margins; returns None without --margins."""
-    from tqdm import tqdm
-
-    from aerodrake.comparison.margins import find_margins
-    from aerodrake.comparison.margins_report import write_margins
-    from aerodrake.flight.summary import headline
-    from aerodrake.support.interrupts import deferred_interrupts
-
-    if not arguments.margins:
-        return None
-    with tqdm(desc=f"{scenario.name} margins", unit="flight", disable=arguments.quiet) as bar:
-        margins = find_margins(variants, summaries, headline(summaries), arguments.jobs, bar.update)
-    with deferred_interrupts():
-        write_margins(margins, scenario, folder)
-    return margins
 
 
 def _commands(arguments: argparse.Namespace, target: Path, names: Iterable[str]) -> list[str]:
     """Returns the command that repeats the comparison, and the command of each variant's flight."""
-    options = [f"--set={assignment}" for assignment in arguments.set]
-    options += [f"--variant={name}" for name in arguments.variant]
+    words = [f"--set={assignment}" for assignment in arguments.set]
+    words += [f"--variant={name}" for name in arguments.variant]
     if arguments.baseline:
-        options += [f"--baseline={arguments.baseline}"]
-    options += ["--margins"] * arguments.margins
-    again = ["aerodrake", "compare", arguments.scenario, *options]
+        words += [f"--baseline={arguments.baseline}"]
+    words += ["--margins"] * arguments.margins
+    again = ["aerodrake", "compare", arguments.scenario, *words]
     flights = [["aerodrake", "run", str(target / name / "scenario.yaml")] for name in names]
     return [shlex.join(command) for command in (again, *flights)]

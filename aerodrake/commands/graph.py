@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from aerodrake.commands.options import whole_number
+from aerodrake.commands import options
 
 HELP = "export diagrams and systems as graphs and pages"
 
@@ -18,7 +18,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument(
         "--depth",
-        type=whole_number(0, 100),
+        type=options.whole_number(0, 100),
         default=2,
         metavar="N",
         help="levels of nested diagrams; default: 2",

@@ -4,61 +4,44 @@ import argparse
 import shlex
 from pathlib import Path
 
-from aerodrake.commands.options import (
-    FLIGHT_BAR,
-    add_jobs,
-    add_output,
-    add_scenario,
-    new_folder,
-    overrides,
-    printer,
-)
+from aerodrake.commands import options
+from aerodrake.scenario.edit import check_replaceable, replace_numbers
+from aerodrake.scenario.inputs import frozen
 from aerodrake.support.errors import BadInput
+from aerodrake.support.interrupts import deferred_interrupts
+from aerodrake.support.run_folder import run_folder
 
 HELP = "identify K_B of a scenario's equivalent model"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Declares the arguments of the command."""
-    add_scenario(command, default="clover_paper")
+    options.add_scenario(command, default="clover_paper")
     command.add_argument(
         "--write", action="store_true", help="write K_B to model.k_b of the scenario's file"
     )
-    add_jobs(command)
-    add_output(command, "runs/identify-SCENARIO-TIME; replaces an earlier identification in it")
+    options.add_jobs(command)
+    options.add_output(command, "runs/identify-SCENARIO-TIME; replaces earlier results in it")
 
 
 def main(arguments: argparse.Namespace) -> int:
     """Identifies K_B of a scenario's equivalent model, writes the results and prints a table."""
-    from tqdm import tqdm
-
-    from aerodrake.scenario.edit import check_replaceable, replace_numbers
-    from aerodrake.scenario.load import load_scenario
-
-    scenario = load_scenario(arguments.scenario, overrides(arguments))
+    scenario = options.load(arguments)
     if arguments.write:
         if arguments.set:
             raise BadInput("--write", "", "expected no --set, since K_B is written to the file")
         check_replaceable(Path(scenario.source), "model.k_b")
-    target = arguments.out or new_folder(f"identify-{scenario.name}")
+    target = arguments.out or options.new_folder(f"identify-{scenario.name}")
 
     from aerodrake.identification import report
     from aerodrake.identification.identify import DURATION_S, FLIGHTS, identify
-    from aerodrake.scenario.inputs import frozen
-    from aerodrake.support.interrupts import deferred_interrupts
-    from aerodrake.support.run_folder import run_folder
 
-    say = printer(arguments)
-    options = [f"--set={assignment}" for assignment in arguments.set]
-    command = shlex.join(["aerodrake", "identify", arguments.scenario, *options])
+    say = options.printer(arguments)
+    settings = [f"--set={assignment}" for assignment in arguments.set]
+    command = shlex.join(["aerodrake", "identify", arguments.scenario, *settings])
+    bar = options.flight_bar(arguments, f"identify {scenario.name}", FLIGHTS * DURATION_S)
     with frozen(scenario) as copied, run_folder(target, report.FILES) as folder:
-        with tqdm(
-            total=FLIGHTS * DURATION_S,
-            desc=f"identify {scenario.name}",
-            unit="s",
-            disable=arguments.quiet,
-            bar_format=FLIGHT_BAR,
-        ) as bar:
+        with bar:
             identification = identify(copied, arguments.jobs, progress=bar.update)
         with deferred_interrupts():
             report.write(identification, command, folder)

@@ -1,7 +1,5 @@
 """Arguments, notes, folders and progress bars that several commands share."""
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import math
@@ -9,10 +7,13 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
-if TYPE_CHECKING:
-    from aerodrake.scenario import Scenario
+from tqdm import tqdm
+
+from aerodrake.scenario import Scenario
+from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.rules import warnings
 
 FLIGHT_BAR = (
     "{desc} {percentage:3.0f}%|{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}, {rate_fmt}]"
@@ -92,14 +93,28 @@ def number_in(low: float, high: float) -> Callable[[str], float]:
     return parse
 
 
-def overrides(arguments: argparse.Namespace) -> list[tuple[str, str]]:
-    """Returns the options that change keys of the scenario, with their assignments."""
+def load(arguments: argparse.Namespace) -> Scenario:
+    """Returns the scenario with the keys that --set, --seed and --duration override."""
     pairs = [("--set", assignment) for assignment in arguments.set]
     for name in ("seed", "duration"):
         value = getattr(arguments, name, None)
         if value is not None:
             pairs.append((f"--{name}", f"{name}={value}"))
-    return pairs
+    return load_scenario(arguments.scenario, pairs)
+
+
+def progress_bar(
+    arguments: argparse.Namespace, name: str | None, total: float | None, unit: str, **others: Any
+) -> tqdm:
+    """Returns a bar up to `total`, if that is known; with --quiet it is not shown."""
+    return tqdm(desc=name, total=total, unit=unit, disable=arguments.quiet, **others)
+
+
+def flight_bar(
+    arguments: argparse.Namespace, name: str, total_s: float, form: str = FLIGHT_BAR
+) -> tqdm:
+    """Returns a bar over simulated time."""
+    return progress_bar(arguments, name, total_s, "s", bar_format=form)
 
 
 def printer(arguments: argparse.Namespace) -> Callable[[str], None]:
@@ -111,7 +126,6 @@ def print_notes(say: Callable[[str], None], scenario: Scenario, others: Sequence
     """Prints the notes on a scenario before its flight, and `others`."""
     from aerodrake.model.low_level.thrust_allocation import thrust_notes
     from aerodrake.model.residual.scenario_network import provenance_notes
-    from aerodrake.scenario.rules import warnings
 
     joints = len(scenario.vehicle.working_rad)
     notes = [*warnings(scenario), *provenance_notes(scenario, joints), *thrust_notes(scenario)]

@@ -9,30 +9,23 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from aerodrake.commands.options import (
-    FLIGHT_BAR,
-    LCM_URL,
-    LIVE_BAR,
-    add_output,
-    add_scenario,
-    new_folder,
-    number_in,
-    overrides,
-    print_notes,
-    printer,
-)
+from aerodrake.commands import options
+from aerodrake.scenario import Scenario
+from aerodrake.scenario.inputs import frozen
 from aerodrake.support.errors import BadInput
+from aerodrake.support.garbage import frozen_garbage
+from aerodrake.support.interrupts import deferred_interrupts
+from aerodrake.support.run_folder import check_target, run_folder
 
 if TYPE_CHECKING:
     from aerodrake.flight.log import FlightLog
-    from aerodrake.scenario import Scenario
 
 HELP = "fly a scenario"
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Declares the arguments of the command."""
-    add_scenario(command)
+    options.add_scenario(command)
     command.add_argument("--seed", metavar="N", help="override the scenario's seed")
     command.add_argument(
         "--duration", metavar="S", help="override the duration, in s of reference time"
@@ -42,38 +35,36 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument(
         "--rate",
-        type=number_in(0.01, 1000.0),
+        type=options.number_in(0.01, 1000.0),
         metavar="R",
         help="with --live: ratio of simulated time to wall time; default: 1",
     )
     command.add_argument(
         "--lcm",
         nargs="?",
-        const=LCM_URL,
+        const=options.LCM_URL,
         metavar="URL",
         help="fly in real time with `aerodrake coordinator` in another process, over LCM at URL; "
-        f"default: {LCM_URL}",
+        f"default: {options.LCM_URL}",
     )
-    add_output(command, "runs/SCENARIO-TIME; replaces an earlier run in it")
+    options.add_output(command, "runs/SCENARIO-TIME; replaces earlier results in it")
 
 
 def main(arguments: argparse.Namespace) -> int:
     """Flies a scenario, writes its results and prints a table."""
-    from aerodrake.scenario.load import load_scenario
-
     if arguments.rate is not None and not arguments.live:
         raise BadInput("--rate", "", "expected --live; other flights do not run at a given rate")
     if arguments.rate is not None and arguments.lcm:
         raise BadInput("--rate", "", "expected no --lcm, which flies in real time")
-    scenario = load_scenario(arguments.scenario, overrides(arguments))
-    target = arguments.out or new_folder(scenario.name)
+    scenario = options.load(arguments)
+    target = arguments.out or options.new_folder(scenario.name)
+    check_target(target)
 
     from aerodrake.reports.flight_table import table
-    from aerodrake.scenario.inputs import frozen
 
-    say = printer(arguments)
+    say = options.printer(arguments)
     with frozen(scenario) as scenario:
-        print_notes(say, scenario)
+        options.print_notes(say, scenario)
         summary, log = _fly(arguments, scenario, target, say)
     say(table(summary, scenario.reference.kind))
     say(f"\n{target}: summary.json, log.npz, scenario.yaml, tracking.png, replay.html, report.html")
@@ -84,15 +75,10 @@ def _fly(
     arguments: argparse.Namespace, scenario: Scenario, target: Path, say: Callable[[str], None]
 ) -> tuple[dict[str, Any], FlightLog]:
     """Flies the scenario and writes all files of the results."""
-    from tqdm import tqdm
-
     from aerodrake.flight.simulate import FlightSimulation
     from aerodrake.reports.flight_folder import fly_into
     from aerodrake.reports.flight_page import report_page
     from aerodrake.reports.replay import replay_page
-    from aerodrake.support.garbage import frozen_garbage
-    from aerodrake.support.interrupts import deferred_interrupts
-    from aerodrake.support.run_folder import run_folder
 
     link = view = None
     if arguments.lcm:
@@ -109,18 +95,14 @@ def _fly(
         print(f"watch it at {view.url}", file=sys.stderr)
     if link:
         say(f"note: waiting in trim for a coordinator at {arguments.lcm}")
+    form = options.FLIGHT_BAR if view is None else options.LIVE_BAR
+    total_s = scenario.settle_s + scenario.duration
     with (
         view or nullcontext(),
         deferred_interrupts() as check,
         frozen_garbage() if link else nullcontext(),
         run_folder(target) as folder,
-        tqdm(
-            total=scenario.settle_s + scenario.duration,
-            desc=scenario.name,
-            unit="s",
-            disable=arguments.quiet,
-            bar_format=FLIGHT_BAR if view is None else LIVE_BAR,
-        ) as bar,
+        options.flight_bar(arguments, scenario.name, total_s, form) as bar,
     ):
 
         def progress(simulated_s: float) -> None:

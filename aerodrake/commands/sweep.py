@@ -8,15 +8,7 @@ import shlex
 import sys
 from typing import TYPE_CHECKING
 
-from aerodrake.commands.options import (
-    add_output,
-    add_scenario,
-    new_folder,
-    overrides,
-    print_notes,
-    printer,
-    whole_number,
-)
+from aerodrake.commands import options
 from aerodrake.support.errors import BadInput, ProcessDied
 
 if TYPE_CHECKING:
@@ -29,10 +21,10 @@ HELP = "fly a scenario many times with varied keys"
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Declares the arguments of the command."""
-    add_scenario(command)
+    options.add_scenario(command)
     command.add_argument(
         "--trials",
-        type=whole_number(1, 100_000),
+        type=options.whole_number(1, 100_000),
         metavar="N",
         help="number of flights; default: one for each point of the grid of all linspace()",
     )
@@ -50,7 +42,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     engine = command.add_mutually_exclusive_group()
     engine.add_argument(
         "--jobs",
-        type=whole_number(1, 1000),
+        type=options.whole_number(1, 1000),
         metavar="N",
         help="number of concurrent processes; default: the number of cores",
     )
@@ -58,7 +50,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--resume", action="store_true", help="continue the sweep in --out, or add trials to it"
     )
-    add_output(command, "runs/SCENARIO-sweep-TIME; replaces a finished sweep in it")
+    options.add_output(command, "runs/SCENARIO-sweep-TIME; replaces a finished sweep in it")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -66,11 +58,9 @@ def main(arguments: argparse.Namespace) -> int:
 
     Each trial adds a row to trials.jsonl when it ends. --resume continues an interrupted sweep.
     """
-    from aerodrake.scenario.load import load_scenario
-
     if arguments.resume and not arguments.out:
         raise BadInput("--resume", "", "expected --out DIR with the folder of a sweep")
-    scenario = load_scenario(arguments.scenario, overrides(arguments))
+    scenario = options.load(arguments)
 
     from aerodrake.sweeps.cluster import cluster
     from aerodrake.sweeps.folder import FILES, sweep_folder
@@ -81,20 +71,19 @@ def main(arguments: argparse.Namespace) -> int:
 
     plan = Plan.make(scenario, arguments.vary, arguments.trials)
     plan.check()
-    target = arguments.out or new_folder(f"{scenario.name}-sweep")
-    say = printer(arguments)
-    print_notes(say, scenario)
+    target = arguments.out or options.new_folder(f"{scenario.name}-sweep")
+    say = options.printer(arguments)
+    options.print_notes(say, scenario)
     jobs = arguments.jobs or os.cpu_count() or 1
     address = arguments.scheduler
     engine = processes(jobs) if address is None else cluster(address)
     with engine as executor, sweep_folder(target, plan, arguments.resume) as folder:
         try:
-            _fly(folder, executor, arguments.quiet)
+            _fly(arguments, folder, executor)
         except (KeyboardInterrupt, ProcessDied):
             done = f"{len(folder.recorded)} of {plan.trials} trials are in {target}"
-            print(
-                f"aerodrake: {done}; continue with: {_resume(arguments, target)}", file=sys.stderr
-            )
+            again = _resume(arguments, target)
+            print(f"aerodrake: {done}; continue with: {again}", file=sys.stderr)
             raise
         summary = write_report(folder)
     say(sweep_table(summary))
@@ -102,20 +91,14 @@ def main(arguments: argparse.Namespace) -> int:
     return 1 if any(summary["endings"].get(reason) for reason in FAILURES) else 0
 
 
-def _fly(folder: SweepFolder, executor: Executor, quiet: bool) -> None:
+def _fly(arguments: argparse.Namespace, folder: SweepFolder, executor: Executor) -> None:
     """Flies the trials that have no row yet, with a progress bar."""
-    from tqdm import tqdm
-
     from aerodrake.sweeps.loop import sweep
 
     endings: dict[str, int] = {}
-    with tqdm(
-        total=folder.plan.trials,
-        initial=len(folder.recorded),
-        desc=folder.plan.scenario.name,
-        unit="trial",
-        disable=quiet,
-    ) as bar:
+    name, trials = folder.plan.scenario.name, folder.plan.trials
+    bar = options.progress_bar(arguments, name, trials, "trial", initial=len(folder.recorded))
+    with bar:
 
         def progress(row: dict) -> None:
             reason = row["exit_reason"]

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from aerodrake.commands.options import add_jobs, add_output, add_scenario, overrides
+from aerodrake.commands.options import add_jobs, add_output, add_scenario, load
 
 HELP = "train the residual network"
 
@@ -22,9 +22,7 @@ def main(arguments: argparse.Namespace) -> int:
 
     An interrupted command resumes when it is run again.
     """
-    from aerodrake.scenario.load import load_scenario
-
-    scenario = load_scenario(arguments.scenario, overrides(arguments))
+    scenario = load(arguments)
 
     from aerodrake.learning.collection_runs import paper_runs, quick_runs
     from aerodrake.learning.report import training_table

@@ -3,12 +3,7 @@
 The package exports every section, every kind of reference, orientation and fault, and their unions.
 """
 
-from aerodrake.scenario.environment import (
-    Mismatch,
-    Payload,
-    Sensors,
-    Wind,
-)
+from aerodrake.scenario.environment import Mismatch, Payload, Sensors, Wind
 from aerodrake.scenario.faults import (
     MPC_FAULTS,
     REFERENCE_FAULTS,

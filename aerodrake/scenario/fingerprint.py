@@ -37,12 +37,7 @@ The coordinator does not read the duration and the environment. It reads `seed` 
 initialise an untrained network.
 """
 
-FILES = {
-    "vehicle": "robot",
-    "reference": "file",
-    "orientation": "file",
-    "residual": "checkpoint",
-}
+FILES = {"vehicle": "robot", "reference": "file", "orientation": "file", "residual": "checkpoint"}
 """Section -> its key that names a file. The hash is of the file's content, not of its path."""
 
 

@@ -36,8 +36,7 @@ def cache_folder(sources: Path, elsewhere: Path) -> Path:
 
 
 CACHE = cache_folder(
-    EQUATIONS,
-    Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser(), "aerodrake"),
+    EQUATIONS, Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser(), "aerodrake")
 )
 
 

@@ -25,6 +25,22 @@ def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]
     Raises:
         BadInput: if `target` cannot be written, or has other files than an earlier run.
     """
+    path = check_target(target, markers)
+    with _writing(target):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with scratch_folder(path.parent) as scratch:
+            new = scratch / NEW / path.name
+            new.mkdir(parents=True)
+            yield new
+            replace_folder(scratch, path)
+
+
+def check_target(target: Path, markers: Sequence[str] = MARKERS) -> Path:
+    """Checks that `run_folder` can write `target`, and returns its path without links.
+
+    Raises:
+        BadInput: as for `run_folder`.
+    """
     with _writing(target):
         if "\0" in str(target):
             raise OSError("expected a path without a NUL")
@@ -33,24 +49,16 @@ def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]
             raise BadInput("--out", "", f"expected a folder, but {target} is a link to itself")
         if path.exists() and not path.is_dir():
             raise BadInput("--out", "", f"expected a folder, but {target} is a file")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with scratch_folder(path.parent) as scratch:
-            _check_replaceable(path, target, markers)
-            new = scratch / NEW / path.name
-            new.mkdir(parents=True)
-            yield new
-            replace_folder(scratch, path)
-
-
-def _check_replaceable(path: Path, target: Path, markers: Sequence[str]) -> None:
-    if not path.is_dir():
-        return
-    is_earlier = all((path / name).is_file() for name in markers)
-    if any(path.iterdir()) and not is_earlier:
-        raise BadInput("--out", "", f"{target} holds files that are not of an earlier run")
-    if os.path.ismount(path) or path in (Path.cwd(), *Path.cwd().parents):
-        message = f"{target} is a mount point or contains the working directory; "
-        raise BadInput("--out", "", message + "expected another folder")
+        # Creating a folder shows that it is possible, and completes interrupted replacements.
+        with scratch_folder(next(parent for parent in path.parents if parent.exists())):
+            is_run = all((path / name).is_file() for name in markers)
+            if path.is_dir() and any(path.iterdir()) and not is_run:
+                message = f"{target} holds files that are not of an earlier run"
+                raise BadInput("--out", "", message)
+        if path.is_dir() and (os.path.ismount(path) or path in (Path.cwd(), *Path.cwd().parents)):
+            message = f"{target} is a mount point or contains the working directory; "
+            raise BadInput("--out", "", message + "expected another folder")
+    return path
 
 
 @contextmanager
