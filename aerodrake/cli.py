@@ -9,16 +9,8 @@ from aerodrake.commands import bench, compare, coordinator, graph, identify, run
 from aerodrake.support.errors import BadInput, ProcessDied
 from aerodrake.support.interrupts import termination_as_interrupt
 
-COMMANDS = {
-    "run": run,
-    "coordinator": coordinator,
-    "compare": compare,
-    "identify": identify,
-    "train": train,
-    "sweep": sweep,
-    "graph": graph,
-    "bench": bench,
-}
+_MODULES = (run, coordinator, compare, identify, train, sweep, graph, bench)
+COMMANDS = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
 """Commands by name, in the order of `aerodrake --help`."""
 
 

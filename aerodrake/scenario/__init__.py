@@ -5,8 +5,6 @@ The package exports every section, every kind of reference, orientation and faul
 
 from aerodrake.scenario.environment import Mismatch, Payload, Sensors, Wind
 from aerodrake.scenario.faults import (
-    MPC_FAULTS,
-    REFERENCE_FAULTS,
     SAMPLE_GROUPS,
     AnyFault,
     Fault,
@@ -15,12 +13,14 @@ from aerodrake.scenario.faults import (
     LearnerFault,
     LearnerNan,
     LearnerPoisoned,
+    MpcFault,
     MpcInfeasible,
     MpcMissed,
     MpcNonFinite,
     MpcStarved,
     Push,
     ReferenceDrift,
+    ReferenceFault,
     ReferenceJump,
     ReferenceNan,
     RotorDegraded,

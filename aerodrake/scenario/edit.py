@@ -6,8 +6,9 @@ from pathlib import Path
 
 import yaml
 
+from aerodrake.scenario.load import MAX_FILE_BYTES
 from aerodrake.support.errors import BadInput
-from aerodrake.support.files import write_atomically
+from aerodrake.support.files import read_bounded, write_atomically
 
 
 def replace_numbers(path: Path, key: str, numbers: Sequence[float]) -> None:
@@ -21,8 +22,7 @@ def replace_numbers(path: Path, key: str, numbers: Sequence[float]) -> None:
     Raises:
         BadInput: if the file does not have the key, or cannot be written.
     """
-    text = _text(path)
-    spans = _spans(path, text, key)
+    text, spans = _parse(path, key)
     for (start, end), number in reversed([*zip(spans, numbers, strict=True)]):
         text = f"{text[:start]}{float(number)!r}{text[end:]}"
     write_atomically(path, text.encode("utf-8"))
@@ -34,26 +34,19 @@ def check_replaceable(path: Path, key: str) -> None:
     Raises:
         BadInput: if the file does not have the key, or cannot be written.
     """
-    _spans(path, _text(path), key)
+    _parse(path, key)
     for written in (path, path.resolve().parent):
         if not os.access(written, os.W_OK):
             raise BadInput(written, "", "cannot be written: Permission denied")
 
 
-def _text(path: Path) -> str:
-    """Reads the file without converting its line ends."""
-    try:
-        return path.read_bytes().decode("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadInput(path, "", f"cannot be read: {error}") from None
-
-
-def _spans(path: Path, text: str, key: str) -> list[tuple[int, int]]:
-    """Returns the start and end in the text of each number of the list at `key`."""
+def _parse(path: Path, key: str) -> tuple[str, list[tuple[int, int]]]:
+    """Returns the text, and in it the start and end of each number of the list at `key`."""
+    text = read_bounded(path, MAX_FILE_BYTES).decode("utf-8")  # Preserves the line ends.
     node = yaml.compose(text, Loader=yaml.SafeLoader)
     for name in key.split("."):
         entries = node.value if isinstance(node, yaml.MappingNode) else []
         node = next((value for entry, value in entries if entry.value == name), None)
     if not isinstance(node, yaml.SequenceNode):
         raise BadInput(path, key, "expected this key in the file, with a list of numbers")
-    return [(item.start_mark.index, item.end_mark.index) for item in node.value]
+    return text, [(item.start_mark.index, item.end_mark.index) for item in node.value]

@@ -1,16 +1,16 @@
 """Faults that a scenario can inject, each with its start and its duration."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
-from aerodrake.scenario.schema import choice, quantity
+from aerodrake.scenario.schema import Kind, choice, quantity
 
 SAMPLE_GROUPS = ("position", "attitude", "joints")
 """Groups of a sample's values: p_B and v_B; quaternion and omega_W; q and q'."""
 
 
 @dataclass(frozen=True)
-class Fault:
+class Fault(Kind):
     """Start and duration of a fault."""
 
     # In reference time.
@@ -35,163 +35,118 @@ class SampleFault(Fault):
 
 
 @dataclass(frozen=True)
-class SampleNan(SampleFault):
+class SampleNan(SampleFault, kind="sample_nan"):
     """Samples are NaN."""
 
-    kind: ClassVar[str] = "sample_nan"
-
 
 @dataclass(frozen=True)
-class SampleStale(SampleFault):
+class SampleStale(SampleFault, kind="sample_stale"):
     """No samples arrive: the last ones are repeated with their time stamps."""
 
-    kind: ClassVar[str] = "sample_stale"
-
 
 @dataclass(frozen=True)
-class SampleFrozen(SampleFault):
+class SampleFrozen(SampleFault, kind="sample_frozen"):
     """Samples arrive with new time stamps and constant values."""
 
-    kind: ClassVar[str] = "sample_frozen"
-
 
 @dataclass(frozen=True)
-class SampleJump(SampleFault):
+class SampleJump(SampleFault, kind="sample_jump"):
     """Samples have an offset: p_B along (1, 1, 1), the attitude about it, each joint's angle."""
 
-    kind: ClassVar[str] = "sample_jump"
     position_m: float = quantity(0.5, "m", -100.0, 100.0)
     angle_rad: float = quantity(0.5, "rad", -3.1416, 3.1416)
 
 
 @dataclass(frozen=True)
-class RotorDegraded(Fault):
+class RotorDegraded(Fault, kind="rotor_degraded"):
     """A rotor gives a fraction of its commanded thrust."""
 
-    kind: ClassVar[str] = "rotor_degraded"
     # Index from 0, in the order of the robot's frames `rotor_*`.
     rotor: int = quantity(0, "1", 0, 15)
     remaining: float = quantity(0.8, "1", 0.0, 1.0)
 
 
 @dataclass(frozen=True)
-class JointDegraded(Fault):
+class JointDegraded(Fault, kind="joint_degraded"):
     """A joint's motor gives a fraction of its commanded torque."""
 
-    kind: ClassVar[str] = "joint_degraded"
     # Index from 0, in the robot's order.
     joint: int = quantity(0, "1", 0, 15)
     remaining: float = quantity(0.5, "1", 0.0, 1.0)
 
 
 @dataclass(frozen=True)
-class Push(Fault):
+class Push(Fault, kind="push"):
     """A force on the base at its origin."""
 
     # In the world frame.
-    kind: ClassVar[str] = "push"
     force_n: tuple[float, ...] = quantity((5.0, 0.0, 0.0), "N", -200.0, 200.0, length=3)
 
 
 @dataclass(frozen=True)
-class MpcInfeasible(Fault):
+class MpcInfeasible(Fault, kind="mpc_infeasible"):
     """The MPC's programs have contradicting bounds."""
-
-    kind: ClassVar[str] = "mpc_infeasible"
 
 
 @dataclass(frozen=True)
-class MpcStarved(Fault):
+class MpcStarved(Fault, kind="mpc_starved"):
     """The MPC's programs are solved by OSQP alone, with a few iterations."""
 
-    kind: ClassVar[str] = "mpc_starved"
     iterations: int = quantity(1, "iterations", 1, 1000)
 
 
 @dataclass(frozen=True)
-class MpcNonFinite(Fault):
+class MpcNonFinite(Fault, kind="mpc_non_finite"):
     """The MPC's programs have a cost that is NaN."""
 
-    kind: ClassVar[str] = "mpc_non_finite"
-
 
 @dataclass(frozen=True)
-class MpcMissed(Fault):
+class MpcMissed(Fault, kind="mpc_missed"):
     """The MPC's ticks are skipped."""
 
-    kind: ClassVar[str] = "mpc_missed"
-
 
 @dataclass(frozen=True)
-class LearnerFault(Fault):
-    """Fault of the residual's online learning, without effect if residual.mode is off."""
-
-
-@dataclass(frozen=True)
-class LearnerNan(LearnerFault):
+class LearnerNan(Fault, kind="learner_nan"):
     """The weights of the last layer are NaN."""
 
-    kind: ClassVar[str] = "learner_nan"
-
 
 @dataclass(frozen=True)
-class LearnerDiverged(LearnerFault):
+class LearnerDiverged(Fault, kind="learner_diverged"):
     """Each update adds an offset to all weights of the last layer."""
 
-    kind: ClassVar[str] = "learner_diverged"
     theta_m_s: float = quantity(1.0, "m/s", -1e6, 1e6)
 
 
 @dataclass(frozen=True)
-class LearnerPoisoned(LearnerFault):
+class LearnerPoisoned(Fault, kind="learner_poisoned"):
     """Velocities in the learner's labels have an offset; other uses of them do not."""
 
-    kind: ClassVar[str] = "learner_poisoned"
     velocity_m_s: tuple[float, ...] = quantity((0.3, 0.0, 0.0), "m/s", -100.0, 100.0, length=3)
 
 
 @dataclass(frozen=True)
-class ReferenceJump(Fault):
+class ReferenceJump(Fault, kind="reference_jump"):
     """The end-effector's reference has an offset."""
 
-    kind: ClassVar[str] = "reference_jump"
     offset_m: tuple[float, ...] = quantity((0.3, 0.0, 0.0), "m", -1000.0, 1000.0, length=3)
 
 
 @dataclass(frozen=True)
-class ReferenceDrift(Fault):
+class ReferenceDrift(Fault, kind="reference_drift"):
     """The end-effector's reference drifts at a constant velocity until the fault ends."""
 
-    kind: ClassVar[str] = "reference_drift"
     velocity_m_s: tuple[float, ...] = quantity((3.0, 0.0, 0.0), "m/s", -100.0, 100.0, length=3)
 
 
 @dataclass(frozen=True)
-class ReferenceNan(Fault):
+class ReferenceNan(Fault, kind="reference_nan"):
     """The end-effector's reference is NaN."""
 
-    kind: ClassVar[str] = "reference_nan"
 
-
-AnyFault = (
-    SampleNan
-    | SampleStale
-    | SampleFrozen
-    | SampleJump
-    | RotorDegraded
-    | JointDegraded
-    | Push
-    | MpcInfeasible
-    | MpcStarved
-    | MpcNonFinite
-    | MpcMissed
-    | LearnerNan
-    | LearnerDiverged
-    | LearnerPoisoned
-    | ReferenceJump
-    | ReferenceDrift
-    | ReferenceNan
-)
-
-MPC_FAULTS = (MpcInfeasible, MpcStarved, MpcNonFinite, MpcMissed)
-REFERENCE_FAULTS = (ReferenceJump, ReferenceDrift, ReferenceNan)
+AnySampleFault = SampleNan | SampleStale | SampleFrozen | SampleJump
+PlantFault = RotorDegraded | JointDegraded | Push
+MpcFault = MpcInfeasible | MpcStarved | MpcNonFinite | MpcMissed
+LearnerFault = LearnerNan | LearnerDiverged | LearnerPoisoned
+"""Faults of the residual's online learning, without effect if residual.mode is off."""
+ReferenceFault = ReferenceJump | ReferenceDrift | ReferenceNan
+AnyFault = AnySampleFault | PlantFault | MpcFault | LearnerFault | ReferenceFault

@@ -5,7 +5,7 @@ import itertools
 import json
 from typing import Any
 
-from aerodrake.scenario.faults import MPC_FAULTS, REFERENCE_FAULTS, LearnerFault
+from aerodrake.scenario.faults import LearnerFault, MpcFault, ReferenceFault
 from aerodrake.scenario.inputs import MAX_BYTES
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.scenario.sections import Scenario
@@ -15,26 +15,15 @@ from aerodrake.support.files import locate, read_bounded
 PLANT_SECTIONS = ("vehicle", "flight", "arm", "rates", "model")
 """Sections that determine the residual velocity, except for noise, wind and model mismatch."""
 
-COORDINATED = (
-    "settle_s",
-    "rates",
-    "reference",
-    "orientation",
-    "vehicle",
-    "faults",
-    "flight",
-    "model",
-    "residual",
-    "controller",
-    "mpc",
-    "clik",
-    "allocation",
-    "supervisor",
+STATION_SECTIONS = ("duration", "sensors", "filter", "wind", "payload", "mismatch", "arm")
+"""Sections that the coordinator does not read."""
+
+COORDINATED = tuple(
+    key for key in as_mapping(Scenario()) if key not in ("name", "seed", *STATION_SECTIONS)
 )
 """Sections that the coordinator reads; of `faults` its own. A remote station must agree on them.
 
-The coordinator does not read the duration and the environment. It reads `seed` only to
-initialise an untrained network.
+The coordinator reads `seed` only to initialise an untrained network.
 """
 
 FILES = {"vehicle": "robot", "reference": "file", "orientation": "file", "residual": "checkpoint"}
@@ -67,8 +56,8 @@ def coordinated(scenario: Scenario) -> dict[str, int]:
     for section, key in FILES.items():
         if file := sections[section].get(key):
             sections[section][key] = _hash_of_file(scenario, f"{section}.{key}", file)
-    faults = (*MPC_FAULTS, *REFERENCE_FAULTS, LearnerFault)
-    kept = [isinstance(fault, faults) for fault in scenario.faults]
+    read = MpcFault | ReferenceFault | LearnerFault
+    kept = [isinstance(fault, read) for fault in scenario.faults]
     sections["faults"] = list(itertools.compress(sections["faults"], kept))
     return {name: int(digest(sections[name])[:12], 16) for name in COORDINATED}
 

@@ -16,6 +16,4 @@ def successor(key: str) -> str:
     plain = re.sub(r"\[\d+\]", "", key)
     if plain in RENAMED:
         return f"renamed to {RENAMED[plain]}"
-    if plain in REMOVED:
-        return f"removed; {REMOVED[plain]}"
-    return ""
+    return f"removed; {REMOVED[plain]}" if plain in REMOVED else ""

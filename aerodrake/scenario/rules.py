@@ -2,9 +2,9 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
-from aerodrake.scenario.faults import MPC_FAULTS, SAMPLE_GROUPS, LearnerFault
+from aerodrake.scenario.faults import SAMPLE_GROUPS, LearnerFault, MpcFault
 from aerodrake.scenario.references import AxisAlong, FixedAxis, OrientationOff, Waypoints
 from aerodrake.scenario.sections import Scenario
 from aerodrake.support.errors import ScenarioError
@@ -23,7 +23,7 @@ def check(scenario: Scenario, source: object) -> None:
     """Checks that the keys of a scenario are consistent with each other.
 
     Args:
-        scenario: One whose keys are valid by themselves.
+        scenario: Scenario whose keys are valid by themselves.
         source: Named in errors: the file, and the options on top of it.
 
     Raises:
@@ -50,11 +50,9 @@ def _rates(scenario: Scenario) -> Iterator[Violation]:
         if abs(count - round(count)) > 1e-6:
             yield key, f"expected a multiple of {base} ({times[base]:g} s), got {times[key]:g} s"
     if rates.flight_period_s < rates.sensor_period_s - 1e-9:
-        yield (
-            "rates.flight_period_s",
-            f"expected rates.sensor_period_s ({rates.sensor_period_s:g} s) or more, since the "
-            f"observers take one new sample a tick; got {rates.flight_period_s:g} s",
-        )
+        expected = f"expected rates.sensor_period_s ({rates.sensor_period_s:g} s) or more, since "
+        got = f"the observers take one new sample a tick; got {rates.flight_period_s:g} s"
+        yield "rates.flight_period_s", expected + got
 
 
 def _name(scenario: Scenario) -> Iterator[Violation]:
@@ -70,11 +68,8 @@ def _reference(scenario: Scenario) -> Iterator[Violation]:
     if isinstance(reference, Waypoints) and not reference.file:
         yield "reference.file", "expected the path of a CSV file t,x,y,z"
     if isinstance(orientation, FixedAxis) and math.hypot(*orientation.axis) < SHORTEST_AXIS:
-        yield (
-            "orientation.axis",
-            f"expected a direction, of length {SHORTEST_AXIS:g} or more, "
-            f"got {list(orientation.axis)}",
-        )
+        expected = f"expected a direction, of length {SHORTEST_AXIS:g} or more"
+        yield "orientation.axis", f"{expected}, got {list(orientation.axis)}"
     if isinstance(orientation, AxisAlong) and not orientation.file:
         yield "orientation.file", "expected the path of a CSV file t,ax,ay,az"
 
@@ -82,20 +77,15 @@ def _reference(scenario: Scenario) -> Iterator[Violation]:
 def _rotor(scenario: Scenario) -> Iterator[Violation]:
     low, high = scenario.vehicle.rotor.min_thrust_n, scenario.vehicle.rotor.max_thrust_n
     if low >= high:
-        yield (
-            "vehicle.rotor.min_thrust_n",
-            f"expected less than max_thrust_n ({high:g} N), got {low:g} N",
-        )
+        message = f"expected less than max_thrust_n ({high:g} N), got {low:g} N"
+        yield "vehicle.rotor.min_thrust_n", message
 
 
 def _model(scenario: Scenario) -> Iterator[Violation]:
     interface = scenario.flight.interface
     if scenario.model.kind == "velocity_aware" and interface != "trajectory":
-        yield (
-            "model.kind",
-            "velocity_aware expects flight.interface trajectory, which includes v_d; "
-            f"got '{interface}'",
-        )
+        expected = "velocity_aware expects flight.interface trajectory, which includes v_d"
+        yield "model.kind", f"{expected}; got '{interface}'"
 
 
 def _clik(scenario: Scenario) -> Iterator[Violation]:
@@ -106,9 +96,9 @@ def _clik(scenario: Scenario) -> Iterator[Violation]:
     if not isinstance(orientation, OrientationOff):
         yield "orientation.kind", f"controller clik expects off, got '{orientation.kind}'"
     for i, fault in enumerate(scenario.faults):
-        if isinstance(fault, MPC_FAULTS):
-            message = f"controller clik expects no fault of the MPC, got '{fault.kind}'"
-            yield f"faults[{i}].kind", message
+        if isinstance(fault, MpcFault):
+            expected = "controller clik expects no fault of the MPC"
+            yield f"faults[{i}].kind", f"{expected}, got '{fault.kind}'"
     for key in ("k_q", "k_m"):
         if getattr(scenario.allocation, key) == 0:
             yield f"allocation.{key}", "controller clik expects a weight above 0, got 0"
@@ -118,18 +108,14 @@ def _supervisor(scenario: Scenario) -> Iterator[Violation]:
     """Yields durations that would end the flight before the task."""
     config = scenario.supervisor
     for group in SAMPLE_GROUPS:
-        outage = getattr(config, f"{group}_outage_s")
-        lost = getattr(config, f"{group}_lost_s")
+        outage, lost = getattr(config, f"{group}_outage_s"), getattr(config, f"{group}_lost_s")
         if lost <= outage:
             message = f"expected more than {group}_outage_s ({outage:g} s), got {lost:g} s"
             yield f"supervisor.{group}_lost_s", message
     plan_s = config.plan_ticks * scenario.rates.mpc_period_s
     if config.plan_lost_s <= plan_s:
-        yield (
-            "supervisor.plan_lost_s",
-            f"expected more than the duration of plan_ticks ({plan_s:g} s), "
-            f"got {config.plan_lost_s:g} s",
-        )
+        expected = f"expected more than the duration of plan_ticks ({plan_s:g} s)"
+        yield "supervisor.plan_lost_s", f"{expected}, got {config.plan_lost_s:g} s"
 
 
 def _allocation(scenario: Scenario) -> Iterator[Violation]:
@@ -140,16 +126,7 @@ def _allocation(scenario: Scenario) -> Iterator[Violation]:
             yield f"allocation.{key}", f"expected more than d_h_m ({hover:g} m), got {distance:g} m"
 
 
-RULES: tuple[Callable[[Scenario], Iterator[Violation]], ...] = (
-    _rates,
-    _name,
-    _reference,
-    _rotor,
-    _model,
-    _clik,
-    _supervisor,
-    _allocation,
-)
+RULES = (_rates, _name, _reference, _rotor, _model, _clik, _supervisor, _allocation)
 
 
 def warnings(scenario: Scenario) -> list[str]:

@@ -6,7 +6,7 @@ A section of a scenario is a frozen dataclass. Each field declares its unit and 
 
 `build` converts a mapping, as parsed from YAML, to such a dataclass. Its errors name the
 dotted key, the unit, the range and the nearest valid name. For a field whose type is a union
-of dataclasses, the key `kind` selects the class.
+of dataclasses, the key `kind` selects the class. A tuple of such a union is a list of mappings.
 """
 
 import dataclasses
@@ -16,7 +16,7 @@ import types
 import typing
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from aerodrake.scenario.renamed import successor
 from aerodrake.support.errors import ScenarioError, nearest
@@ -63,14 +63,18 @@ def file(default: str = "") -> Any:
     return dataclasses.field(default=default, metadata={"file": True})
 
 
-def several() -> Any:
-    """Declares a list of mappings, each with a key `kind`; empty by default."""
-    return dataclasses.field(default=(), metadata={"several": True})
-
-
 def provenance() -> Any:
     """Declares a string that names the source of the data and is not part of it."""
     return dataclasses.field(default="", metadata={"provenance": True})
+
+
+class Kind:
+    """Base of dataclasses of a union; their keyword `kind` is the value of that key."""
+
+    kind: ClassVar[str]
+
+    def __init_subclass__(cls, kind: str = ""):
+        cls.kind = kind
 
 
 def build(cls: type, data: object, source: object, key: str = "") -> Any:
@@ -144,8 +148,6 @@ def _data_fields(config: Any) -> list[dataclasses.Field]:
 def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, key: str) -> Any:
     if isinstance(hint, types.UnionType):
         return _build_union(typing.get_args(hint), value, source, key)
-    if "several" in meta:
-        return _build_several(typing.get_args(hint)[0], value, source, key)
     if dataclasses.is_dataclass(hint):
         return build(hint, value, source, key)
     if hint is bool:
@@ -157,6 +159,13 @@ def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, 
     if hint in (int, float):
         return _number(hint, meta, value, source, key)
     element = typing.get_args(hint)[0]
+    if isinstance(element, types.UnionType):
+        if not isinstance(value, list | tuple):
+            raise ScenarioError(source, key, f"expected a list of mappings, got {_show(value)}")
+        if len(value) > MAX_LIST:
+            raise ScenarioError(source, key, f"expected at most {MAX_LIST} items, got {len(value)}")
+        kinds = typing.get_args(element)
+        return tuple(_build_union(kinds, v, source, f"{key}[{i}]") for i, v in enumerate(value))
     length = f"{meta['length']} " if meta["length"] else ""
     unit = "" if meta["unit"] == "1" else f" in {meta['unit']}"
     expected = f"expected a list of {length}numbers{unit}"
@@ -173,20 +182,9 @@ def _build_union(options: tuple[type, ...], value: object, source: object, key: 
     if kind is None:
         raise ScenarioError(source, key, f"expected a mapping with a kind; {nearest('', kinds)}")
     if not isinstance(kind, str) or kind not in kinds:
-        raise ScenarioError(
-            source, f"{key}.kind", f"unknown kind {_show(kind)}; {nearest(kind, kinds)}"
-        )
+        message = f"unknown kind {_show(kind)}; {nearest(kind, kinds)}"
+        raise ScenarioError(source, f"{key}.kind", message)
     return build(kinds[kind], {k: v for k, v in value.items() if k != "kind"}, source, key)
-
-
-def _build_several(option: Any, value: object, source: object, key: str) -> tuple[Any, ...]:
-    if not isinstance(value, list | tuple):
-        raise ScenarioError(source, key, f"expected a list of mappings, got {_show(value)}")
-    if len(value) > MAX_LIST:
-        raise ScenarioError(source, key, f"expected at most {MAX_LIST} items, got {len(value)}")
-    return tuple(
-        _build_union(typing.get_args(option), v, source, f"{key}[{i}]") for i, v in enumerate(value)
-    )
 
 
 def _string(meta: Mapping[str, Any], value: object, source: object, key: str) -> str:
@@ -198,15 +196,12 @@ def _string(meta: Mapping[str, Any], value: object, source: object, key: str) ->
     if not value.isprintable():
         raise ScenarioError(source, key, f"expected printable text, got {_show(value)}")
     if meta.get("file") and is_packaged(value) and leaves_package(value):
-        raise ScenarioError(
-            source, key, f"expected {PACKAGE}... of a file in the package, got {_show(value)}"
-        )
+        message = f"expected {PACKAGE}... of a file in the package, got {_show(value)}"
+        raise ScenarioError(source, key, message)
     return value
 
 
-def _number(
-    hint: type, meta: Mapping[str, Any], value: object, source: object, key: str
-) -> float | int:
+def _number(hint: type, meta: Mapping[str, Any], value: object, source: object, key: str) -> float:
     low, high = meta["low"], meta["high"]
     kind = "a whole number" if hint is int else "a number"
     unit = "" if meta["unit"] == "1" else f" {meta['unit']}"
@@ -220,11 +215,9 @@ def _number(
         raise problem from None
     if not math.isfinite(number) or not low <= number <= high:
         raise problem
-    if hint is int:
-        if number != int(number):
-            raise problem
-        return int(number)
-    return number
+    if hint is int and number != int(number):
+        raise problem
+    return hint(number)
 
 
 def _show(value: object) -> str:

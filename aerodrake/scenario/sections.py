@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from aerodrake.scenario.environment import Mismatch, Payload, Sensors, Wind
 from aerodrake.scenario.faults import AnyFault
 from aerodrake.scenario.references import Hover, Orientation, OrientationOff, Reference
-from aerodrake.scenario.schema import choice, file, provenance, quantity, several
+from aerodrake.scenario.schema import choice, file, provenance, quantity
 
 
 @dataclass(frozen=True)
@@ -284,7 +284,7 @@ class Scenario:
     payload: Payload = Payload()
     mismatch: Mismatch = Mismatch()
     # Faults to inject.
-    faults: tuple[AnyFault, ...] = several()
+    faults: tuple[AnyFault, ...] = ()
     flight: Flight = Flight()
     arm: Arm = Arm()
     model: Model = Model()

@@ -21,35 +21,14 @@ def read_urdf(path: Path) -> Document:
     """Reads a URDF and makes the URIs of local meshes absolute.
 
     Raises:
-        BadInput: as for `urdf_content` and `parse_urdf`.
-    """
-    return parse_urdf(path, urdf_content(path))
-
-
-def urdf_content(path: Path) -> bytes:
-    """Returns the content of a URDF.
-
-    Raises:
-        BadInput: if the file cannot be read, or does not end in `.urdf`.
+        BadInput: if the file cannot be read or does not end in `.urdf`; if its content is not a
+            URDF, declares a document type (and so can have entities), is nested too deep, names
+            a mesh that is not a file, or has a <mimic>.
     """
     if path.suffix != SUFFIX:
         raise BadInput(path, "", f"expected the path of a URDF, ending in {SUFFIX}")
-    return read_bounded(path, MAX_BYTES)
-
-
-def parse_urdf(path: Path, content: bytes) -> Document:
-    """Parses a URDF and makes the URIs of local meshes absolute.
-
-    Args:
-        path: Path of the file.
-        content: Content of the file.
-
-    Raises:
-        BadInput: if the content is not a URDF, declares a document type (and so can have
-            entities), is nested too deep, names a mesh that is not a file, or has a <mimic>.
-    """
     try:
-        document = _UrdfBuilder().parseString(content)
+        document = _UrdfBuilder().parseString(read_bounded(path, MAX_BYTES))
     except (ExpatError, ValueError, LookupError) as error:
         raise BadInput(path, "", f"cannot be parsed: {error}") from None
     if document.documentElement.tagName != "robot":

@@ -6,7 +6,7 @@ from aerodrake.model.mpc.horizon import stage_times
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.reference.envelope import Envelope
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import REFERENCE_FAULTS, Scenario
+from aerodrake.scenario import ReferenceFault, Scenario
 from aerodrake.support.errors import file_at
 from aerodrake.systems.faults.reference import ReferenceFaultSystem
 from aerodrake.systems.reference import ReferenceSystem
@@ -43,7 +43,7 @@ def make_guidance(
     guard = ReferenceGuard(envelope, vehicle.p_E, scenario.mpc.horizon, period)
     builder.AddNamedSystem("reference_guard", guard)
     wiring = WIRING
-    if any(isinstance(fault, REFERENCE_FAULTS) for fault in scenario.faults):
+    if any(isinstance(fault, ReferenceFault) for fault in scenario.faults):
         faulty = ReferenceFaultSystem(scenario.faults, scenario.settle_s, stages_s)
         builder.AddNamedSystem("reference_fault", faulty)
         wiring = WIRING.insert("reference_fault", ("reference", "horizon"), "horizon", "horizon")

@@ -10,8 +10,8 @@ from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
 from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult
 from aerodrake.scenario import (
-    MPC_FAULTS,
     AnyFault,
+    MpcFault,
     MpcInfeasible,
     MpcMissed,
     MpcNonFinite,
@@ -42,7 +42,7 @@ class FaultyMpc(MpcSystem):
 
     def __init__(self, formulation: MpcFormulation, faults: Sequence[AnyFault], settle_s: float):
         super().__init__(formulation)
-        self._faults = [fault for fault in faults if isinstance(fault, MPC_FAULTS)]
+        self._faults = [fault for fault in faults if isinstance(fault, MpcFault)]
         self._settle_s = settle_s
         self._osqp = CondensedQp(formulation.A, formulation.config.max_iterations)
 
@@ -79,6 +79,6 @@ class FaultyMpc(MpcSystem):
 
 def make_mpc(formulation: MpcFormulation, faults: Sequence[AnyFault], settle_s: float) -> MpcSystem:
     """Returns a scenario's MPC: a `FaultyMpc` if its faults include MPC faults."""
-    if any(isinstance(fault, MPC_FAULTS) for fault in faults):
+    if any(isinstance(fault, MpcFault) for fault in faults):
         return FaultyMpc(formulation, faults, settle_s)
     return MpcSystem(formulation)

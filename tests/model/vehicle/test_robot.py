@@ -37,8 +37,8 @@ def calls(monkeypatch) -> Counter:
 
         monkeypatch.setattr(module, name, counted)
 
-    count(urdf, "urdf_content")
-    count(urdf, "parse_urdf")
+    count(urdf, "read_bounded")
+    count(urdf, "_UrdfBuilder")
     count(robot, "Parser")
     return counts
 
@@ -46,12 +46,12 @@ def calls(monkeypatch) -> Counter:
 def test_a_flight_reads_its_urdf_once(calls):
     """Drake parses it for the nominal plant, and for the simulated one with its mismatch."""
     FlightSimulation(FLOWN)
-    assert calls == {"urdf_content": 1, "parse_urdf": 1, "Parser": 2}
+    assert calls == {"read_bounded": 1, "_UrdfBuilder": 1, "Parser": 2}
 
 
 def test_a_closed_loop_reads_its_urdf_once(calls):
     make_closed_loop(FLOWN)
-    assert calls == {"urdf_content": 1, "parse_urdf": 1, "Parser": 2}
+    assert calls == {"read_bounded": 1, "_UrdfBuilder": 1, "Parser": 2}
 
 
 def test_description_keeps_the_path_it_was_given(vehicle):
