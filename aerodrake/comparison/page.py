@@ -89,7 +89,7 @@ def changes(scenario: Scenario, variant: Scenario) -> list[tuple[str, str, str]]
 def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> Iterator[Picture]:
     if not logs:
         return
-    thin = {name: log.thinned(MOST_SAMPLES).loaded() for name, log in logs.items()}
+    thin = {name: log.thinned(MOST_SAMPLES) for name, log in logs.items()}
     top = _legend_height(len(thin))
     with sheet("errors", 3.2 + top, top=top) as (figure, done):
         draw_errors(figure.add_subplot(), thin, LEGEND_COLUMNS)
@@ -116,8 +116,8 @@ def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> It
         "with d_h and d_edge.",
         *done,
     )
-    if "modified+online" in logs:
-        yield residual_picture(logs["modified+online"], scenario, " of modified+online")
+    if (online := "modified+online") in logs:
+        yield residual_picture(logs[online], thin[online], scenario, f" of {online}")
     if own in logs:
         yield timeline(
             "own",
@@ -125,8 +125,8 @@ def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> It
             "gamma, with the modes as background; the largest commanded accelerations of base and "
             "joints as fractions of their bounds.",
             thin[own],
-            partial(draw_allocation, log=thin[own]),
-            partial(draw_inputs, log=thin[own], scenario=scenario),
+            draw_allocation,
+            partial(draw_inputs, scenario=scenario),
         )
 
 

@@ -1,7 +1,7 @@
 """The log of a flight: signals over reference time."""
 
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
@@ -10,31 +10,20 @@ import numpy as np
 
 from aerodrake.model.vehicle.vehicle import VehicleModel
 
+STATE = (
+    ("quaternion", "4"),
+    ("p_B_m", "3"),
+    ("q_rad", "n"),
+    ("omega_W_rad_s", "3"),
+    ("v_B_m_s", "3"),
+    ("qdot_rad_s", "n"),
+)
+"""Keys and widths of the parts of a state."""
+
 PORTS: dict[str, tuple[tuple[str, str], ...]] = {
-    "true_state": (
-        ("quaternion", "4"),
-        ("p_B_m", "3"),
-        ("q_rad", "n"),
-        ("omega_W_rad_s", "3"),
-        ("v_B_m_s", "3"),
-        ("qdot_rad_s", "n"),
-    ),
-    "sample": (
-        ("measured_quaternion", "4"),
-        ("measured_p_B_m", "3"),
-        ("measured_q_rad", "n"),
-        ("measured_omega_W_rad_s", "3"),
-        ("measured_v_B_m_s", "3"),
-        ("measured_qdot_rad_s", "n"),
-    ),
-    "state": (
-        ("estimated_quaternion", "4"),
-        ("estimated_p_B_m", "3"),
-        ("estimated_q_rad", "n"),
-        ("estimated_omega_W_rad_s", "3"),
-        ("estimated_v_B_m_s", "3"),
-        ("estimated_qdot_rad_s", "n"),
-    ),
+    "true_state": STATE,
+    "sample": tuple((f"measured_{key}", width) for key, width in STATE),
+    "state": tuple((f"estimated_{key}", width) for key, width in STATE),
     "external_acceleration": (("external_acceleration_m_s2", "3"),),
     "specific_thrust": (("specific_thrust_m_s2", "1"),),
     "reference": (("p_Ed_m", "3"), ("v_Ed_m_s", "3")),
@@ -161,13 +150,14 @@ class FlightLog:
         return np.linalg.norm(self["p_B_m"] - self["p_Bd_m"], axis=1)
 
     def thinned(self, most: int) -> Self:
-        """Returns a log of `most` samples or fewer, evenly spaced up to the last, for a figure."""
+        """Returns a log, in memory, of `most` samples or fewer, evenly spaced up to the last."""
         stride = -(-len(self.time_s) // most)
-        return replace(self, signals=_Thinned(self.signals, stride)) if stride > 1 else self
-
-    def loaded(self) -> Self:
-        """Returns a log with its signals in memory, to read them more than once."""
-        return replace(self, signals=dict(self.signals))
+        samples = slice((len(self.time_s) - 1) % stride, None, stride)
+        signals = {
+            key: rows if key in PER_TICK else rows[samples].copy()
+            for key, rows in self.signals.items()
+        }
+        return replace(self, signals=signals)
 
     def save(self, path: Path) -> None:
         """Writes the signals as a compressed `.npz`, one at a time."""
@@ -183,33 +173,11 @@ class FlightLog:
     def read(cls, path: Path, summary: Mapping[str, Any], vehicle: VehicleModel) -> Self:
         """Opens a log that `save` wrote; each access reads a signal from the file.
 
-        Args:
-            path: The file.
-            summary: The summary of the flight, for its ending.
-            vehicle: The vehicle that flew.
+        The ending is from the `summary` of the flight.
         """
         signals = np.load(path, allow_pickle=False)
         ending = (summary[key] for key in ("exit_reason", "exit_cause", "wall_s"))
         return cls(signals, *ending, vehicle)
-
-
-class _Thinned(Mapping[str, np.ndarray]):
-    """Every `stride`-th sample of signals."""
-
-    def __init__(self, signals: Mapping[str, np.ndarray], stride: int):
-        self._signals, self._stride = signals, stride
-
-    def __getitem__(self, key: str) -> np.ndarray:
-        rows = self._signals[key]
-        if key in PER_TICK:
-            return rows
-        return rows[(len(rows) - 1) % self._stride :: self._stride].copy()
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._signals)
-
-    def __len__(self) -> int:
-        return len(self._signals)
 
 
 def rotate(quaternion: np.ndarray, r: np.ndarray) -> np.ndarray:

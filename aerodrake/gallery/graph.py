@@ -6,11 +6,29 @@ so that its graphs can be committed and compared.
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from pydrake.systems.framework import Diagram, InputPort, OutputPort, PortDataType, System
 
 Port = InputPort | OutputPort
+
+
+def input_ports(system: System) -> list[InputPort]:
+    """Returns the inputs, without ports of size zero, which plants have for absent parts."""
+    ports = map(system.get_input_port, range(system.num_input_ports()))
+    return [port for port in ports if size(port) != "0"]
+
+
+def output_ports(system: System) -> list[OutputPort]:
+    """Returns the outputs, without ports of size zero."""
+    ports = map(system.get_output_port, range(system.num_output_ports()))
+    return [port for port in ports if size(port) != "0"]
+
+
+def size(port: Port) -> str:
+    """Returns the size of a port as text; `abstract` if it has none."""
+    is_abstract = port.get_data_type() == PortDataType.kAbstractValued
+    return "abstract" if is_abstract else str(port.size())
 
 
 def systems_by_name(system: System) -> dict[str, System]:
@@ -67,14 +85,8 @@ def to_mermaid(system: System, depth: int) -> str:
     """
     names = systems_by_name(system)
     opened = _opens(system, depth)
-    inputs = {
-        f"in_{port.get_name()}": port
-        for port in _ports(system.num_input_ports(), system.get_input_port)
-    }
-    outputs = {
-        f"out_{port.get_name()}": port
-        for port in _ports(system.num_output_ports(), system.get_output_port)
-    }
+    inputs = {f"in_{port.get_name()}": port for port in input_ports(system)}
+    outputs = {f"out_{port.get_name()}": port for port in output_ports(system)}
     if opened and not inputs:
         outputs = {}
 
@@ -117,8 +129,7 @@ def _boxes(system: System, depth: int) -> Iterator[str]:
 
 
 def _rounded(node: str, port: Port) -> str:
-    size = "abstract" if _is_abstract(port) else port.size()
-    return f'{node}(["{port.get_name()} ({size})"])'
+    return f'{node}(["{port.get_name()} ({size(port)})"])'
 
 
 def _box(port: Port) -> str:
@@ -171,14 +182,6 @@ def _targets(port: InputPort, depth: int) -> Iterator[InputPort]:
         return
     for inner, index in system.GetInputPortLocators(port.get_index()):
         yield from _targets(inner.get_input_port(index), depth - 1)
-
-
-def _ports(count: int, get: Callable[[int], Port]) -> list[Port]:
-    return [port for port in map(get, range(count)) if port.size() or _is_abstract(port)]
-
-
-def _is_abstract(port: Port) -> bool:
-    return port.get_data_type() == PortDataType.kAbstractValued
 
 
 def _opens(system: System, depth: int) -> bool:

@@ -8,18 +8,18 @@ import inspect
 import sys
 from collections.abc import Callable, Iterator
 
-from pydrake.systems.framework import (
-    Diagram,
-    DiscreteStateIndex,
-    InputPort,
-    OutputPort,
-    PortDataType,
-    System,
-)
+from pydrake.systems.framework import Diagram, DiscreteStateIndex, InputPort, OutputPort, System
 
 from aerodrake.coordinator import make_coordinator
 from aerodrake.gallery.docstring import Docstring
-from aerodrake.gallery.graph import systems_by_name, to_mermaid
+from aerodrake.gallery.graph import (
+    Port,
+    input_ports,
+    output_ports,
+    size,
+    systems_by_name,
+    to_mermaid,
+)
 from aerodrake.station import make_closed_loop, make_station
 from aerodrake.systems.named_state import NamedState
 from aerodrake.wiring.guidance import make_guidance
@@ -54,8 +54,8 @@ def system_page(name: str, system: System, depth: int) -> str:
         f"*{_kind(system, maker)}*",
         docstring.text,
         f"```mermaid\n{to_mermaid(system, depth).rstrip()}\n```",
-        *_ports("Inputs", "in", system),
-        *_ports("Outputs", "out", system),
+        *_ports("Inputs", system),
+        *_ports("Outputs", system),
         *_state(system, docstring),
         *_rate(system, docstring),
         *_parts(system),
@@ -83,11 +83,9 @@ def _is_ours(system: System) -> bool:
     return not type(system).__module__.startswith("pydrake")
 
 
-def _ports(title: str, direction: str, system: System) -> Iterator[str]:
-    is_input = direction == "in"
-    count = system.num_input_ports() if is_input else system.num_output_ports()
-    get = system.get_input_port if is_input else system.get_output_port
-    ports = [port for port in map(get, range(count)) if _is_shown(port)]
+def _ports(title: str, system: System) -> Iterator[str]:
+    is_input = title == "Inputs"
+    ports = input_ports(system) if is_input else output_ports(system)
     if not ports:
         return
     yield f"## {title}"
@@ -97,35 +95,24 @@ def _ports(title: str, direction: str, system: System) -> Iterator[str]:
         # The first docstring that explains a shared signal.
         meaning = next(filter(None, (_meaning(end) for end in ends)), "")
         at = "" if ends == [port] else ", ".join(f"`{e.get_system().get_name()}`" for e in ends)
-        rows.append((f"`{port.get_name()}`", _size(port), _feeds(port), at, meaning))
-    feeds = "feeds through from" if not is_input else ""
+        rows.append((f"`{port.get_name()}`", size(port), _feeds(port), at, meaning))
     of = "to" if is_input else "of"
-    yield _table(("port", "size", feeds, of, "meaning"), rows)
+    yield _table(("port", "size", "feeds through from", of, "meaning"), rows)
 
 
-def _is_shown(port: InputPort | OutputPort) -> bool:
-    """Returns False for ports of size zero, which plants have for absent parts."""
-    return port.size() > 0 or port.get_data_type() == PortDataType.kAbstractValued
-
-
-def _size(port: InputPort | OutputPort) -> str:
-    return "abstract" if port.get_data_type() == PortDataType.kAbstractValued else str(port.size())
-
-
-def _feeds(port: InputPort | OutputPort) -> str:
+def _feeds(port: Port) -> str:
     """Returns the inputs with direct feedthrough to an output."""
     if isinstance(port, InputPort):
         return ""
     system = port.get_system()
-    inputs = map(system.get_input_port, range(system.num_input_ports()))
     return ", ".join(
         f"`{given.get_name()}`"
-        for given in inputs
-        if _is_shown(given) and system.HasDirectFeedthrough(given.get_index(), port.get_index())
+        for given in input_ports(system)
+        if system.HasDirectFeedthrough(given.get_index(), port.get_index())
     )
 
 
-def _ends(port: InputPort | OutputPort) -> list[InputPort | OutputPort]:
+def _ends(port: Port) -> list[Port]:
     """Returns the ports of leaf systems that a port of a diagram exports; of a leaf, itself."""
     system = port.get_system()
     if not isinstance(system, Diagram):
@@ -139,7 +126,7 @@ def _ends(port: InputPort | OutputPort) -> list[InputPort | OutputPort]:
     return [end for inner, index in locators for end in _ends(inner.get_input_port(index))]
 
 
-def _meaning(port: InputPort | OutputPort) -> str:
+def _meaning(port: Port) -> str:
     """Returns the meaning of a port from the docstring of its system's class or a base class."""
     key = ("in" if isinstance(port, InputPort) else "out", port.get_name())
     for kind in type(port.get_system()).__mro__:

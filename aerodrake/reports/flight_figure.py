@@ -19,9 +19,10 @@ from aerodrake.reports.flight_panels import (
     draw_error,
     draw_paths,
     draw_series,
+    draw_spans,
     draw_weights,
+    shade_safe_modes,
 )
-from aerodrake.reports.supervision_panels import draw_spans, shade_safe_modes
 from aerodrake.scenario import Scenario
 
 MOST_SAMPLES = 6000
@@ -36,8 +37,8 @@ def plot_tracking(log: FlightLog, scenario: Scenario, title: str, path: Path) ->
     time_spans = spans(scenario, log)
     log = log.thinned(MOST_SAMPLES)
     with rc_context(STYLE):
-        angle = log.tool_angle_rad
-        rows = 6 + (angle is not None) + bool(time_spans)
+        has_angle = log.tool_angle_rad is not None
+        rows = 6 + has_angle + bool(time_spans)
         figure = Figure(figsize=(13, 14 * rows / 6), dpi=120, layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         grid = figure.add_gridspec(rows, 2, width_ratios=[1.15, 1])
@@ -58,8 +59,8 @@ def plot_tracking(log: FlightLog, scenario: Scenario, title: str, path: Path) ->
         draw_base(timeline(grid[3, 1]), log)
         draw_series(timeline(grid[4, 1]), log, "q_rad", np.degrees, "joint angles / deg")
         draw_series(timeline(grid[5, 1]), log, "qdot_rad_s", np.degrees, "joint velocities / deg/s")
-        if angle is not None:
-            draw_angle(timeline(grid[6, :]), log.time_s, angle)
+        if has_angle:
+            draw_angle(timeline(grid[6, :]), log)
         if time_spans:
             draw_spans(timeline(grid[-1, :]), time_spans)
         for axes in times:

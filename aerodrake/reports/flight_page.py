@@ -40,7 +40,7 @@ def report_page(
         highlights=highlights(summary, scenario.reference.kind),
         most_events=MOST_EVENTS,
         rows=table_rows(summary, scenario.reference.kind),
-        pictures=flight_pictures(log, scenario),
+        pictures=list(flight_pictures(log, scenario)),
         resolved=(folder / "scenario.yaml").read_text(encoding="utf-8"),
         commands=[shlex.join(["aerodrake", "run", str(target / "scenario.yaml")])],
     )

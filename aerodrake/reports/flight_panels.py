@@ -1,14 +1,17 @@
 """Panels of a flight's figures, of one subject each."""
 
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
+from aerodrake.flight.events import Span
 from aerodrake.flight.log import FlightLog
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, plain_ticks, widen
 from aerodrake.scenario import Scenario
 
@@ -24,14 +27,26 @@ MODE_COLORS = {
     Mode.HOVER: "#f2f0f7",
     Mode.ADJUSTMENT: "#fdd0a2",
 }
+SAFE_MODE_COLORS = {
+    SafeMode.NOMINAL: "#868e96",
+    SafeMode.HOLD: "#ffe066",
+    SafeMode.DESCEND: "#ffa94d",
+    SafeMode.STOP: "#fa5252",
+}
+FAULT_COLOR = "#495057"
+
+PATHS: dict[str, dict[str, Any]] = {
+    "p_E_m": {"color": ACCENT, "linewidth": 2.2, "label": "end-effector"},
+    "p_Ed_m": {**REFERENCE, "label": "reference"},
+    "p_B_m": {"color": AXIS_COLORS[2], "alpha": 0.7, "label": "base"},
+}
+"""Styles of the paths, by their keys in the log."""
 
 
 def draw_paths(axes: Any, log: FlightLog) -> None:
     """Draws end-effector, reference and base in three-dimensional `axes`."""
-    flown = log.is_flown
-    axes.plot(*log["p_E_m"][flown].T, color=ACCENT, linewidth=2.2, label="end-effector")
-    axes.plot(*log["p_Ed_m"][flown].T, **REFERENCE, label="reference")
-    axes.plot(*log["p_B_m"][flown].T, color=AXIS_COLORS[2], alpha=0.7, label="base")
+    for key, style in PATHS.items():
+        axes.plot(*log[key][log.is_flown].T, **style)
     axes.set(xlabel="x / m", ylabel="y / m", zlabel="z / m")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         widen(axis, 0.5)
@@ -43,11 +58,8 @@ def draw_paths(axes: Any, log: FlightLog) -> None:
 
 def draw_plan(axes: Axes, log: FlightLog) -> None:
     """Draws end-effector, reference and base from above, in world x and y."""
-    flown = log.is_flown
-    p_E, p_Ed, p_B = (log[key][flown] for key in ("p_E_m", "p_Ed_m", "p_B_m"))
-    axes.plot(p_E[:, 0], p_E[:, 1], color=ACCENT, linewidth=2.2, label="end-effector")
-    axes.plot(p_Ed[:, 0], p_Ed[:, 1], **REFERENCE, label="reference")
-    axes.plot(p_B[:, 0], p_B[:, 1], color=AXIS_COLORS[2], alpha=0.7, label="base")
+    for key, style in PATHS.items():
+        axes.plot(*log[key][log.is_flown].T[:2], **style)
     for axis in (axes.xaxis, axes.yaxis):
         widen(axis, 0.5)
     axes.set_aspect("equal", adjustable="datalim")
@@ -57,24 +69,24 @@ def draw_plan(axes: Axes, log: FlightLog) -> None:
 
 def draw_axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
     """Draws the end-effector and its reference along one world axis."""
-    axes.plot(log.time_s, log["p_E_m"][:, axis], color=ACCENT, linewidth=2.2, label="end-effector")
-    axes.plot(log.time_s, log["p_Ed_m"][:, axis], **REFERENCE, label="reference")
+    for key in ("p_E_m", "p_Ed_m"):
+        axes.plot(log.time_s, log[key][:, axis], **PATHS[key])
     widen(axes.yaxis, 0.02)
     axes.set_ylabel(f"{name} / m")
     if axis == 0:
         axes.legend(loc="best", ncols=2)
 
 
-def plot_error(axes: Axes, log: FlightLog, error_m: np.ndarray, **look: Any) -> None:
+def plot_error(axes: Axes, log: FlightLog, error_m: np.ndarray, **style: Any) -> None:
     """Draws a distance error_m (T,) m in mm on a logarithmic axis."""
     error_mm = np.maximum(1e3 * error_m[log.is_flown], LEAST_ERROR_MM / 10)
-    axes.semilogy(log.time_s[log.is_flown], error_mm, **look)
+    axes.semilogy(log.time_s[log.is_flown], error_mm, **style)
 
 
 def draw_error(axes: Axes, log: FlightLog) -> None:
     """Draws the distances of end-effector and base from reference and setpoint."""
     plot_error(axes, log, log.error_m, color=ACCENT, label="end-effector")
-    plot_error(axes, log, log.base_error_m, color=AXIS_COLORS[2], alpha=0.7, label="base")
+    plot_error(axes, log, log.base_error_m, **PATHS["p_B_m"])
     low, high = axes.get_ylim()
     low = max(low, LEAST_ERROR_MM)
     axes.set_ylim(low, max(high, 10 * low))
@@ -83,9 +95,9 @@ def draw_error(axes: Axes, log: FlightLog) -> None:
     axes.legend(loc="best", ncols=2)
 
 
-def draw_angle(axes: Axes, time_s: np.ndarray, angle: np.ndarray) -> None:
-    """Draws the `angle` (T,) rad of the tool to its desired direction over `time_s` (T,) s."""
-    axes.plot(time_s, np.degrees(angle), color=ACCENT)
+def draw_angle(axes: Axes, log: FlightLog) -> None:
+    """Draws the tool's angle to its desired direction, in a flight with the orientation task."""
+    axes.plot(log.time_s, np.degrees(log.tool_angle_rad), color=ACCENT)
     axes.set_ylim(bottom=0)
     axes.set_ylabel("tool's angle / deg")
 
@@ -93,13 +105,10 @@ def draw_angle(axes: Axes, time_s: np.ndarray, angle: np.ndarray) -> None:
 def draw_allocation(axes: Axes, log: FlightLog) -> None:
     """Draws gamma, with the modes in the background."""
     mode = log["mode"].astype(int)
-    edges = np.flatnonzero(np.diff(mode)) + 1
-    for start, end in zip([0, *edges], [*edges, len(mode) - 1], strict=True):
-        kind = Mode(mode[start])
-        axes.axvspan(log.time_s[start], log.time_s[end], color=MODE_COLORS[kind], linewidth=0)
-    for kind in sorted(set(mode)):
-        color = MODE_COLORS[Mode(kind)]
-        axes.fill_between([], [], facecolor=color, edgecolor=INK, label=Mode(kind).label)
+    for kind, start_s, end_s in _stretches(mode, log.time_s):
+        axes.axvspan(start_s, end_s, color=MODE_COLORS[Mode(kind)], linewidth=0)
+    for kind in map(Mode, sorted(set(mode))):
+        axes.fill_between([], [], facecolor=MODE_COLORS[kind], edgecolor=INK, label=kind.label)
     axes.plot(log.time_s, log["gamma"], color=INK)
     axes.set_ylim(-1.05, 1.05)
     axes.set_ylabel("gamma, mode")
@@ -128,9 +137,7 @@ def draw_base(axes: Axes, log: FlightLog) -> None:
 
 def draw_series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) -> None:
     """Draws a line for each joint of a key of the log, in the unit of `convert`."""
-    rows = convert(log[key])
-    for joint, color in enumerate(colormaps["viridis"](np.linspace(0, 0.9, rows.shape[1]))):
-        axes.plot(log.time_s, rows[:, joint], color=color, label=f"q_{joint + 1}")
+    _plot_columns(axes, log.time_s, convert(log[key]), "q_")
     widen(axes.yaxis, 1.0)
     axes.set_ylabel(label)
     axes.legend(loc="best", ncols=3)
@@ -154,11 +161,8 @@ def draw_inputs(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     """Draws the largest inputs of base and joints relative to their bounds."""
     limits = SetpointLimits.make(scenario.mpc, log.vehicle).acceleration
     u = np.abs(np.hstack([log["a_Bd_m_s2"], log["qddot_d_rad_s2"]])) / limits
-    for label, columns, color in (
-        ("joints", slice(3, None), AXIS_COLORS[1]),
-        ("base", slice(3), AXIS_COLORS[2]),
-    ):
-        axes.plot(log.time_s, u[:, columns].max(axis=1), color=color, label=label)
+    axes.plot(log.time_s, u[:, 3:].max(axis=1), color=AXIS_COLORS[1], label="joints")
+    axes.plot(log.time_s, u[:, :3].max(axis=1), color=AXIS_COLORS[2], label="base")
     axes.axhline(1.0, **REFERENCE)
     axes.set_ylim(0, 1.1)
     axes.set_ylabel("largest |u| / bound")
@@ -167,9 +171,7 @@ def draw_inputs(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
 
 def draw_thrust(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     """Draws the thrust of each rotor and its bounds."""
-    rows = log["thrust_n"]
-    for rotor, color in enumerate(colormaps["viridis"](np.linspace(0, 0.9, rows.shape[1]))):
-        axes.plot(log.time_s, rows[:, rotor], color=color, label=f"{rotor + 1}")
+    _plot_columns(axes, log.time_s, log["thrust_n"])
     for bound in (scenario.vehicle.rotor.min_thrust_n, scenario.vehicle.rotor.max_thrust_n):
         axes.axhline(bound, **REFERENCE)
     axes.set_ylabel("rotor thrust / N")
@@ -187,3 +189,42 @@ def draw_ticks(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     plain_ticks(axes.yaxis)
     axes.set(xlabel="tick", ylabel="wall time / ms")
     axes.legend(loc="best", ncols=2)
+
+
+def shade_safe_modes(axes: Axes, log: FlightLog) -> None:
+    """Shades the times in which the supervisor is not in NOMINAL."""
+    for mode, start_s, end_s in _stretches(log["supervisor_mode"].astype(int), log.time_s):
+        if mode != SafeMode.NOMINAL:
+            color = SAFE_MODE_COLORS[SafeMode(mode)]
+            axes.axvspan(start_s, end_s, color=color, alpha=0.35, linewidth=0)
+
+
+def draw_spans(axes: Axes, spans: Sequence[Span]) -> None:
+    """Draws a bar for each time span of a fault or condition, one row for each name."""
+    rows = list(dict.fromkeys((span.mode is None, span.name) for span in spans))
+    for span in spans:
+        row = rows.index((span.mode is None, span.name))
+        color = FAULT_COLOR if span.mode is None else SAFE_MODE_COLORS[span.mode]
+        length = max(span.end_s - span.start_s, 0.02)  # Long enough to be visible.
+        axes.barh(row, length, left=span.start_s, height=0.6, color=color, linewidth=0)
+    labels = [f"{name} (injected)" if is_fault else name for is_fault, name in rows]
+    axes.set_yticks(range(len(rows)), labels)
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.grid(axis="y", visible=False)
+    for mode in sorted({span.mode for span in spans if span.mode is not None}):
+        axes.barh([0], [0], color=SAFE_MODE_COLORS[mode], label=mode.label)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0))
+
+
+def _plot_columns(axes: Axes, time_s: np.ndarray, rows: np.ndarray, prefix: str = "") -> None:
+    """Plots each column of `rows` (T, width), numbered from 1."""
+    for i, color in enumerate(colormaps["viridis"](np.linspace(0, 0.9, rows.shape[1]))):
+        axes.plot(time_s, rows[:, i], color=color, label=f"{prefix}{i + 1}")
+
+
+def _stretches(modes: np.ndarray, time_s: np.ndarray) -> Iterator[tuple[int, float, float]]:
+    """Yields each mode of `modes` (T,) with the start and end in s of its time span."""
+    edges = np.flatnonzero(np.diff(modes)) + 1
+    for start, end in zip([0, *edges], [*edges, len(modes) - 1], strict=True):
+        yield modes[start], time_s[start], time_s[end]

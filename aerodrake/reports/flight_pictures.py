@@ -21,31 +21,45 @@ from aerodrake.reports.flight_panels import (
     draw_paths,
     draw_plan,
     draw_series,
+    draw_spans,
     draw_thrust,
     draw_ticks,
     draw_weights,
+    shade_safe_modes,
 )
 from aerodrake.reports.pictures import MOST_SAMPLES, Picture, sheet, timeline
 from aerodrake.reports.residual_panels import draw_prediction, draw_residual
-from aerodrake.reports.supervision_panels import draw_spans, shade_safe_modes
 from aerodrake.scenario import Scenario
 
 
-def flight_pictures(log: FlightLog, scenario: Scenario) -> list[Picture]:
-    """Returns all pictures of a flight in the order of the page.
+def flight_pictures(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
+    """Yields all pictures of a flight in the order of the page; `log` has all samples."""
+    thin = log.thinned(MOST_SAMPLES)
+    yield from _motion(thin, scenario)
+    caption = "gamma with its modes in the background, and the weights that follow from it."
+    panels = (draw_allocation, draw_weights)
+    yield timeline("allocation", "Weight allocation", caption, thin, *panels)
+    yield residual_picture(log, thin, scenario)
+    caption = (
+        "Largest commanded acceleration of base and joints relative to its bound, and thrust of "
+        "the rotors with its bounds."
+    )
+    panels = (partial(draw_inputs, scenario=scenario), partial(draw_thrust, scenario=scenario))
+    yield timeline("input", "Inputs", caption, thin, *panels)
+    with sheet("ticks", 2.1) as (figure, done):
+        draw_ticks(figure.add_subplot(), log, scenario)
+    caption = "Wall time of the controller at each tick, and its period."
+    yield Picture("Time per tick", caption, *done)
+    if time_spans := spans(scenario, log):
+        yield _supervision(thin, time_spans)
 
-    Args:
-        log: The log with all samples.
-        scenario: The scenario of the flight.
-    """
-    return [*_motion(log.thinned(MOST_SAMPLES), scenario), *_inside(log, scenario)]
 
-
-def residual_picture(log: FlightLog, scenario: Scenario, of: str = "") -> Picture:
+def residual_picture(log: FlightLog, thin: FlightLog, scenario: Scenario, of: str = "") -> Picture:
     """Returns the picture of Delta and of the prediction error with it and without it.
 
     Args:
         log: The log with all samples.
+        thin: The log with `MOST_SAMPLES` or fewer.
         scenario: The scenario of the flight.
         of: Suffix of the title.
     """
@@ -54,16 +68,15 @@ def residual_picture(log: FlightLog, scenario: Scenario, of: str = "") -> Pictur
         draw_residual(panels[:3], log, scenario)
         for name, axes in zip("xyz", panels, strict=False):
             axes.set_ylabel(f"Delta_{name} / mm/s")
-        draw_prediction(panels[3], log.thinned(MOST_SAMPLES))
+        draw_prediction(panels[3], thin)
         panels[3].set_xlabel("reference time / s")
         cover(panels[3], log.time_s[log.is_flown])
         figure.align_ylabels()
-    return Picture(
-        f"Residual{of}",
+    caption = (
         "Delta, the residual base velocity of the model: estimated and true. Below, the error of "
-        "predicting one period, with and without Delta.",
-        *done,
+        "predicting one period, with and without Delta."
     )
+    return Picture(f"Residual{of}", caption, *done)
 
 
 def _motion(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
@@ -74,84 +87,28 @@ def _motion(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
     with sheet("plan", 4.2) as (figure, done):
         draw_plan(figure.add_subplot(), log)
     yield Picture("Plan", "Paths seen from above.", *done)
-    yield timeline(
-        "error",
-        "Errors",
-        "Distances of the end-effector from its reference and of the base from its setpoint.",
-        log,
-        partial(draw_error, log=log),
-    )
-    angle = log.tool_angle_rad
-    if angle is not None:
-        yield timeline(
-            "angle",
-            "Tool's angle",
-            "Angle between the tool's axis and its desired direction.",
-            log,
-            partial(draw_angle, time_s=log.time_s, angle=angle),
-        )
-    yield timeline(
-        "position",
-        "Position against reference",
-        "The end-effector and its reference along each axis of the world.",
-        log,
-        *(partial(draw_axis, log=log, axis=axis, name=name) for axis, name in enumerate("xyz")),
-    )
-    yield timeline(
-        "base",
-        "Base and reach",
+    caption = "Distances of the end-effector from its reference and of the base from its setpoint."
+    yield timeline("error", "Errors", caption, log, draw_error)
+    if log.tool_angle_rad is not None:
+        caption = "Angle between the tool's axis and its desired direction."
+        yield timeline("angle", "Tool's angle", caption, log, draw_angle)
+    caption = "The end-effector and its reference along each axis of the world."
+    panels = [partial(draw_axis, axis=axis, name=name) for axis, name in enumerate("xyz")]
+    yield timeline("position", "Position against reference", caption, log, *panels)
+    caption = (
         "Displacement of the base; and d_o, the distance of the end-effector from the centre of "
-        "its learning space, with d_h and d_edge.",
-        log,
-        partial(draw_base, log=log),
-        partial(_distance, log=log, scenario=scenario),
+        "its learning space, with d_h and d_edge."
     )
-    yield timeline(
-        "joints",
-        "Joints",
-        "Angles and velocities of the arm.",
-        log,
-        partial(draw_series, log=log, key="q_rad", convert=np.degrees, label="angles / deg"),
-        partial(
-            draw_series, log=log, key="qdot_rad_s", convert=np.degrees, label="velocities / deg/s"
-        ),
-    )
+    panels = [draw_base, partial(_draw_reach, scenario=scenario)]
+    yield timeline("base", "Base and reach", caption, log, *panels)
+    panels = [
+        partial(draw_series, key="q_rad", convert=np.degrees, label="angles / deg"),
+        partial(draw_series, key="qdot_rad_s", convert=np.degrees, label="velocities / deg/s"),
+    ]
+    yield timeline("joints", "Joints", "Angles and velocities of the arm.", log, *panels)
 
 
-def _inside(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
-    """Yields the pictures of allocation, residual, inputs, solver and supervisor."""
-    thin = log.thinned(MOST_SAMPLES)
-    yield timeline(
-        "allocation",
-        "Weight allocation",
-        "gamma with its modes in the background, and the weights that follow from it.",
-        thin,
-        partial(draw_allocation, log=thin),
-        partial(draw_weights, log=thin),
-    )
-    yield residual_picture(log, scenario)
-    yield timeline(
-        "input",
-        "Inputs",
-        "Largest commanded acceleration of base and joints relative to its bound, and thrust of "
-        "the rotors with its bounds.",
-        thin,
-        partial(draw_inputs, log=thin, scenario=scenario),
-        partial(draw_thrust, log=thin, scenario=scenario),
-    )
-    with sheet("ticks", 2.1) as (figure, done):
-        draw_ticks(figure.add_subplot(), log, scenario)
-    yield Picture(
-        "Time per tick",
-        "Wall time of the controller at each tick, and its period.",
-        *done,
-    )
-    time_spans = spans(scenario, log)
-    if time_spans:
-        yield _supervision(thin, time_spans)
-
-
-def _distance(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
+def _draw_reach(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     draw_distance(axes, log)
     draw_boundaries(axes, scenario)
 
@@ -164,9 +121,8 @@ def _supervision(log: FlightLog, time_spans: list[Span]) -> Picture:
         draw_spans(axes, time_spans)
         shade_safe_modes(axes, log)
         axes.set_xlabel("reference time / s")
-    return Picture(
-        "Faults and supervisor",
+    caption = (
         "Injected faults, and conditions that the supervisor detected, in the colour of the safe "
-        "mode that each requests. Times in a safe mode are shaded.",
-        *done,
+        "mode that each requests. Times in a safe mode are shaded."
     )
+    return Picture("Faults and supervisor", caption, *done)

@@ -1,4 +1,7 @@
-"""The table of a flight's figures beside those of the paper."""
+"""The table of a flight's figures beside those of the paper.
+
+`summary` is the summary of the flight, see `summarize`; `kind` is the kind of its reference.
+"""
 
 from typing import Any
 
@@ -24,15 +27,9 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
     """Returns the label, the figure and the paper's figure, if any, of each row.
 
     Labels of subordinate rows begin with two blanks.
-
-    Args:
-        summary: The summary, see `summarize`.
-        kind: Kind of the reference.
     """
-    paper, error, angle, base, mpc = (
-        PAPER.get(kind, {}),
-        *(summary[k] for k in ("error", "orientation", "base_error", "mpc")),
-    )
+    paper, error, mpc = PAPER.get(kind, {}), summary["error"], summary["mpc"]
+    angle, base = summary["orientation"], summary["base_error"]
     rows = [("end-effector error", "", "")]
     for key, label in (
         ("lap_mean_m", "mean over one lap"),
@@ -74,15 +71,11 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
 
 
 def highlights(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]:
-    """Returns the label, the figure and a note of the few figures that matter most.
-
-    Args:
-        summary: The summary, see `summarize`.
-        kind: Kind of the reference.
-    """
+    """Returns the label, the figure and a note of the few figures that matter most."""
     key = headline({summary["scenario"]: summary})
     paper = PAPER.get(kind, {}).get(key)
     error, angle, mpc = summary["error"], summary["orientation"]["mean_rad"], summary["mpc"]
+    pace = f"{summary['real_time_factor']:.1f} x real time"
     first = [
         (f"error, {HEADLINES[key]}", _mm(error[key]), f"the paper: {_mm(paper)}" if paper else ""),
         ("largest error", _mm(error["max_m"]), "of the end-effector"),
@@ -93,11 +86,7 @@ def highlights(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
         *first,
         ("base error, mean", _mm(summary["base_error"]["mean_m"]), "from its setpoint"),
         ("tick, 99 %", _unit(mpc["p99_ms"], "ms"), f"{mpc['ticks']} ticks"),
-        (
-            "simulated",
-            f"{summary['simulated_s']:.1f} s",
-            f"{summary['real_time_factor']:.1f} x real time",
-        ),
+        ("simulated", f"{summary['simulated_s']:.1f} s", pace),
     ]
 
 
@@ -108,12 +97,7 @@ def ending(summary: dict[str, Any]) -> str:
 
 
 def table(summary: dict[str, Any], kind: str) -> str:
-    """Returns the ending of a flight, `table_rows`, and its first events, as text.
-
-    Args:
-        summary: The summary, see `summarize`.
-        kind: Kind of the reference.
-    """
+    """Returns the ending of a flight, `table_rows`, and its first events, as text."""
     rows = table_rows(summary, kind)
     lines = [
         f"{summary['scenario']}: {ending(summary)}",

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from pydrake.systems.framework import Diagram, System
 
 from aerodrake.gallery.graph import connections, is_default
+from aerodrake.wiring.diagrams import leaf_systems
 
 SIDES = ("station", "coordinator")
 CHARACTER, LINE = 6.1, 13.0
@@ -70,11 +71,7 @@ class Chart(NamedTuple):
 
 
 def loop_chart(closed_loop: Diagram) -> Chart:
-    """Lays out a closed loop.
-
-    Args:
-        closed_loop: A diagram with the subsystems `SIDES`, whose systems the chart has.
-    """
+    """Lays out the systems in `SIDES`, the subsystems of a closed loop."""
     sides = [closed_loop.GetSubsystemByName(name) for name in SIDES]
     # A replacement of a side may be a single system.
     insides = [side.GetSystems() if isinstance(side, Diagram) else [side] for side in sides]
@@ -151,9 +148,6 @@ def _split(name: str) -> tuple[str, ...]:
 
 
 def _inner(system: System) -> tuple[str, ...]:
-    """Returns the names of the leaf systems in a diagram."""
-    if not isinstance(system, Diagram):
-        return ()
-    return tuple(
-        name for inner in system.GetSystems() for name in (_inner(inner) or (inner.get_name(),))
-    )
+    """Returns the names of the leaf systems in a diagram; none for a leaf system."""
+    is_diagram = isinstance(system, Diagram)
+    return tuple(inner.get_name() for inner in leaf_systems(system)) if is_diagram else ()

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from aerodrake.flight.log import FlightLog
 from aerodrake.reports.figures import PAGE_STYLE, cover, to_svg
-from aerodrake.reports.supervision_panels import shade_safe_modes
+from aerodrake.reports.flight_panels import shade_safe_modes
 
 WIDTH = 5.2
 """Width of a picture in inches; on a phone its text is as large as that of the page."""
@@ -23,7 +23,7 @@ GAP = 0.14
 MOST_SAMPLES = 1200
 """Largest number of samples in a line: three for each point of a picture's width."""
 
-Draw = Callable[[Axes], None]
+Draw = Callable[[Axes, FlightLog], None]
 
 
 class Picture(NamedTuple):
@@ -71,7 +71,7 @@ def timeline(name: str, title: str, caption: str, log: FlightLog, *draws: Draw) 
     Args:
         name: A unique word in the page.
         title, caption: See `Picture`.
-        log: The log, for its times.
+        log: The log to draw.
         draws: Functions that draw the panels.
     """
     height = TOP + BOTTOM + ROW * len(draws) + GAP * (len(draws) - 1)
@@ -79,7 +79,7 @@ def timeline(name: str, title: str, caption: str, log: FlightLog, *draws: Draw) 
         panels = figure.subplots(len(draws), 1, sharex=True, squeeze=False)[:, 0]
         for axes, draw in zip(panels, draws, strict=True):
             cover(axes, log.time_s)
-            draw(axes)
+            draw(axes, log)
             shade_safe_modes(axes, log)
         panels[-1].set_xlabel("reference time / s")
         figure.align_ylabels()
