@@ -3,7 +3,7 @@
 import numpy as np
 from pydrake.systems.framework import Context, Diagram, InputPort, OutputPort, PortDataType, System
 
-from aerodrake.wiring.diagrams import leaf_systems
+from aerodrake.station import leaf_systems
 
 MAY_BE_INFINITE = frozenset({"d_g"})
 """Signals with a meaning for infinity: a moving target has an infinite diameter."""

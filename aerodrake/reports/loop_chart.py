@@ -14,7 +14,7 @@ from typing import NamedTuple
 from pydrake.systems.framework import Diagram, System
 
 from aerodrake.gallery.graph import connections, is_default
-from aerodrake.wiring.diagrams import leaf_systems
+from aerodrake.station import leaf_systems
 
 SIDES = ("station", "coordinator")
 CHARACTER, LINE = 6.1, 13.0
