@@ -33,7 +33,7 @@ def rest(**parts: np.ndarray) -> VehicleState:
 
 def estimate(d=(0, 0, 0), delta=(0, 0, 0), **parts: np.ndarray) -> Estimate:
     """Returns the estimate with disturbances d and delta, otherwise as `rest`."""
-    return Estimate(np.array(d, float), np.array(delta, float), rest(**parts).to_vector())
+    return Estimate(np.array([*d, *delta], float), rest(**parts).to_vector())
 
 
 def correct(gains: StateFilter, predicted: Estimate, sample: np.ndarray) -> Estimate:

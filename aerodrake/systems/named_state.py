@@ -1,6 +1,6 @@
 """Discrete state of a LeafSystem in named groups."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -26,64 +26,28 @@ class NamedState(Generic[State]):
 
     def __init__(self, system: LeafSystem, initial: State):
         self._initial = initial
-        self.groups: dict[str, DiscreteStateIndex] = {
-            name: system.DeclareDiscreteState(np.ravel(value).astype(float))
-            for name, value in _leaves(initial)
-        }
-        # As plain integers: half the time of an access, of which there are many at each tick.
-        self._indices = [int(group) for group in self.groups.values()]
-        self._kinds = [(type(value), np.shape(value)) for _, value in _leaves(initial)]
+        self.groups: dict[str, DiscreteStateIndex] = {}
+        # Indices as plain integers: half the time of an access, of which each tick has many.
+        self._fields: list[tuple[int, tuple[int, ...], type]] = []
+        for name, value in _leaves(initial):
+            group = system.DeclareDiscreteState(np.ravel(value).astype(float))
+            self.groups[name] = group
+            self._fields.append((int(group), np.shape(value), type(value)))
 
     def read(self, context: Context) -> State:
         """Returns a copy of the state in a Context, in the shapes and types of the defaults."""
         value_of = context.get_discrete_state().value
-        return self._state_of([value_of(index) for index in self._indices])
+        values = (
+            value_of(index).reshape(shape).copy() if shape else kind(value_of(index)[0])
+            for index, shape, kind in self._fields
+        )
+        return _nested(self._initial, values)
 
     def write(self, discrete: DiscreteValues, state: State) -> None:
         """Sets all groups, as in a discrete update."""
         view_of = discrete.get_mutable_value
-        _fill([view_of(index) for index in self._indices], state)
-
-    def update(self, discrete: DiscreteValues, step: Callable[[State], State]) -> None:
-        """Replaces the state x by step(x), in the time of one `write`.
-
-        Args:
-            discrete: Of a discrete update, which begins as a copy of the Context's.
-            step: Returns the next state.
-        """
-        view_of = discrete.get_mutable_value
-        views = [view_of(index) for index in self._indices]
-        _fill(views, step(self._state_of(views)))
-
-    def _state_of(self, views: list[np.ndarray]) -> State:
-        values = [
-            (view.copy() if len(shape) == 1 else view.reshape(shape).copy())
-            if kind is np.ndarray
-            else kind(view[0])
-            for view, (kind, shape) in zip(views, self._kinds, strict=True)
-        ]
-        return _nested(self._initial, iter(values))
-
-
-def _fill(views: list[np.ndarray], state: tuple) -> None:
-    for view, value in zip(views, _flat(state), strict=True):
-        view[:] = value.ravel() if isinstance(value, np.ndarray) else value
-
-
-def _flat(state: tuple) -> list[Any]:
-    values = []
-    for value in state:
-        if isinstance(value, tuple):
-            values += _flat(value)
-        else:
-            values.append(value)
-    return values
-
-
-def _nested(example: tuple, values: Iterator[Any]) -> Any:
-    """Returns values in the nested NamedTuples of an example."""
-    fields = [_nested(x, values) if isinstance(x, tuple) else next(values) for x in example]
-    return type(example)(*fields)
+        for (index, shape, _), (_, value) in zip(self._fields, _leaves(state), strict=True):
+            view_of(index).reshape(shape)[...] = value
 
 
 def _leaves(state: tuple, prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -93,3 +57,10 @@ def _leaves(state: tuple, prefix: str = "") -> Iterator[tuple[str, Any]]:
             yield from _leaves(value, f"{prefix}{name}.")
         else:
             yield prefix + name, value
+
+
+def _nested(example: tuple, values: Iterator[Any]) -> Any:
+    """Returns values in the nested NamedTuples of an example."""
+    return example._make(
+        _nested(part, values) if isinstance(part, tuple) else next(values) for part in example
+    )

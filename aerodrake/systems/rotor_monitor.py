@@ -60,14 +60,11 @@ class RotorMonitorSystem(LeafSystem):
         output.SetFromVector(1.0 - context.get_discrete_state(self._loss).value())
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        x, momentum = self._sample.Eval(context), NO_SAMPLE
+        x, sample = self._sample.Eval(context), NO_SAMPLE
         is_valid = bool(np.all(np.isfinite(x)))
         if self._health.HasValue(context):
             is_valid &= not split_health(self._health.Eval(context)).ages.any()
         if is_valid:
-            momentum = MomentumSample(*self._whole_body.momentum(x), split_state(x).quaternion)
-        command = self._command.Eval(context)
-        self._state.update(
-            discrete,
-            lambda state: update_monitor(self._monitor, state, command, momentum, is_valid),
-        )
+            sample = MomentumSample(*self._whole_body.momentum(x), split_state(x).quaternion)
+        last, command = self._state.read(context), self._command.Eval(context)
+        self._state.write(discrete, update_monitor(self._monitor, last, command, sample))

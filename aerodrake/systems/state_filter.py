@@ -1,7 +1,5 @@
 """State filter as a system."""
 
-from typing import NamedTuple
-
 import numpy as np
 from pydrake.systems.framework import Context, LeafSystem, State
 
@@ -10,20 +8,6 @@ from aerodrake.model.sensing.sample_check import SampleCheck
 from aerodrake.model.sensing.state_filter import FilterState, StateFilter, replace_rejected, update
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.systems.named_state import NamedState
-
-
-class FilterOutputs(NamedTuple):
-    """Outputs of the state filter, as in its ports.
-
-    Attributes:
-        state: (13 + 2 n,)
-        external_acceleration: (3,) m/s^2.
-        sample_health: (6,)
-    """
-
-    state: np.ndarray
-    external_acceleration: np.ndarray
-    sample_health: np.ndarray
 
 
 class StateFilterSystem(LeafSystem):
@@ -44,9 +28,9 @@ class StateFilterSystem(LeafSystem):
         out `sample_health` (6): by group, s since the last accepted sample (0 if this one is
             accepted), and the `Verdict`.
     State:
-        a group for each field of `FilterState`: the sample check's previous sample,
-        time stamps, accepted values, ages and travel; the estimate's disturbance, angular
-        disturbance and state; the accelerations since the base's last sample. And the outputs.
+        a group for each field of `FilterState`: of the sample check the previous sample,
+        time stamps, accepted values, travel and health; of the estimate disturbance and
+        state; the accelerations since the base's last sample. And the other two outputs.
     Rate:
         `period`, by an *unrestricted* update: these run before the discrete
         updates of the same instant, so that a controller that ticks together
@@ -81,15 +65,19 @@ class StateFilterSystem(LeafSystem):
         self._state = NamedState(
             self, FilterState.at_rest(state_filter, initial, trim_acceleration)
         )
-        self._outputs = NamedState(self, FilterOutputs(initial, np.zeros(3), np.zeros(6)))
-        for name, group in self._outputs.groups.items():
+        self._outputs = {
+            "state": self.DeclareDiscreteState(initial),
+            "external_acceleration": self.DeclareDiscreteState(3),
+        }
+        for name, group in self._outputs.items():
             self.DeclareStateOutputPort(name, group)
+        self.DeclareStateOutputPort("sample_health", self._state.groups["check.health"])
         self.DeclarePeriodicUnrestrictedUpdateEvent(state_filter.dt, 0.0, self._update)
 
     def _update(self, context: Context, state: State) -> None:
         discrete = state.get_mutable_discrete_state()
         sample = Sample(self._sample.Eval(context), self._stamps.Eval(context))
-        now, estimate, health = update(
+        now, estimate = update(
             self._filter,
             self._check,
             self._state.read(context),
@@ -99,7 +87,8 @@ class StateFilterSystem(LeafSystem):
         )
         output = estimate.state
         if self._passes:
-            output = replace_rejected(sample.state, estimate.state, health)
-        external = estimate.disturbance - self._reaction.Eval(context)
+            output = replace_rejected(sample.state, estimate.state, now.check.health)
+        external = estimate.disturbance[:3] - self._reaction.Eval(context)
         self._state.write(discrete, now)
-        self._outputs.write(discrete, FilterOutputs(output, external, health.to_vector()))
+        discrete.set_value(self._outputs["state"], output)
+        discrete.set_value(self._outputs["external_acceleration"], external)

@@ -2,7 +2,7 @@
 
 import numpy as np
 from pydrake.common import RandomDistribution
-from pydrake.systems.framework import Diagram, DiagramBuilder, System
+from pydrake.systems.framework import Diagram
 from pydrake.systems.primitives import AffineSystem, DiscreteTimeDelay, RandomSource
 
 from aerodrake.model.sensing.sample import noise_size
@@ -14,6 +14,29 @@ from aerodrake.systems.faults.samples import SampleFaultSystem
 from aerodrake.systems.sensors import SensorSystem, is_exact
 from aerodrake.systems.state_filter import StateFilterSystem
 from aerodrake.wiring.replacements import Replacements
+from aerodrake.wiring.table import Wiring, outputs, shared_input
+
+SAMPLER = Wiring(
+    connections=(("sensor_noise", "output", "sampler", "noise"),),
+    inputs=(("true_state", "sampler", "true_state"),),
+)
+PROMPT = Wiring(inputs=(("true_state", "sampler", "late_state"),))
+DELAYED = Wiring(
+    connections=(
+        ("deviation", "y0", "base_delay", "u"),
+        ("base_delay", "delayed_u", "late_state", "u0"),
+        ("late_state", "y0", "sampler", "late_state"),
+    ),
+    inputs=(("true_state", "deviation", "u0"),),
+)
+FILTER = Wiring(
+    inputs=(
+        *shared_input("acceleration", "state_filter"),
+        *shared_input("reaction", "state_filter"),
+        *shared_input("joint_setpoint", "state_filter"),
+    ),
+    outputs=outputs("state_filter", "state", "external_acceleration", "sample_health"),
+)
 
 
 def make_sensors(
@@ -44,17 +67,22 @@ def make_sensors(
     joints, config = len(split_state(trim_state).q), scenario.sensors
     period, step = scenario.rates.sensor_period_s, scenario.rates.plant_step_s
     builder = (replacements or Replacements()).builder()
-    sensor_noise = builder.AddNamedSystem(
+    builder.AddNamedSystem(
         "sensor_noise", RandomSource(RandomDistribution.kGaussian, noise_size(joints), period)
     )
-    sampler = builder.AddNamedSystem(
+    builder.AddNamedSystem(
         "sampler", SensorSystem(config, joints, period, period - step / 4, trim_state)
     )
-    builder.ExportInput(sampler.GetInputPort("true_state"), "true_state")
-    builder.Connect(sensor_noise.get_output_port(), sampler.GetInputPort("noise"))
-    _connect_late_state(builder, sampler, scenario, trim_state)
+    delay_steps = round(config.base_delay_s / step)
+    if delay_steps:
+        # The deviation from trim is delayed, since a delay's initial values are zeros.
+        size, identity = len(trim_state), np.eye(len(trim_state))
+        builder.AddNamedSystem("deviation", AffineSystem(D=identity, y0=-trim_state))
+        # Its update stores the state before the update, which is one step of the delay.
+        builder.AddNamedSystem("base_delay", DiscreteTimeDelay(step, delay_steps - 1, size))
+        builder.AddNamedSystem("late_state", AffineSystem(D=identity, y0=trim_state))
     is_exact_now = is_exact(config) and scenario.filter.delay_s == 0
-    state_filter = builder.AddNamedSystem(
+    builder.AddNamedSystem(
         "state_filter",
         StateFilterSystem(
             StateFilter.make(scenario.filter, period),
@@ -64,46 +92,24 @@ def make_sensors(
             trim_acceleration,
         ),
     )
-    sample, stamps = sampler.GetOutputPort("state"), sampler.GetOutputPort("stamps")
+    source, port, faults = "sampler", "state", ()
     for i, fault in enumerate(scenario.faults):
         if isinstance(fault, SampleFault):
-            faulty = builder.AddNamedSystem(
-                f"{fault.kind}_{i}",
-                SampleFaultSystem(fault, scenario.settle_s, period, trim_state),
+            name = f"{fault.kind}_{i}"
+            builder.AddNamedSystem(
+                name, SampleFaultSystem(fault, scenario.settle_s, period, trim_state)
             )
-            builder.Connect(sample, faulty.GetInputPort("sample"))
-            builder.Connect(stamps, faulty.GetInputPort("stamps"))
-            sample, stamps = faulty.GetOutputPort("sample"), faulty.GetOutputPort("stamps")
-    builder.Connect(sample, state_filter.GetInputPort("sample"))
-    builder.Connect(stamps, state_filter.GetInputPort("stamps"))
-    for port in ("acceleration", "reaction", "joint_setpoint"):
-        builder.ExportInput(state_filter.GetInputPort(port), port)
-    builder.ExportOutput(sample, "sample")
-    for port in ("state", "external_acceleration", "sample_health"):
-        builder.ExportOutput(state_filter.GetOutputPort(port), port)
-    diagram = builder.Build()
-    diagram.set_name("sensors")
-    return diagram
-
-
-def _connect_late_state(
-    builder: DiagramBuilder, sampler: System, scenario: Scenario, trim_state: np.ndarray
-) -> None:
-    """Connects the true state to the sampler's `late_state`, through a delay if there is one."""
-    step = scenario.rates.plant_step_s
-    steps = round(scenario.sensors.base_delay_s / step)
-    if not steps:
-        builder.ConnectInput("true_state", sampler.GetInputPort("late_state"))
-        return
-    # The deviation from trim is delayed, since a delay's initial values are zeros.
-    identity = np.eye(len(trim_state))
-    deviation = builder.AddNamedSystem("deviation", AffineSystem(D=identity, y0=-trim_state))
-    # Its update stores the state before the update, which is one step of the delay.
-    delay = builder.AddNamedSystem(
-        "base_delay", DiscreteTimeDelay(step, steps - 1, len(trim_state))
+            faults += _samples(source, port, name)
+            source, port = name, "sample"
+    samples = Wiring(
+        connections=(*faults, *_samples(source, port, "state_filter")),
+        outputs=((source, port, "sample"),),
     )
-    late_state = builder.AddNamedSystem("late_state", AffineSystem(D=identity, y0=trim_state))
-    builder.Connect(deviation.get_output_port(), delay.get_input_port())
-    builder.Connect(delay.get_output_port(), late_state.get_input_port())
-    builder.Connect(late_state.get_output_port(), sampler.GetInputPort("late_state"))
-    builder.ConnectInput("true_state", deviation.get_input_port())
+    return (SAMPLER + (DELAYED if delay_steps else PROMPT) + samples + FILTER).build(
+        builder, "sensors"
+    )
+
+
+def _samples(source: str, port: str, target: str) -> tuple[tuple[str, str, str, str], ...]:
+    """Returns the connections of samples and their time stamps to a system."""
+    return (source, port, target, "sample"), (source, "stamps", target, "stamps")

@@ -70,7 +70,7 @@ class Limited(NamedTuple):
 
 
 class LimitedCounting(LeafSystem):
-    """Counts by `update`, with a nested state."""
+    """Counts, with a nested state."""
 
     def __init__(self):
         super().__init__()
@@ -78,13 +78,12 @@ class LimitedCounting(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(1.0, 0.0, self._update)
 
     def _update(self, context, discrete):
-        def step(last: Limited) -> Limited:
-            return Limited(last.count + 1, Limit(2 * last.limit.least, last.limit.most[::-1]))
+        last = self.state.read(context)
+        limit = Limit(2 * last.limit.least, last.limit.most[::-1])
+        self.state.write(discrete, Limited(last.count + 1, limit))
 
-        self.state.update(discrete, step)
 
-
-def test_nested_fields_have_groups_of_their_own_and_update_replaces_the_state():
+def test_nested_fields_have_groups_of_their_own():
     system = LimitedCounting()
     assert list(system.state.groups) == ["count", "limit.least", "limit.most"]
     context = system.CreateDefaultContext()

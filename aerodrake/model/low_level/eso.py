@@ -35,25 +35,16 @@ class ExtendedStateObserver(NamedTuple):
             dt: s, sampling period.
         """
         beta = math.exp(-bandwidth * dt)
+        gap = 1 - beta
         if order == 1:
-            return cls(
-                A=np.array([[1.0, dt], [0.0, 1.0]]),
-                B=np.array([[dt], [0.0]]),
-                L=np.array([[1 - beta**2], [(1 - beta) ** 2 / dt]]),
-            )
-        if order == 2:
-            return cls(
-                A=np.array([[1.0, dt, dt**2 / 2], [0.0, 1.0, dt], [0.0, 0.0, 1.0]]),
-                B=np.array([[dt**2 / 2], [dt], [0.0]]),
-                L=np.array(
-                    [
-                        [1 - beta**3],
-                        [1.5 * (1 - beta) ** 2 * (1 + beta) / dt],
-                        [(1 - beta) ** 3 / dt**2],
-                    ]
-                ),
-            )
-        raise ValueError(f"order must be 1 or 2, got {order}")
+            A, B = [[1, dt], [0, 1]], [dt, 0]
+            L = [1 - beta**2, gap**2 / dt]
+        elif order == 2:
+            A, B = [[1, dt, dt**2 / 2], [0, 1, dt], [0, 0, 1]], [dt**2 / 2, dt, 0]
+            L = [1 - beta**3, 1.5 * gap**2 * (1 + beta) / dt, gap**3 / dt**2]
+        else:
+            raise ValueError(f"order must be 1 or 2, got {order}")
+        return cls(np.array(A), np.array(B)[:, np.newaxis], np.array(L)[:, np.newaxis])
 
 
 @compiled

@@ -15,47 +15,34 @@ from aerodrake.scenario import Flight
 from aerodrake.support.compiled import compiled
 
 
-class PositionGains(NamedTuple):
-    """Gains of the position law, per axis of the world.
+class FlightGains(NamedTuple):
+    """Gains of the position law, per axis of the world, and the attitude law, of the base.
 
     Attributes:
         position: (3,) 1/s^2, k_p.
         velocity: (3,) 1/s, k_v.
         integral: (3,) 1/s^3, k_i.
+        attitude: (3,) 1/s^2, k_R.
+        rate: (3,) 1/s, k_omega.
     """
 
     position: np.ndarray
     velocity: np.ndarray
     integral: np.ndarray
-
-    @classmethod
-    def make(cls, config: Flight) -> Self:
-        """Returns the gains of a scenario."""
-        gains = config.position_gain, config.velocity_gain, config.integral_gain
-        return cls(*(np.array(gain, dtype=float) for gain in gains))
-
-
-class AttitudeGains(NamedTuple):
-    """Gains of the attitude law, per axis of the base.
-
-    Attributes:
-        attitude: (3,) 1/s^2, k_R.
-        rate: (3,) 1/s, k_omega.
-    """
-
     attitude: np.ndarray
     rate: np.ndarray
 
     @classmethod
     def make(cls, config: Flight) -> Self:
         """Returns the gains of a scenario."""
-        gains = config.attitude_gain, config.rate_gain
+        position = config.position_gain, config.velocity_gain, config.integral_gain
+        gains = *position, config.attitude_gain, config.rate_gain
         return cls(*(np.array(gain, dtype=float) for gain in gains))
 
 
 @compiled
 def position_law(
-    gains: PositionGains,
+    gains: FlightGains,
     position_error: np.ndarray,
     velocity_error: np.ndarray,
     feedforward: np.ndarray,
@@ -114,10 +101,7 @@ def attitude_error(R: np.ndarray, R_d: np.ndarray) -> np.ndarray:
 
 @compiled
 def attitude_law(
-    gains: AttitudeGains,
-    error: np.ndarray,
-    rate_error: np.ndarray,
-    disturbance: np.ndarray,
+    gains: FlightGains, error: np.ndarray, rate_error: np.ndarray, disturbance: np.ndarray
 ) -> np.ndarray:
     """u_omega = -k_R e_R - k_omega (omega - omega_d) - h_omega, rad/s^2.
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from aerodrake.model.low_level.eso import ExtendedStateObserver, observe
 from aerodrake.model.low_level.flight_law import (
-    AttitudeGains,
+    FlightGains,
     attitude_error,
     attitude_law,
     desired_attitude,
@@ -41,7 +41,7 @@ class InnerLoop(NamedTuple):
         smoothing: Weight of the new value in the filter of omega_d.
     """
 
-    gains: AttitudeGains
+    gains: FlightGains
     eso: ExtendedStateObserver
     rotors: ThrustAllocation
     lag: RotorLag
@@ -59,7 +59,7 @@ class InnerLoop(NamedTuple):
             BadInput: if the rotors cannot lift the vehicle without tilting it.
         """
         return cls(
-            gains=AttitudeGains.make(config),
+            gains=FlightGains.make(config),
             eso=ExtendedStateObserver.make(1, config.attitude_eso_rad_s, period),
             rotors=ThrustAllocation.make(vehicle, rotor),
             lag=RotorLag(rotor.lag_up_s, rotor.lag_down_s, period),

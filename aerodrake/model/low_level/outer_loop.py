@@ -5,7 +5,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from aerodrake.model.low_level.eso import ExtendedStateObserver, observe
-from aerodrake.model.low_level.flight_law import PositionGains, desired_thrust, position_law
+from aerodrake.model.low_level.flight_law import FlightGains, desired_thrust, position_law
 from aerodrake.model.low_level.flight_state import FlightState
 from aerodrake.model.vehicle.rotation import UP
 from aerodrake.model.vehicle.state import split_state
@@ -26,7 +26,7 @@ class OuterLoop(NamedTuple):
         dt: s, period.
     """
 
-    gains: PositionGains
+    gains: FlightGains
     eso: ExtendedStateObserver
     is_trajectory: bool
     max_tilt: float
@@ -37,7 +37,7 @@ class OuterLoop(NamedTuple):
     def make(cls, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: float) -> Self:
         """Returns the loop for a scenario's gains and a vehicle; `period` in s."""
         return cls(
-            gains=PositionGains.make(config),
+            gains=FlightGains.make(config),
             eso=ExtendedStateObserver.make(2, config.position_eso_rad_s, period),
             is_trajectory=config.interface == "trajectory",
             max_tilt=config.max_tilt_rad,

@@ -23,13 +23,12 @@ class Estimate(NamedTuple):
     """Estimated state of the vehicle and disturbances on its base.
 
     Attributes:
-        disturbance: (3,) m/s^2 in the world, d: the base's acceleration beyond the modelled one.
-        angular_disturbance: (3,) rad/s^2 in the base frame, delta: likewise of its rotation.
+        disturbance: (6,) acceleration of the base beyond the modelled one: d, m/s^2 in the world,
+            and delta, rad/s^2 in the base frame.
         state: (13 + 2 n,), as `VehicleState` has it.
     """
 
     disturbance: np.ndarray
-    angular_disturbance: np.ndarray
     state: np.ndarray
 
 
@@ -43,19 +42,18 @@ def predict_base(estimate: Estimate, acceleration: np.ndarray, dt: float) -> Est
             constant until then.
         dt: s, between samples.
     """
-    linear, angular, state = acceleration[:3], acceleration[3:], estimate.state.copy()
-    d, delta = estimate.disturbance.copy(), estimate.angular_disturbance.copy()
+    state, total = estimate.state.copy(), acceleration + estimate.disturbance
     quaternion, p_B, _, omega_W, v_B, _ = split_state(state)
     turn, omega = np.empty(3), apply(rotation_matrix(quaternion).T, omega_W)
     for i in range(3):
-        a, alpha = linear[i] + d[i], angular[i] + delta[i]
+        a, alpha = total[i], total[3 + i]
         p_B[i] += dt * v_B[i] + dt**2 / 2 * a
         v_B[i] += dt * a
         turn[i] = dt * omega[i] + dt**2 / 2 * alpha
         omega[i] += dt * alpha
     quaternion[:] = turned(quaternion, turn)
     omega_W[:] = apply(rotation_matrix(quaternion), omega)
-    return Estimate(d, delta, state)
+    return Estimate(estimate.disturbance.copy(), state)
 
 
 @compiled
@@ -76,7 +74,7 @@ def predict_arm(estimate: Estimate, setpoint: np.ndarray, dt: float) -> Estimate
         q_d, qdot_d, qddot_d = setpoint[i], setpoint[n + i], setpoint[2 * n + i]
         q[i] = q_d + decay * (q[i] - (q_d - dt * qdot_d + dt**2 / 2 * qddot_d))
         qdot[i] = qdot_d + decay * (qdot[i] - (qdot_d - dt * qddot_d))
-    return Estimate(estimate.disturbance, estimate.angular_disturbance, state)
+    return Estimate(estimate.disturbance, state)
 
 
 @compiled
@@ -85,7 +83,7 @@ def correct_position(estimate: Estimate, sample: np.ndarray, L: np.ndarray) -> N
 
     L (3, 2) has the gains of [p, v, d] for [p, v] as measured.
     """
-    d = estimate.disturbance
+    d = estimate.disturbance[:3]
     _, p_B, _, _, v_B, _ = split_state(estimate.state)
     _, p_m, _, _, v_m, _ = split_state(sample)
     for i in range(3):
@@ -101,7 +99,7 @@ def correct_attitude(estimate: Estimate, sample: np.ndarray, L: np.ndarray) -> N
 
     L (3, 2) has the gains of [attitude, rate, delta] for [attitude, rate] as measured.
     """
-    delta = estimate.angular_disturbance
+    delta = estimate.disturbance[3:]
     quaternion, _, _, omega_W, _, _ = split_state(estimate.state)
     quaternion_m, _, _, omega_m, _, _ = split_state(sample)
     R = rotation_matrix(quaternion)

@@ -104,30 +104,30 @@ class SampleCheck(NamedTuple):
 
 
 class CheckState(NamedTuple):
-    """State of the sample check.
+    """State of the sample check after a sample.
 
     Attributes:
-        sample: (13 + 2 n,) the previous sample, accepted or not.
+        sample: (13 + 2 n,) the sample, accepted or not.
         stamps: (3,) s, the last finite time stamp of each group.
         accepted: (13 + 2 n,) the last accepted values of each group.
-        ages: (3,) s, from the last accepted sample of each group to the previous sample.
         travel: (3,) m, rad, rad: expected motion of each group since its values last changed.
+        health: (6,) `SampleHealth` of the sample.
     """
 
     sample: np.ndarray
     stamps: np.ndarray
     accepted: np.ndarray
-    ages: np.ndarray
     travel: np.ndarray
+    health: np.ndarray
 
     @classmethod
     def accepting(cls, sample: np.ndarray, stamp: float) -> Self:
         """Returns the state after a sample (13 + 2 n,) of the time `stamp` s was accepted."""
-        return cls(sample, np.full(3, stamp), sample, np.zeros(3), np.zeros(3))
+        return cls(sample, np.full(3, stamp), sample, np.zeros(3), np.zeros(6))
 
 
 class SampleHealth(NamedTuple):
-    """Health of a sample, by group: the port `sample_health` (6).
+    """Health of a sample, by group: the parts of the port `sample_health` (6).
 
     Attributes:
         ages: (3,) s since the last accepted sample, 0 if this one is accepted.
@@ -137,33 +137,26 @@ class SampleHealth(NamedTuple):
     ages: np.ndarray
     verdicts: np.ndarray
 
-    def to_vector(self) -> np.ndarray:
-        """Returns the port's value (6,), the inverse of `split_health`."""
-        return np.concatenate([self.ages, self.verdicts])
 
-
+@compiled
 def split_health(vector: np.ndarray) -> SampleHealth:
     """Returns the parts of a vector (6,) of the port `sample_health`, as views."""
     return SampleHealth(vector[:3], vector[3:])
 
 
 @compiled
-def check(
-    bounds: SampleCheck, last: CheckState, predicted: Estimate, sample: Sample
-) -> tuple[SampleHealth, CheckState]:
+def check(bounds: SampleCheck, last: CheckState, predicted: Estimate, sample: Sample) -> CheckState:
     """Accepts or rejects each group of a sample.
 
     Args:
         bounds: Of steps and innovations.
-        last: State of the check.
+        last: State after the previous sample.
         predicted: Estimate of what the sample should be.
         sample: As it arrived.
-
-    Returns:
-        The sample's health; the new state of the check.
     """
-    ages, verdicts, stamps = np.empty(3), np.empty(3), last.stamps.copy()
-    accepted, travel = last.accepted.copy(), last.travel.copy()
+    stamps, accepted, travel = last.stamps.copy(), last.accepted.copy(), last.travel.copy()
+    health = last.health.copy()
+    ages, verdicts = split_health(health)
     for g in range(3):
         x, rate = group_of(g, sample.state)
         x_last, rate_last = group_of(g, last.sample)
@@ -173,7 +166,7 @@ def check(
         else:
             travel[g] = 0.0
 
-        ages[g] = last.ages[g] + bounds.dt
+        ages[g] += bounds.dt
         if not last.stamps[g] < sample.stamps[g] < np.inf:
             verdict = Verdict.STALE
         elif not _is_finite(g, x, rate):
@@ -186,23 +179,19 @@ def check(
             verdict = Verdict.OK
             ages[g] = 0.0
             x_accepted, rate_accepted = group_of(g, accepted)
-            x_accepted[:] = x
-            rate_accepted[:] = rate
+            x_accepted[:], rate_accepted[:] = x, rate
         verdicts[g] = verdict.value
         # No later stamp would be larger than an infinite one, or than NaN.
         if np.isfinite(sample.stamps[g]):
             stamps[g] = sample.stamps[g]
-    now = CheckState(sample.state.copy(), stamps, accepted, ages, travel)
-    return SampleHealth(ages, verdicts), now
+    return CheckState(sample.state.copy(), stamps, accepted, travel, health)
 
 
 @compiled
 def is_outage(bounds: SampleCheck, age: float) -> bool:
     """Returns True if too many samples of a group were rejected to compare with the last accepted.
 
-    Args:
-        bounds: For its dt.
-        age: s, from the last accepted sample to the previous one.
+    `age` in s is that of the last accepted sample at the previous one.
     """
     return age > (OUTAGE_SAMPLES - 0.5) * bounds.dt
 
@@ -215,21 +204,18 @@ def _is_plausible(
 
     Velocities are bounded likewise.
     """
-    since, noise, rate_noise = last.ages[g] + bounds.dt, bounds.noise[g], bounds.rate_noise[g]
-    x, rate = group_of(g, state)
-    if not is_outage(bounds, last.ages[g]):
-        x_accepted, rate_accepted = group_of(g, last.accepted)
-        step, a = (
-            _difference(g, x_accepted, x) - since / 2 * (rate_accepted + rate),
-            ACCELERATION[g],
-        )
+    age, (x, rate) = split_health(last.health).ages[g], group_of(g, state)
+    since, noise, rate_noise = age + bounds.dt, bounds.noise[g], bounds.rate_noise[g]
+    if not is_outage(bounds, age):
+        a, (x_accepted, rate_accepted) = ACCELERATION[g], group_of(g, last.accepted)
+        step = _difference(g, x_accepted, x) - since / 2 * (rate_accepted + rate)
         is_within = length(step) <= 2 * noise + since * rate_noise + a * since**2 / 4
         return is_within and length(rate - rate_accepted) <= 2 * rate_noise + a * since
     disturbance = 0.0  # Joints have none.
     if g == POSITION:
-        disturbance = length(predicted.disturbance)
+        disturbance = length(predicted.disturbance[:3])
     elif g == ATTITUDE:
-        disturbance = length(predicted.angular_disturbance)
+        disturbance = length(predicted.disturbance[3:])
     a = DRIFT[g] + DRIFT_RATIO * disturbance
     drift, rate_drift = a * since**2 / 2 + a * since**3 / 6, a * since + a * since**2 / 2
     x_predicted, rate_predicted = group_of(g, predicted.state)

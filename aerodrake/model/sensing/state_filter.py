@@ -17,10 +17,10 @@ from aerodrake.model.sensing.sample import ATTITUDE, JOINTS, POSITION, Sample, g
 from aerodrake.model.sensing.sample_check import (
     CheckState,
     SampleCheck,
-    SampleHealth,
     Verdict,
     check,
     is_outage,
+    split_health,
 )
 from aerodrake.scenario import Filter
 from aerodrake.support.compiled import compiled
@@ -98,7 +98,7 @@ class FilterState(NamedTuple):
         """
         return cls(
             CheckState.accepting(state, -gains.dt),
-            Estimate(-trim_acceleration[:3], -trim_acceleration[3:], state),
+            Estimate(-trim_acceleration, state),
             np.tile(trim_acceleration, (gains.steps, 1)),
         )
 
@@ -111,7 +111,7 @@ def update(
     sample: Sample,
     acceleration: np.ndarray,
     joint_setpoint: np.ndarray,
-) -> tuple[FilterState, Estimate, SampleHealth]:
+) -> tuple[FilterState, Estimate]:
     """Corrects the estimate by the accepted groups of a sample, and predicts the others.
 
     The base is predicted by the modelled acceleration, the arm by its setpoints. The first
@@ -127,17 +127,18 @@ def update(
         joint_setpoint: (3 n,) now.
 
     Returns:
-        The new state of the filter; the estimate of the present; the sample's health.
+        The new state of the filter; the estimate of the present.
     """
     accelerations = np.concatenate((last.accelerations, acceleration[np.newaxis, :]))
     at_sample = predict_base(last.estimate, accelerations[0], gains.dt)
     predicted = predict_arm(at_sample, joint_setpoint, gains.dt)
-    health, checked = check(bounds, last.check, predicted, sample)
+    checked = check(bounds, last.check, predicted, sample)
+    ages, verdicts = split_health(last.check.health).ages, split_health(checked.health).verdicts
     for g in range(3):
-        if health.verdicts[g] != Verdict.OK.value:
+        if verdicts[g] != Verdict.OK.value:
             if g == JOINTS:
                 replace_group(g, at_sample.state, predicted.state)
-        elif is_outage(bounds, last.check.ages[g]):
+        elif is_outage(bounds, ages[g]):
             replace_group(g, at_sample.state, sample.state)
         elif g == POSITION:
             correct_position(at_sample, sample.state, gains.translation)
@@ -148,15 +149,18 @@ def update(
     now = at_sample
     for k in range(1, len(accelerations)):
         now = predict_base(now, accelerations[k], gains.dt)
-    return FilterState(checked, at_sample, accelerations[1:]), now, health
+    return FilterState(checked, at_sample, accelerations[1:]), now
 
 
 @compiled
-def replace_rejected(sample: np.ndarray, predicted: np.ndarray, health: SampleHealth) -> np.ndarray:
-    """Returns a sample (13 + 2 n,) whose rejected groups are those of `predicted` (13 + 2 n,)."""
+def replace_rejected(sample: np.ndarray, predicted: np.ndarray, health: np.ndarray) -> np.ndarray:
+    """Returns a sample (13 + 2 n,) whose rejected groups are those of `predicted` (13 + 2 n,).
+
+    `health` (6,) is the sample's `SampleHealth`.
+    """
     state = sample.copy()
     for g in range(3):
-        if health.verdicts[g] != Verdict.OK.value:
+        if split_health(health).verdicts[g] != Verdict.OK.value:
             replace_group(g, state, predicted)
     return state
 

@@ -95,14 +95,16 @@ class MomentumSample(NamedTuple):
         momentum: (6,) spatial momentum about the centre of mass: angular, N m s; linear, N s.
         r_BC: (3,) m, from the base's origin to the centre of mass.
         quaternion: (4,) attitude of the base, w first.
+        is_valid: False if the sample was rejected; then the other fields have no meaning.
     """
 
     momentum: np.ndarray
     r_BC: np.ndarray
     quaternion: np.ndarray
+    is_valid: bool = True
 
 
-NO_SAMPLE = MomentumSample(np.zeros(6), np.zeros(3), np.zeros(4))
+NO_SAMPLE = MomentumSample(np.zeros(6), np.zeros(3), np.zeros(4), is_valid=False)
 """Stored in place of a rejected sample."""
 
 
@@ -111,49 +113,32 @@ class RotorMonitorState(NamedTuple):
 
     Attributes:
         baseline: (6,) N, residual wrench without rotor faults.
-        filtered_residual: (2, 6) N, residual beyond the baseline, fast and slow filter.
-        filtered_thrust: (2, k) N, estimated thrusts, filtered alike.
+        filtered: (2, 6 + k) N, residual beyond the baseline, and estimated thrusts, by the
+            fast and by the slow filter.
         thrust: (k,) N, estimated thrusts now.
         delayed_thrust: (D, k) N, mean thrusts of the last D = `delay_samples`, oldest first.
         loss: (k,) in [0, 1], reported loss of each rotor as a fraction of its thrust.
         detections: (k,) consecutive samples in which a large loss of each rotor was detected.
         last: The last sample.
-        is_valid: False if it was rejected.
         baseline_s: s, time constant of the baseline now.
     """
 
     baseline: np.ndarray
-    filtered_residual: np.ndarray
-    filtered_thrust: np.ndarray
+    filtered: np.ndarray
     thrust: np.ndarray
     delayed_thrust: np.ndarray
     loss: np.ndarray
     detections: np.ndarray
     last: MomentumSample
-    is_valid: bool
     baseline_s: float
 
     @classmethod
     def initial(cls, monitor: RotorMonitor) -> Self:
         """Returns the state in trim, before the first sample."""
-        trim, no_rotor = monitor.trim, np.zeros(len(monitor.trim))
-        filters = np.zeros(6), np.zeros((2, 6)), np.tile(trim, (2, 1))
-        estimates = trim, np.tile(trim, (monitor.delay_samples, 1)), no_rotor, no_rotor
-        return cls(*filters, *estimates, NO_SAMPLE, False, BASELINE_START_S)
-
-
-class Isolation(NamedTuple):
-    """Single rotor fault that explains a residual best.
-
-    Attributes:
-        rotor: Index of the rotor.
-        loss: Fraction of its thrust that it loses.
-        fit: Goodness of fit, at most 1.
-    """
-
-    rotor: int
-    loss: float
-    fit: float
+        trim, no_rotor, zero = monitor.trim, np.zeros(len(monitor.trim)), np.zeros(6)
+        filtered = np.tile(np.concatenate([zero, trim]), (2, 1))
+        delayed = np.tile(trim, (monitor.delay_samples, 1))
+        return cls(zero, filtered, trim, delayed, no_rotor, no_rotor, NO_SAMPLE, BASELINE_START_S)
 
 
 @compiled
@@ -162,7 +147,6 @@ def update_monitor(
     state: RotorMonitorState,
     command: np.ndarray,
     sample: MomentumSample,
-    is_valid: bool,
 ) -> RotorMonitorState:
     """Returns the state after one more sample.
 
@@ -170,52 +154,41 @@ def update_monitor(
         monitor: Its constants.
         state: State after the sample before.
         command: (k,) N, thrust commands since the sample before.
-        sample: Momentum and attitude at this sample.
-        is_valid: False if the sample is rejected: then only the thrust estimate is updated.
+        sample: Momentum and attitude now. If rejected, only the thrust estimate is updated.
     """
     k, dt = len(monitor.trim), monitor.lag.dt
     loss, detections = state.loss.copy(), state.detections
-    baseline, baseline_s = state.baseline, state.baseline_s
-    filtered, filtered_thrust = state.filtered_residual, state.filtered_thrust
+    baseline, baseline_s, filtered = state.baseline, state.baseline_s, state.filtered
     thrust, mean = advance(monitor.lag, state.thrust, command)
-    delayed = state.delayed_thrust
-    if monitor.delay_samples:
-        thrusts = np.concatenate((delayed, mean.reshape(1, k)))
-        mean, delayed = thrusts[0], thrusts[1:]
-    if is_valid and state.is_valid:
+    thrusts = np.concatenate((state.delayed_thrust, mean.reshape(1, k)))
+    mean, delayed = thrusts[0], thrusts[1:]
+    if sample.is_valid and state.last.is_valid:
         signatures, residual = residual_wrench(monitor, state.last, sample, mean)
         residual -= baseline
-        filtered = filtered + monitor.filter_gains * (residual - filtered)
-        filtered_thrust = filtered_thrust + monitor.filter_gains * (mean - filtered_thrust)
+        filtered = filtered + monitor.filter_gains * (np.concatenate((residual, mean)) - filtered)
 
-        large = isolate(
-            monitor, signatures * filtered_thrust[FAST].reshape(k, 1), filtered[FAST], loss
-        )
-        change = abs(large.loss - loss[large.rotor]) if large.fit > FAST_FIT else 0.0
+        rotor, lost, fit = isolate(monitor, signatures, filtered[FAST], loss)
+        change = abs(lost - loss[rotor]) if fit > FAST_FIT else 0.0
         is_detected = change > FAST_LOSS
-        count = detections[large.rotor] + 1.0 if is_detected else 0.0
+        count = detections[rotor] + 1.0 if is_detected else 0.0
         detections = np.zeros(k)
-        detections[large.rotor] = count
-        is_faulty = loss[large.rotor] > FAST_LOSS
-        if count >= FAST_SAMPLES or (is_faulty and change > FAST_CHANGE):
+        detections[rotor] = count
+        if count >= FAST_SAMPLES or (loss[rotor] > FAST_LOSS and change > FAST_CHANGE):
             is_detected = True
-            loss[large.rotor] = large.loss
-            # The slow filter still contains the time before.
-            filtered[SLOW], filtered_thrust[SLOW] = filtered[FAST], filtered_thrust[FAST]
+            loss[rotor] = lost
+            filtered[SLOW] = filtered[FAST]  # The slow filter still contains the time before.
         if not is_detected:
-            small = isolate(
-                monitor, signatures * filtered_thrust[SLOW].reshape(k, 1), filtered[SLOW], loss
-            )
-            least = SLOW_CHANGE if loss[small.rotor] > 0 else SLOW_LOSS
-            is_detected = small.fit > SLOW_FIT and abs(small.loss - loss[small.rotor]) > least
+            rotor, lost, fit = isolate(monitor, signatures, filtered[SLOW], loss)
+            least = SLOW_CHANGE if loss[rotor] > 0 else SLOW_LOSS
+            is_detected = fit > SLOW_FIT and abs(lost - loss[rotor]) > least
             if is_detected:
-                loss[small.rotor] = small.loss if small.loss > SLOW_LOSS / 2 else 0.0
+                loss[rotor] = lost if lost > SLOW_LOSS / 2 else 0.0
         if not is_detected:
             baseline = baseline + dt / baseline_s * (residual - (mean * loss) @ signatures)
             baseline_s = min(baseline_s + dt, BASELINE_S)
-    filters = (baseline, filtered, filtered_thrust)
-    estimates = (thrust, delayed, loss, detections)
-    return RotorMonitorState(*filters, *estimates, sample, is_valid, baseline_s)
+    return RotorMonitorState(
+        baseline, filtered, thrust, delayed, loss, detections, sample, baseline_s
+    )
 
 
 @compiled
@@ -249,16 +222,17 @@ def residual_wrench(
 
 @compiled
 def isolate(
-    monitor: RotorMonitor, signatures: np.ndarray, residual: np.ndarray, loss: np.ndarray
-) -> Isolation:
-    """Returns the rotor whose loss explains a residual best, that loss and its fit.
+    monitor: RotorMonitor, signatures: np.ndarray, filtered: np.ndarray, loss: np.ndarray
+) -> tuple[int, float, float]:
+    """Returns the rotor whose loss explains a residual best, that loss, and its goodness of fit.
 
     Args:
         monitor: Its constants.
-        signatures: (k, 6) N, fault signatures at the estimated thrusts.
-        residual: (6,) N, beyond the baseline.
+        signatures: (k, 6) fault signatures per N of thrust lost.
+        filtered: (6 + k,) N, residual beyond the baseline, and estimated thrusts.
         loss: (k,) reported losses; those of the other rotors are subtracted first.
     """
+    residual, signatures = filtered[:6], signatures * filtered[6:].reshape(len(loss), 1)
     rotor, best_loss, least = 0, 0.0, 1.0
     load = LEAST_LOAD * monitor.mass * GRAVITY / len(loss)
     unreported = residual - loss @ signatures
@@ -275,4 +249,4 @@ def isolate(
         scale = max(own @ own, loss[i] ** 2 * (g @ g))
         if left @ left < least * scale:
             rotor, best_loss, least = i, fraction, (left @ left) / scale
-    return Isolation(rotor, best_loss, 1.0 - least)
+    return rotor, best_loss, 1.0 - least

@@ -62,11 +62,11 @@ def test_gains_are_the_limit_of_the_riccati_recursion(config, axis):
         corrected = correct(gains, predicted, sample.to_vector())
         expected = np.outer(L[:, k], e)
         np.testing.assert_allclose(
-            [state_of(corrected).p_B, state_of(corrected).v_B, corrected.disturbance],
+            [state_of(corrected).p_B, state_of(corrected).v_B, corrected.disturbance[:3]],
             expected,
             rtol=1e-6,
         )
-        np.testing.assert_array_equal(corrected.angular_disturbance, 0)
+        np.testing.assert_array_equal(corrected.disturbance[3:], 0)
 
     M, _, _ = riccati(config.attitude_noise_rad, config.rate_noise_rad_s, config.disturbance_rad_s3)
     turned = quaternion(Rotation.from_rotvec(e))
@@ -75,12 +75,12 @@ def test_gains_are_the_limit_of_the_riccati_recursion(config, axis):
         theta = turn_of(state_of(corrected)).as_rotvec()
         expected = np.outer(M[:, k], e)
         np.testing.assert_allclose(
-            [theta, state_of(corrected).omega_W, corrected.angular_disturbance],
+            [theta, state_of(corrected).omega_W, corrected.disturbance[3:]],
             expected,
             rtol=1e-6,
             atol=1e-15,
         )
-        np.testing.assert_array_equal(corrected.disturbance, 0)
+        np.testing.assert_array_equal(corrected.disturbance[:3], 0)
 
 
 def test_errors_have_the_covariance_that_the_recursion_predicts():
@@ -99,7 +99,7 @@ def test_errors_have_the_covariance_that_the_recursion_predicts():
         z = x[:2] + np.array(noise)[:, None] * random.normal(size=(2, 3))
         predicted = predict_base(now, np.append(known, np.zeros(3)), DT)
         now = correct(gains, predicted, rest(p_B=z[0], v_B=z[1]).to_vector())
-        errors.append(x - [state_of(now).p_B, state_of(now).v_B, now.disturbance])
+        errors.append(x - [state_of(now).p_B, state_of(now).v_B, now.disturbance[:3]])
     white = np.linalg.solve(np.linalg.cholesky(P), np.hstack(errors[100:]))
     # About 10 samples are correlated: four standard errors of some 1100 independent ones.
     np.testing.assert_allclose(white @ white.T / white.shape[1], np.eye(3), atol=0.17)
@@ -121,7 +121,7 @@ def test_known_accelerations_are_integrated_exactly(start, d, accelerations):
     np.testing.assert_allclose(state_of(now).v_B, start[1] + v(times[-1]), atol=1e-12)
     p = start[0] + start[1] * times[-1] + v.antiderivative()(times[-1])
     np.testing.assert_allclose(state_of(now).p_B, p, atol=1e-12)
-    np.testing.assert_array_equal(now.disturbance, d)
+    np.testing.assert_array_equal(now.disturbance[:3], d)
 
 
 @given(attitude=rotation, axis=rotation, motion=arrays(float, 3, elements=st.floats(-30, 30)))
@@ -141,7 +141,7 @@ def test_rotation_about_a_constant_axis_is_composed_exactly(attitude, axis, moti
     omega = expected.apply((rate + (alpha + delta) * t) * e)
     np.testing.assert_allclose(state_of(now).omega_W, omega, atol=1e-11)
     np.testing.assert_allclose(np.linalg.norm(state_of(now).quaternion), 1, atol=1e-12)
-    np.testing.assert_allclose(now.angular_disturbance, delta * e)
+    np.testing.assert_allclose(now.disturbance[3:], delta * e)
 
 
 @given(attitude=rotation, omega=vector, alpha=vector)
@@ -182,7 +182,7 @@ def test_attitude_errors_are_rotations_in_the_base_frame(attitude, turn, omega, 
         turn_of(state_of(corrected)).as_matrix(), expected.as_matrix(), atol=1e-7
     )
     np.testing.assert_allclose(state_of(corrected).omega_W, omega + R.apply(rate), atol=1e-6)
-    np.testing.assert_allclose(corrected.angular_disturbance, delta, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(corrected.disturbance[3:], delta, rtol=1e-6, atol=1e-6)
 
 
 @given(attitude=rotation, omega=vector, p=vector, v=vector, d=vector, delta=vector)
@@ -208,8 +208,8 @@ def test_a_step_of_the_disturbances_is_estimated_without_bias(config):
             omega_W=delta * t,
         )
         now = correct(gains, predict_base(now, np.zeros(6), DT), sample.to_vector())
-    np.testing.assert_allclose(now.disturbance, d, rtol=1e-6)
-    np.testing.assert_allclose(now.angular_disturbance, delta, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(now.disturbance[:3], d, rtol=1e-6)
+    np.testing.assert_allclose(now.disturbance[3:], delta, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(state_of(now).p_B, sample.p_B, rtol=1e-8)
     np.testing.assert_allclose(state_of(now).v_B, sample.v_B, rtol=1e-7)
     np.testing.assert_allclose(turn_of(state_of(now)).as_matrix(), sample.R_B, atol=1e-8)

@@ -52,7 +52,6 @@ class Stream:
     def __init__(self, bounds: SampleCheck = BOUNDS):
         self.bounds = bounds
         self.stamp = 0.0
-        self.health = SampleHealth(np.zeros(3), np.zeros(3))
         self.state = CheckState.accepting(moved(0, np.ones(3)), self.stamp)
 
     def check(
@@ -61,9 +60,13 @@ class Stream:
         """Returns the verdicts on the next sample."""
         self.stamp += DT
         stamps = np.full(3, self.stamp) if stamps is None else stamps
-        estimate = Estimate(np.zeros(3), np.zeros(3), predicted)
-        self.health, self.state = check(self.bounds, self.state, estimate, Sample(sample, stamps))
+        estimate = Estimate(np.zeros(6), predicted)
+        self.state = check(self.bounds, self.state, estimate, Sample(sample, stamps))
         return [Verdict(int(v)) for v in self.health.verdicts]
+
+    @property
+    def health(self) -> SampleHealth:
+        return split_health(self.state.health)
 
 
 def alone(g: int, verdict: Verdict) -> list[Verdict]:
@@ -191,7 +194,7 @@ def test_after_an_outage_a_sample_within_the_drift_is_accepted_at_once(g, along,
         truth = moved(g, along, ratio * (SLACK[g] + DRIFT[g] * t**2 / 2) * (1 - 1e-9))
     if np.max(np.abs(truth)) < 3:  # Larger angles are ambiguous.
         assert stream.check(truth, still) == [Verdict.OK] * 3
-        np.testing.assert_array_equal(stream.health.to_vector(), 0)
+        np.testing.assert_array_equal(stream.state.health, 0)
 
 
 def test_strong_disturbances_may_change_more():
@@ -202,13 +205,14 @@ def test_strong_disturbances_may_change_more():
         state = CheckState.accepting(moved(0, np.ones(3)), 0.0)
         for k in range(1, 60):
             sample = far if k == 59 else np.full(len(far), np.nan)
-            estimate = Estimate(np.array([d, 0, 0]), np.zeros(3), moved(0, np.ones(3)))
-            health, state = check(BOUNDS, state, estimate, Sample(sample, np.full(3, k * DT)))
-        verdicts.append(health.verdicts[0])
+            estimate = Estimate(np.array([d, 0, 0, 0, 0, 0]), moved(0, np.ones(3)))
+            state = check(BOUNDS, state, estimate, Sample(sample, np.full(3, k * DT)))
+        verdicts.append(split_health(state.health).verdicts[0])
     assert verdicts == [Verdict.JUMP, Verdict.OK]
 
 
-def test_health_is_split_as_it_is_joined():
-    health = SampleHealth(np.array([0.1, 0.2, 0.3]), np.array([0.0, 3.0, 4.0]))
-    for part, expected in zip(split_health(health.to_vector()), health, strict=True):
-        np.testing.assert_array_equal(part, expected)
+def test_health_is_split_into_ages_and_verdicts():
+    health = np.array([0.1, 0.2, 0.3, 0.0, 3.0, 4.0])
+    ages, verdicts = split_health(health)
+    np.testing.assert_array_equal(ages, health[:3])
+    np.testing.assert_array_equal(verdicts, health[3:])

@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from aerodrake.model.sensing.estimate import ARM_DECAY_S, predict_arm, predict_base
 from aerodrake.model.sensing.sample import GROUPS, Sample, group_columns
-from aerodrake.model.sensing.sample_check import SampleCheck, Verdict
+from aerodrake.model.sensing.sample_check import SampleCheck, Verdict, split_health
 from aerodrake.model.sensing.state_filter import (
     JOINT_WALK_RAD,
     FilterState,
@@ -70,7 +70,7 @@ def test_a_delayed_sample_corrects_the_estimate_of_its_own_time(steps):
     state = FilterState.at_rest(gains, start, accelerations[0])
     first = state.estimate
     for k in range(rows):
-        state, now, health = update(
+        state, now = update(
             gains,
             bounds,
             state,
@@ -78,7 +78,7 @@ def test_a_delayed_sample_corrects_the_estimate_of_its_own_time(steps):
             accelerations[steps + k],
             np.zeros(3 * JOINTS),
         )
-        np.testing.assert_array_equal(health.to_vector(), 0)
+        np.testing.assert_array_equal(state.check.health, 0)
         expected = first
         for a, sample in zip(accelerations[: k + 1], samples[: k + 1], strict=False):
             expected = correct(gains, predict_base(expected, a, DT), sample)
@@ -97,19 +97,20 @@ def test_a_rejected_group_is_predicted_and_the_others_corrected(group, wrong):
     last = FilterState.at_rest(gains, start, np.zeros(6))
     setpoint = np.linspace(0.9, 1.1, 3 * JOINTS)
     sample = Sample(start + 1e-3, np.zeros(3))
-    _, corrected, health = update(gains, bounds, last, sample, a, setpoint)
-    np.testing.assert_array_equal(health.to_vector(), 0)
+    state, corrected = update(gains, bounds, last, sample, a, setpoint)
+    np.testing.assert_array_equal(state.check.health, 0)
     columns = group_columns(group, JOINTS)
     broken = sample.state.copy()
     broken[columns[-1]] = wrong
-    _, now, health = update(gains, bounds, last, sample._replace(state=broken), a, setpoint)
+    state, now = update(gains, bounds, last, sample._replace(state=broken), a, setpoint)
     expected = predict_arm(predict_base(last.estimate, a, DT), setpoint, DT).state
     rejected = np.isin(np.arange(len(start)), columns)
     np.testing.assert_array_equal(now.state[rejected], expected[rejected])
     np.testing.assert_array_equal(now.state[~rejected], corrected.state[~rejected])
-    assert list(health.ages) == [DT * (g == group) for g in GROUPS]
-    assert list(health.verdicts) == [Verdict.NOT_FINITE * (g == group) for g in GROUPS]
-    output = replace_rejected(broken, now.state, health)
+    ages, verdicts = split_health(state.check.health)
+    assert list(ages) == [DT * (g == group) for g in GROUPS]
+    assert list(verdicts) == [Verdict.NOT_FINITE * (g == group) for g in GROUPS]
+    output = replace_rejected(broken, now.state, state.check.health)
     np.testing.assert_array_equal(output[rejected], expected[rejected])
     np.testing.assert_array_equal(output[~rejected], broken[~rejected])
 

@@ -75,9 +75,9 @@ class Estimator:
         self.state = RotorMonitorState.initial(monitor)
         self.update(monitor.trim, first)
 
-    def update(self, command, sample: MomentumSample, is_valid: bool = True) -> np.ndarray:
+    def update(self, command, sample: MomentumSample) -> np.ndarray:
         """Returns the estimated effectiveness (k,) of the rotors after one more sample."""
-        self.state = update_monitor(self.monitor, self.state, command, sample, is_valid)
+        self.state = update_monitor(self.monitor, self.state, command, sample)
         return 1.0 - self.state.loss
 
 
@@ -203,10 +203,9 @@ def test_rejected_samples_are_not_used(monitor):
     for k in range(300):
         sample, is_valid = body.step(monitor.trim), not 100 <= k < 200
         if not is_valid:
-            sample = MomentumSample(
-                *(rng.choice([np.nan, 1e9, -1e9], size=len(part)) for part in sample)
-            )
-        estimate = estimator.update(monitor.trim, sample, is_valid)
+            parts = (rng.choice([np.nan, 1e9, -1e9], size=len(part)) for part in sample[:3])
+            sample = MomentumSample(*parts, is_valid=False)
+        estimate = estimator.update(monitor.trim, sample)
         np.testing.assert_array_equal(estimate, 1)
     body.step(monitor.trim, effectiveness_with(3, 0.0))
     for _ in range(10):
