@@ -14,7 +14,7 @@ from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.reference.curves import make_reference
-from aerodrake.model.vehicle.reach import farthest_reach
+from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.scenario import Scenario
 
 SETTLED_AFTER_S = 15.0
@@ -131,10 +131,11 @@ def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
     vehicle, flown = log.vehicle, log.time_s >= 0
     d_o = log.d_o_m[flown]
     q = log["q_rad"][flown]
+    reach = Kinematics(vehicle.plant).farthest_reach(vehicle.p_O, vehicle.lower, vehicle.upper)
     clearance = np.minimum(q - vehicle.lower, vehicle.upper - q)
     outside = np.count_nonzero(d_o[:-1] > scenario.allocation.d_h_m)
     return {
-        "farthest_reach_m": rounded(farthest_reach(vehicle)),
+        "farthest_reach_m": rounded(reach),
         "d_edge_m": scenario.allocation.d_edge_m,
         "farthest_d_o_m": rounded(d_o.max()) if len(d_o) else None,
         "outside_s": rounded(outside * scenario.rates.flight_period_s),

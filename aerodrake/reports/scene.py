@@ -11,8 +11,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.perception import PointCloud
 from pydrake.systems.framework import DiagramBuilder
 
-from aerodrake.model.vehicle.payload import add_payload
-from aerodrake.model.vehicle.robot import BASE_FRAME, add_ground, add_robot
+from aerodrake.model.vehicle.robot import BASE_FRAME, add_ground, add_payload, add_robot
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.equivalent.initial_state import Thrust
+from aerodrake.model.equivalent.initial_state import Signals, Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.systems.named_state import NamedState
@@ -68,17 +68,11 @@ class EquivalentState(LeafSystem):
             self._external_acceleration.Eval(context),
             self._disturbance.Eval(context),
         )
+        setpoints = self._base_setpoint.Eval(context), self._joint_setpoint.Eval(context)
+        signals = Signals(state.p_B, state.v_B, *setpoints, thrust)
         last = self._last.read(context)
-        output.SetFromVector(
-            self._model.initial_state(
-                state.p_B,
-                state.v_B,
-                self._base_setpoint.Eval(context),
-                self._joint_setpoint.Eval(context),
-                thrust,
-                last.x_0 if last.is_valid else None,
-            )
-        )
+        x_0 = self._model.initial_state(signals, last.x_0 if last.is_valid else None)
+        output.SetFromVector(x_0)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         x_0 = self._x_0.Eval(context)

@@ -6,8 +6,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
-from aerodrake.model.vehicle.payload import add_payload
-from aerodrake.model.vehicle.robot import BASE_FRAME, add_ground, add_robot
+from aerodrake.model.vehicle.robot import BASE_FRAME, add_ground, add_payload, add_robot
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.errors import file_at

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from aerodrake.model.equivalent.initial_state import Thrust
+from aerodrake.model.equivalent.initial_state import Signals, Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.reports.residual_panels import residuals
@@ -20,7 +20,7 @@ def test_true_delta_is_what_the_model_lacked(short_flight):
     x, starts = None, {}
     for i in range(0, len(log.time_s) - 1, 2):  # At the ticks, from the flight's first.
         state = np.hstack([log[part][i] for part in STATE])
-        x = model.initial_state(
+        signals = Signals(
             log["p_B_m"][i],
             log["v_B_m_s"][i],
             np.concatenate([log["p_Bd_m"][i], log["v_Bd_m_s"][i], log["a_Bd_m_s2"][i]]),
@@ -31,9 +31,8 @@ def test_true_delta_is_what_the_model_lacked(short_flight):
                 log["external_acceleration_m_s2"][i + 1],
                 log["disturbance_m_s2"][i],
             ),
-            x,
         )
-        starts[i] = x
+        starts[i] = x = model.initial_state(signals, x)
     for time, delta in zip(times, true, strict=True):
         i = int(np.argmin(np.abs(log.time_s - time)))
         u = np.concatenate([log["a_Bd_m_s2"][i + 1], log["qddot_d_rad_s2"][i + 1]])

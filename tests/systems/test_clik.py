@@ -7,6 +7,7 @@ import pytest
 from pydrake.common.value import Value
 
 from aerodrake.flight.simulate import FlightSimulation
+from aerodrake.model.equivalent.initial_state import Signals
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.clik import InverseKinematics
 from aerodrake.model.mpc.formulation import MpcFormulation
@@ -42,7 +43,7 @@ def values(vehicle, parts):
     arm = np.concatenate([vehicle.working, np.zeros(2 * n)])
     return {
         "state": state,
-        "x_0": parts[0].initial_state(state[4:7], np.zeros(3), base, arm),
+        "x_0": parts[0].initial_state(Signals(state[4:7], np.zeros(3), base, arm)),
         "end_effector": Value(end_effector),
         "base_setpoint": base,
         "joint_setpoint": arm,

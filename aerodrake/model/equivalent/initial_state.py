@@ -55,8 +55,8 @@ class Signals(NamedTuple):
 
     Attributes:
         p_B, v_B: (3,) m and m/s, measured.
-        base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2.
-        joint_setpoint: (3 n,) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2.
+        base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2; a_d is that since the last tick.
+        joint_setpoint: (3 n,) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2; q_d'' likewise.
         thrust: Accelerations of the base.
     """
 
@@ -64,7 +64,7 @@ class Signals(NamedTuple):
     v_B: np.ndarray
     base_setpoint: np.ndarray
     joint_setpoint: np.ndarray
-    thrust: Thrust
+    thrust: Thrust = NO_THRUST
 
 
 class StateLayout(NamedTuple):

@@ -17,15 +17,13 @@ from typing import Self
 import numpy as np
 from scipy.linalg import block_diag
 
-from aerodrake.model.equivalent.axis_models import AXIS_MODELS, AxisModel
-from aerodrake.model.equivalent.flight_axis import HIDDEN_STATES, flight_axis
-from aerodrake.model.equivalent.initial_state import (
-    NO_THRUST,
-    Signals,
-    StateLayout,
-    Thrust,
-    initial_state,
+from aerodrake.model.equivalent.axis_models import (
+    AXIS_MODELS,
+    HIDDEN_STATES,
+    AxisModel,
+    flight_axis,
 )
+from aerodrake.model.equivalent.initial_state import Signals, StateLayout, Thrust, initial_state
 from aerodrake.scenario import Scenario
 
 
@@ -114,25 +112,14 @@ class EquivalentModel:
         m = len(self.axis_states)
         return m * np.arange(3) + self.axis_states.index(name)
 
-    @cached_property
-    def base_position(self) -> np.ndarray:
-        """(3,) indices of p_B in x."""
-        return self.base_state("p")
-
-    @cached_property
-    def base_velocity(self) -> np.ndarray:
-        """(3,) indices of p_B' in x."""
-        return self.base_state("v")
-
-    @cached_property
-    def setpoint_position(self) -> np.ndarray:
-        """(3,) indices of p_B,d in x."""
-        return self.base_state("p_d")
-
-    @cached_property
-    def setpoint_velocity(self) -> np.ndarray:
-        """(3,) indices of p_B,d' in x."""
-        return self.base_state("v_d")
+    base_position = cached_property(lambda self: self.base_state("p"))
+    """(3,) indices of p_B in x."""
+    base_velocity = cached_property(lambda self: self.base_state("v"))
+    """(3,) indices of p_B' in x."""
+    setpoint_position = cached_property(lambda self: self.base_state("p_d"))
+    """(3,) indices of p_B,d in x."""
+    setpoint_velocity = cached_property(lambda self: self.base_state("v_d"))
+    """(3,) indices of p_B,d' in x."""
 
     @cached_property
     def joint_position(self) -> np.ndarray:
@@ -150,44 +137,16 @@ class EquivalentModel:
         names = [name for name in HIDDEN_STATES if name in self.axis_states]
         return np.array([i for name in names for i in self.base_state(name)], dtype=int)
 
-    def initial_state(
-        self,
-        p_B: np.ndarray,
-        v_B: np.ndarray,
-        base_setpoint: np.ndarray,
-        joint_setpoint: np.ndarray,
-        thrust: Thrust | None = None,
-        last: np.ndarray | None = None,
-    ) -> np.ndarray:
+    def initial_state(self, signals: Signals, last: np.ndarray | None = None) -> np.ndarray:
         """Returns x_0 (nx,) from measurement and command.
 
         The arm's state is its setpoint (paper, section II-B), and so is the base's in the
-        integral model. Hidden states are predicted from the last x_0 and the acceleration
-        that was commanded since.
-
-        Args:
-            p_B: (3,) m, measured.
-            v_B: (3,) m/s, measured.
-            base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2; (6,) suffices
-                without `last`.
-            joint_setpoint: (3 n,) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2; (2 n,)
-                suffices without `last`.
-            thrust: Accelerations of the base; None for zeros.
-            last: (nx,) x_0 of the last tick; None for hidden states of zero.
+        integral model. Hidden states are predicted from `last` (nx,), x_0 of the last tick, and
+        the acceleration that was commanded since; without it they are zero.
         """
-        thrust = NO_THRUST if thrust is None else thrust
-        signals = Signals(p_B, v_B, base_setpoint, joint_setpoint, thrust)
         has_last = last is not None and len(self.hidden) > 0
-        return initial_state(self._layout, signals, last if has_last else self._zeros, has_last)
-
-    @cached_property
-    def _zeros(self) -> np.ndarray:
-        return np.zeros(len(self.A))
-
-    @cached_property
-    def _velocity_rows(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of A and B for the base's velocity."""
-        return self.A[self.base_velocity], self.B[self.base_velocity]
+        last = last if has_last else np.zeros(len(self.A))
+        return initial_state(self._layout, signals, last, has_last)
 
     def next_velocity(self, x: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Returns the base's velocity (3,) m/s one period later, with a Delta of zero.
@@ -196,8 +155,7 @@ class EquivalentModel:
             x: (nx,) the state.
             u: (3 + n,) m/s^2 and rad/s^2.
         """
-        A, B = self._velocity_rows
-        return A @ x + B @ u
+        return self.A[self.base_velocity] @ x + self.B[self.base_velocity] @ u
 
     def predict(self, x: np.ndarray, u: np.ndarray, delta: np.ndarray) -> np.ndarray:
         """Returns the state (nx,) one period later.

@@ -17,8 +17,7 @@ from aerodrake.model.mpc.stage_cost import (
     predict_task,
 )
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.setpoint.braking import braking
-from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.setpoint.integration import SetpointLimits, braking
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
 

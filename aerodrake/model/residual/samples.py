@@ -4,7 +4,7 @@ from typing import Protocol
 
 import numpy as np
 
-from aerodrake.model.equivalent.initial_state import Thrust
+from aerodrake.model.equivalent.initial_state import Signals, Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.features import feature_names, features
 from aerodrake.model.vehicle.state import split_state
@@ -57,7 +57,7 @@ def residual_samples(model: EquivalentModel, flight: Recording) -> Samples:
     x = None  # Without an x before, the first tick uses no u_{k-1}.
     for k in range(samples + 1):
         now, after = (split_state(row) for row in flight.state[k : k + 2])
-        x = model.initial_state(
+        signals = Signals(
             now.p_B,
             now.v_B,
             np.concatenate([base[k, :6], u[k - 1, :3]]),
@@ -68,8 +68,8 @@ def residual_samples(model: EquivalentModel, flight: Recording) -> Samples:
                 flight.external_acceleration[k],
                 flight.disturbance[k],
             ),
-            x,
         )
+        x = model.initial_state(signals, x)
         if k > 0:
             inputs[k - 1] = features(flight.state[k], u[k - 1])
             targets[k - 1] = after.v_B - model.next_velocity(x, u[k])

@@ -34,9 +34,7 @@ def arm_joints(
         or not _is_chain(plant, base, arm, tool)
     ):
         raise BadInput(
-            robot,
-            "",
-            "expected a free base and, from it to the tool, revolute joints in series",
+            robot, "", "expected a free base and, from it to the tool, revolute joints in series"
         )
     driven = [plant.get_joint_actuator(i).joint().name() for i in plant.GetJointActuatorIndices()]
     if driven != [j.name() for j in arm]:

@@ -1,4 +1,4 @@
-"""Forward kinematics and Jacobians of the end-effector and of the tool's axis."""
+"""Kinematics of the end-effector and of the tool's axis: positions, Jacobians and reach."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,11 +7,15 @@ import numpy as np
 from pydrake.math import VectorToSkewSymmetric
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
+from scipy.optimize import minimize
 
 from aerodrake.model.vehicle.robot import BASE_FRAME, TOOL_AXIS, TOOL_FRAME
 from aerodrake.model.vehicle.rotation import cross
 from aerodrake.model.vehicle.state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
 from aerodrake.support.compiled import compiled
+
+REACH_STARTS = 32
+"""Number of random start configurations of the search for the farthest reach."""
 
 
 @dataclass(frozen=True)
@@ -125,6 +129,30 @@ class Kinematics:
         t_B, J_B = self.arm_axis(state.q)
         t, J_c, J_u = task_vector(state.R_B, t_B, J_B, moves=False)
         return ToolAxis(r=t, J_c=J_c, J_u=J_u)
+
+    def farthest_reach(self, p_O: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:
+        """Returns the largest distance in m of the end-effector from p_O within joint limits.
+
+        This is the URDF's value of the paper's d_edge, found by local searches from random
+        configurations, which are the same at every call.
+
+        Args:
+            p_O: (3,) m, a point in the base frame.
+            lower, upper: (n,) rad, joint limits.
+        """
+
+        def negative_square(q: np.ndarray) -> tuple[float, np.ndarray]:
+            p_EB, J_B = self.arm(q)
+            offset = p_EB - p_O
+            return -offset @ offset / 2, -J_B.T @ offset
+
+        spread = np.random.default_rng(0).random((REACH_STARTS, len(lower)))
+        bounds = list(zip(lower, upper, strict=True))
+        minima = [
+            minimize(negative_square, q, jac=True, bounds=bounds, method="L-BFGS-B").fun
+            for q in lower + spread * (upper - lower)
+        ]
+        return float(np.sqrt(-2 * min(minima)))
 
 
 @compiled

@@ -28,11 +28,7 @@ def roll_pitch_yaw(R: np.ndarray) -> np.ndarray:
     """Returns roll, pitch and yaw (3,) rad of R = R_z R_y R_x (3, 3), pitch within +- 90 deg."""
     level = np.sqrt(R[2, 1] * R[2, 1] + R[2, 2] * R[2, 2])
     return np.array(
-        [
-            np.arctan2(R[2, 1], R[2, 2]),
-            np.arctan2(-R[2, 0], level),
-            np.arctan2(R[1, 0], R[0, 0]),
-        ]
+        [np.arctan2(R[2, 1], R[2, 2]), np.arctan2(-R[2, 0], level), np.arctan2(R[1, 0], R[0, 0])]
     )
 
 

@@ -1,5 +1,7 @@
 """Tucked configuration of the arm for a landing, away from the ground."""
 
+from collections.abc import Callable
+
 import numpy as np
 from pydrake.geometry import SceneGraph, SceneGraphInspector
 from pydrake.multibody.plant import MultibodyPlant
@@ -92,82 +94,62 @@ def tuck(geometry: GroundGeometry, working: np.ndarray) -> np.ndarray:
     """
     if not len(geometry.heights(working)):
         return working.copy()
-    search = _Search(geometry, working)
-    tucked = search.nearest(working)
-    if search.is_clear(tucked):
+    n, least = len(working), geometry.feet + CLEARANCE_M
+    lower = np.minimum(geometry.lower + MARGIN_RAD, working)
+    upper = np.maximum(geometry.upper - MARGIN_RAD, working)
+    bounds, up = list(zip(lower, upper, strict=True)), np.eye(n + 1)[n]
+
+    def clearance(q: np.ndarray) -> float:
+        return float(geometry.heights(q).min()) - least
+
+    def distance(q: np.ndarray) -> float:
+        return float(np.sum((q - working) ** 2))
+
+    def nearest(start: np.ndarray) -> np.ndarray:
+        """Minimises the distance from the working configuration with all corners high enough."""
+        q = _minimum(
+            lambda q: (distance(q), 2 * (q - working)),
+            start,
+            bounds,
+            lambda q: geometry.heights(q) - least,
+            geometry.jacobian,
+        )
+        return np.clip(q, lower, upper)
+
+    def highest(start: np.ndarray) -> np.ndarray:
+        """Maximises the height h that all corners reach, with x = [q, h]."""
+        heights = geometry.heights(start)
+        x = _minimum(
+            lambda x: (-x[n], -up),
+            np.append(start, heights.min()),
+            [*bounds, (None, None)],
+            lambda x: geometry.heights(x[:n]) - x[n],
+            lambda x: np.column_stack([geometry.jacobian(x[:n]), -np.ones(len(heights))]),
+        )
+        return np.clip(x[:n], lower, upper)
+
+    tucked = nearest(working)
+    if clearance(tucked) >= -TOLERANCE_M:
         return tucked
     from scipy.stats.qmc import Halton  # Importing it takes a third of a second.
 
-    spread = Halton(len(working), scramble=False).random(STARTS)
-    starts = search.lower + (search.upper - search.lower) * spread
-    raised = [search.highest(start) for start in (working, *starts)]
-    clear = [q for start in raised if search.is_clear(q := search.nearest(start))]
-    return min(clear, key=search.distance) if clear else max(raised, key=search.clearance)
+    starts = lower + (upper - lower) * Halton(n, scramble=False).random(STARTS)
+    raised = [highest(start) for start in (working, *starts)]
+    clear = [q for q in map(nearest, raised) if clearance(q) >= -TOLERANCE_M]
+    return min(clear, key=distance) if clear else max(raised, key=clearance)
 
 
-class _Search:
-    """Optimisation problems of `tuck`.
-
-    Attributes:
-        lower, upper: (n,) rad, bounds of the configuration.
-    """
-
-    def __init__(self, geometry: GroundGeometry, working: np.ndarray):
-        self._geometry, self._working = geometry, working
-        self._least = geometry.feet + CLEARANCE_M
-        self.lower = np.minimum(geometry.lower + MARGIN_RAD, working)
-        self.upper = np.maximum(geometry.upper - MARGIN_RAD, working)
-        self._bounds = list(zip(self.lower, self.upper, strict=True))
-
-    def clearance(self, q: np.ndarray) -> float:
-        """Returns the height of the lowest corner above the required one, in m."""
-        return float(self._geometry.heights(q).min()) - self._least
-
-    def is_clear(self, q: np.ndarray) -> bool:
-        """Returns True if the arm is high enough."""
-        return self.clearance(q) >= -TOLERANCE_M
-
-    def distance(self, q: np.ndarray) -> float:
-        """Returns the squared distance from the working configuration, in rad^2."""
-        return float(np.sum((q - self._working) ** 2))
-
-    def nearest(self, start: np.ndarray) -> np.ndarray:
-        """Minimises the distance, subject to the clearance of all corners."""
-        geometry = self._geometry
-        above = {
-            "type": "ineq",
-            "fun": lambda q: geometry.heights(q) - self._least,
-            "jac": geometry.jacobian,
-        }
-        result = minimize(
-            lambda q: (self.distance(q), 2 * (q - self._working)),
-            start,
-            jac=True,
-            method="SLSQP",
-            bounds=self._bounds,
-            constraints=above,
-        )
-        return np.clip(result.x, self.lower, self.upper)
-
-    def highest(self, start: np.ndarray) -> np.ndarray:
-        """Maximises the height h that all corners reach, with x = [q, h]."""
-        n, geometry = len(start), self._geometry
-        heights = geometry.heights(start)
-        up = np.eye(n + 1)[n]
-        above = {
-            "type": "ineq",
-            "fun": lambda x: geometry.heights(x[:n]) - x[n],
-            "jac": lambda x: np.column_stack([geometry.jacobian(x[:n]), -np.ones(len(heights))]),
-        }
-        result = minimize(
-            lambda x: (-x[n], -up),
-            np.append(start, heights.min()),
-            jac=True,
-            method="SLSQP",
-            bounds=[*self._bounds, (None, None)],
-            constraints=above,
-        )
-        return np.clip(result.x[:n], self.lower, self.upper)
+def _minimum(
+    cost: Callable[[np.ndarray], tuple[float, np.ndarray]],
+    start: np.ndarray,
+    bounds: list[tuple[float | None, float | None]],
+    margin: Callable[[np.ndarray], np.ndarray],
+    jacobian: Callable[[np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Minimises a cost, given with its gradient, subject to bounds and margin(x) >= 0."""
+    above = {"type": "ineq", "fun": margin, "jac": jacobian}
+    options = {"method": "SLSQP", "bounds": bounds, "constraints": above}
+    return minimize(cost, start, jac=True, **options).x
 
 
 def _corners(plant: MultibodyPlant, inspector: SceneGraphInspector, body: RigidBody) -> np.ndarray:

@@ -8,8 +8,8 @@ from scipy import signal
 from scipy.integrate import solve_ivp
 
 from aerodrake.flight.excitation import excite
-from aerodrake.model.equivalent.flight_axis import HIDDEN_STATES, flight_axis
-from aerodrake.model.equivalent.initial_state import Thrust
+from aerodrake.model.equivalent.axis_models import HIDDEN_STATES, flight_axis
+from aerodrake.model.equivalent.initial_state import Signals, Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.setpoint.motion import held_acceleration_motion
 from aerodrake.model.vehicle.state import split_state
@@ -178,14 +178,14 @@ class Flown:
         samples, x = [], None
         has_b = "b" in model.axis_states
         for k in range(1, len(self.u) - ticks):
-            x = model.initial_state(
+            signals = Signals(
                 self.states[k].p_B,
                 self.states[k].v_B,
                 np.concatenate([self.record.base_setpoint[k, :6], self.u[k - 1, :3]]),
                 np.concatenate([self.record.joint_setpoint[k, : 2 * self.n], self.u[k - 1, 3:]]),
                 self.thrust(k),
-                x,
             )
+            x = model.initial_state(signals, x)
             ahead = x
             for u in self.u[k : k + ticks]:
                 ahead = model.predict(ahead, u, np.zeros(3))

@@ -5,9 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from aerodrake.model.equivalent.axis_models import AXIS_MODELS
-from aerodrake.model.equivalent.flight_axis import flight_axis
-from aerodrake.model.equivalent.initial_state import Thrust
+from aerodrake.model.equivalent.axis_models import AXIS_MODELS, flight_axis
+from aerodrake.model.equivalent.initial_state import Signals, Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Flight, Model, Rates, Scenario
@@ -43,7 +42,8 @@ def test_solves_its_equation_under_constant_input(kind, dt):
     model = EquivalentModel.make(kind, K_B, dt, JOINTS)
     setpoint = np.concatenate([y[3:6], y[6:9], a_d])
     # The wrong measured velocity must not propagate.
-    x = model.initial_state(y[:3], np.full(3, 7.0), setpoint, np.concatenate([y[9:], qddot]))
+    signals = Signals(y[:3], np.full(3, 7.0), setpoint, np.concatenate([y[9:], qddot]))
+    x = model.initial_state(signals)
     after = model.predict(x, np.concatenate([a_d, qddot]), delta)
 
     np.testing.assert_allclose(after[model.base_position], p, atol=1e-9)
@@ -85,9 +85,8 @@ def test_initial_state(kind):
     model = EquivalentModel.make(kind, K_B, 0.02, 2)
     base_setpoint = np.array([1.0, 2, 3, 0.1, 0.2, 0.3, 9, 9, 9])
     joint_setpoint = np.array([4.0, 5, 0.4, 0.5, 9, 9])
-    x = model.initial_state(
-        np.array([11.0, 12, 13]), np.array([0.11, 0.12, 0.13]), base_setpoint, joint_setpoint
-    )
+    p_B, v_B = np.array([11.0, 12, 13]), np.array([0.11, 0.12, 0.13])
+    x = model.initial_state(Signals(p_B, v_B, base_setpoint, joint_setpoint))
     expected = [11, 0.11, 1, 0.1, 12, 0.12, 2, 0.2, 13, 0.13, 3, 0.3, 4, 0.4, 5, 0.5]
     if kind == "integral":
         expected[0:2], expected[4:6], expected[8:10] = (1, 0.1), (2, 0.2), (3, 0.3)
@@ -162,10 +161,11 @@ THRUST = Thrust(
     b=np.array([1.0, 2, 3]), r=np.array([4.0, 5, 0]), d=np.full(3, 0.4), h=np.arange(3.0)
 )
 BASE, ARM = np.arange(9.0), np.arange(3.0 * JOINTS)
+SIGNALS = Signals(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST)
 
 
 def test_first_state_of_the_flight_model_is_measured_except_hidden_states(flight):
-    x = flight.initial_state(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST)
+    x = flight.initial_state(SIGNALS)
     for i in range(3):
         measured = [1, 2, BASE[i], BASE[3 + i], THRUST.b[i], 0.4, i, THRUST.r[i], 0, 0]
         np.testing.assert_array_equal(x[10 * i : 10 * i + 10], measured)
@@ -175,8 +175,7 @@ def test_first_state_of_the_flight_model_is_measured_except_hidden_states(flight
 
 def test_hidden_states_are_predicted_from_the_last_tick(flight):
     last = np.random.default_rng(0).normal(size=len(flight.A))
-    x = flight.initial_state(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST, last)
-    fresh = flight.initial_state(np.ones(3), np.full(3, 2.0), BASE, ARM, THRUST)
+    x, fresh = flight.initial_state(SIGNALS, last), flight.initial_state(SIGNALS)
     u = np.concatenate([BASE[6:], ARM[2 * JOINTS :]])
     expected = flight.predict(last, u, np.zeros(3))
     np.testing.assert_allclose(x[flight.hidden], expected[flight.hidden], atol=1e-12)
@@ -186,7 +185,5 @@ def test_hidden_states_are_predicted_from_the_last_tick(flight):
 @pytest.mark.parametrize("kind", AXIS_MODELS)
 def test_models_by_k_b_depend_on_neither_thrust_nor_the_last_tick(kind):
     model = EquivalentModel.make(kind, K_B, 0.02, JOINTS)
-    p, v, last = np.ones(3), np.full(3, 2.0), np.full(len(model.A), 9.0)
-    np.testing.assert_array_equal(
-        model.initial_state(p, v, BASE, ARM, THRUST, last), model.initial_state(p, v, BASE, ARM)
-    )
+    alone, last = Signals(*SIGNALS[:4]), np.full(len(model.A), 9.0)
+    np.testing.assert_array_equal(model.initial_state(SIGNALS, last), model.initial_state(alone))

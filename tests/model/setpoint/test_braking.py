@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aerodrake.model.setpoint.braking import braking
+from aerodrake.model.setpoint.integration import braking
 
 STAGES_S = 0.02 * np.array([1, 1, 2, 3, 5, 8])
 MOST = np.array([2.5, 15.0])

@@ -9,7 +9,6 @@ from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
-from aerodrake.model.vehicle.mismatch import scaled_urdf
 from aerodrake.model.vehicle.robot import RobotDescription, add_robot
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mismatch
@@ -175,7 +174,7 @@ def test_an_undeclared_prefix_is_kept(vehicle, tmp_path):
     text = locate(vehicle.robot).read_text().replace(' xmlns:drake="https://drake.mit.edu"', "")
     (tmp_path / "own.urdf").write_text(text)
     robot = RobotDescription.read(str(tmp_path / "own.urdf"))
-    scaled = scaled_urdf(robot.robot, robot.document, OFF)
+    scaled = robot.urdf(OFF)
     assert "xmlns" not in scaled
     assert scaled.count("drake:acceleration") == text.count("drake:acceleration") > 0
 
@@ -185,14 +184,14 @@ def test_malformed_numbers_are_refused(tmp_path, mass):
     path = Path(tmp_path / "robot.urdf")
     path.write_text(f'<robot><inertial><mass value="{mass}"/></inertial></robot>')
     with pytest.raises(BadInput, match="robot.urdf: mismatch of links: could not convert"):
-        scaled_urdf(str(path), read_urdf(path), OFF)
+        RobotDescription(str(path), read_urdf(path)).urdf(OFF)
 
 
 def test_scaling_leaves_the_description_unchanged(vehicle):
     robot = vehicle.description
     before = robot.document.toxml()
-    assert scaled_urdf(robot.robot, robot.document, OFF) != before
-    assert scaled_urdf(robot.robot, robot.document, Mismatch()) == before
+    assert robot.urdf(OFF) != before
+    assert robot.urdf(Mismatch()) == before
 
 
 def test_the_vehicle_model_has_no_mismatch(scenario, vehicle):

@@ -8,8 +8,14 @@ from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
-from aerodrake.model.vehicle.payload import PAYLOAD_BODY, STEEL_KG_M3, add_payload
-from aerodrake.model.vehicle.robot import TOOL_FRAME, RobotDescription, add_robot
+from aerodrake.model.vehicle.robot import (
+    PAYLOAD_BODY,
+    STEEL_KG_M3,
+    TOOL_FRAME,
+    RobotDescription,
+    add_payload,
+    add_robot,
+)
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Payload
 from tests.trim import assert_same_vehicle

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from aerodrake.model.equivalent.initial_state import Signals
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.tick import MISSED, MpcInputs, TickStatus
@@ -43,7 +44,7 @@ def inputs(vehicle, formulation) -> MpcInputs:
     arm = np.concatenate([vehicle.working, np.zeros(2 * n)])
     target = np.concatenate([end_effector.p_E + [5.0, 0.0, 0.0], np.zeros(3)])
     return MpcInputs(
-        x_0=formulation.model.initial_state(state[4:7], np.zeros(3), base, arm),
+        x_0=formulation.model.initial_state(Signals(state[4:7], np.zeros(3), base, arm)),
         u_last=np.zeros(3 + n),
         end_effector=end_effector,
         rpy_rates=np.zeros(3),
