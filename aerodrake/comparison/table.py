@@ -13,9 +13,9 @@ WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
 
 
 def comparison_titles(key: str) -> list[tuple[str, str, str]]:
-    """Returns titles of three lines, the last a unit, for the headline error of that key.
+    """Returns a title of three lines, the last a unit, of each column but the exit reason.
 
-    The last column, the exit reason, has no title.
+    `key` is that of the headline error.
     """
     return [
         ("", "", "variant"),
@@ -41,7 +41,7 @@ def comparison_rows(summaries: Summaries) -> list[list[str]]:
 
 
 def comparison_table(summaries: Summaries, kind: str) -> str:
-    """Returns the table as text, with the paper's results for a reference of that kind below."""
+    """Returns the table as text; below are the paper's results for `kind` of reference, if any."""
     key = headline(summaries)
     lines = [_line(list(titles)) for titles in zip(*comparison_titles(key), strict=True)]
     lines += map(_line, comparison_rows(summaries))
@@ -75,7 +75,7 @@ def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None
 
 
 def paper_rows(kind: str, key: str) -> list[list[str]]:
-    """Returns the paper's results for a kind of reference, without exit reasons; empty for none."""
+    """Returns the paper's results for `kind` of reference, without exit reasons; empty for none."""
     paper = PAPER.get(kind)
     if not paper:
         return []

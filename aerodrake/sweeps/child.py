@@ -1,7 +1,5 @@
 """Function calls in child processes that are reused."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import pickle
@@ -29,7 +27,7 @@ STARTED = None
 """Message of a child that has imported the function and now calls it."""
 
 _own = threading.local()
-_children: set[_Child] = set()
+_children: set["_Child"] = set()
 
 
 class DiedBeforeCall(ProcessDied):

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from aerodrake.flight.summary import to_json
 from aerodrake.scenario.load import load_scenario, save_scenario
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import write_atomically
@@ -110,7 +111,7 @@ def _begin(target: Path, plan: Plan, locks: contextlib.ExitStack) -> None:
                 raise BadInput("--out", "", unfinished)
             with run_folder(target, FILES) as folder:
                 save_scenario(plan.scenario, folder)
-                (folder / PLAN).write_text(_plan_text(plan), encoding="utf-8")
+                (folder / PLAN).write_text(to_json(plan.as_mapping()), encoding="utf-8")
                 for name in (ROWS, TIMINGS):
                     (folder / name).touch()
                 # Before the folder gets its name, so that no other sweep can lock it first.
@@ -126,11 +127,7 @@ def _reopen(target: Path, plan: Plan) -> None:
     if json.loads((target / PLAN).read_text())["trials"] < plan.trials:
         for name in (SUMMARY, FIGURE):
             (target / name).unlink(missing_ok=True)
-        write_atomically(target / PLAN, _plan_text(plan).encode())
-
-
-def _plan_text(plan: Plan) -> str:
-    return json.dumps(plan.as_mapping(), indent=2) + "\n"
+        write_atomically(target / PLAN, to_json(plan.as_mapping()).encode())
 
 
 @contextmanager

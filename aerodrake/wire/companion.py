@@ -38,7 +38,7 @@ class Service:
         missed: Ticks without the sample of their instant.
         overruns: Ticks whose reply took longer than a period.
         flown_s: Station's time at the last sample.
-        fault: Reason of an end before that of the flight; empty if there was none.
+        fault: Reason to end before the flight; empty if there was none.
     """
 
     tick_ms: list[float]

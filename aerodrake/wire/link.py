@@ -128,9 +128,10 @@ class Link:
                 self.station = message.station
             differing = ", ".join(message.differing)
             if message.station != self.station:
-                reason = "messages of another station are ignored"
                 self.reject(
-                    "the coordinator serves another station" if self._is_station else reason
+                    "the coordinator serves another station"
+                    if self._is_station
+                    else "messages of another station are ignored"
                 )
             elif not differing:
                 messages.append(message)

@@ -96,29 +96,24 @@ def make_remote_coordinator(scenario: Scenario, vehicle: VehicleModel, link: Lin
         link: Station's end of the link.
     """
     rates = scenario.rates
-    step = rates.plant_step_s
+    period, step = rates.mpc_period_s, rates.plant_step_s
+    stages_s = stage_times(scenario.mpc, period)
     builder = DiagramBuilder()
     systems = {
-        "receiver": WireReceiver(
-            link,
-            rates.mpc_period_s,
-            stage_times(scenario.mpc, rates.mpc_period_s),
-            vehicle,
-            poll_period=step,
-            poll_offset=3 * step / 8,
-        ),
+        "receiver": WireReceiver(link, period, stages_s, vehicle, step, 3 * step / 8),
         "setpoint_integrator": make_setpoint_integrator(scenario, vehicle),
         "supervisor": make_supervisor(scenario, vehicle),
         "sender": WireSender(link, rates.sensor_period_s, step / 4),
     }
-    inputs: list[tuple[str, str, str]] = []
     outputs: list[tuple[str, str, str]] = []
     for name, system in systems.items():
         builder.AddNamedSystem(name, system)
         ports = [system.get_output_port(i).get_name() for i in range(system.num_output_ports())]
         outputs += [(name, port, port) for port in ports]
-    for port in STATION_INTERFACE:
-        targets = ("sender", "supervisor")
-        inputs += [(port, name, port) for name in targets if systems[name].HasInputPort(port)]
-    wiring = Wiring(CONNECTIONS, tuple(inputs), tuple(outputs))
-    return wiring.build(builder, "coordinator")
+    inputs = [
+        (port, name, port)
+        for port in STATION_INTERFACE
+        for name in ("sender", "supervisor")
+        if systems[name].HasInputPort(port)
+    ]
+    return Wiring(CONNECTIONS, tuple(inputs), tuple(outputs)).build(builder, "coordinator")

@@ -107,7 +107,7 @@ def respond(scenario: Scenario) -> dict:
 
 
 def in_this_process(function, items, jobs, pick=0):
-    """Replaces `run_parallel`; takes the first item that waits, or the last with `pick` -1."""
+    """Replaces `run_parallel`; calls the first pending item, or the last with `pick` -1."""
     waiting, sent = [], 0
     while sent < len(items) or waiting:
         waiting += range(sent, len(items))

@@ -1,4 +1,4 @@
-"""A flight over a wire is the flight without one, as far as the wire lets it."""
+"""A flight over the link equals the flight without one, but for latency and lost messages."""
 
 import dataclasses
 
@@ -25,7 +25,7 @@ from aerodrake.wire.remote_coordinator import (
 from tests.lockstep import Lockstep, fly_over
 
 INTERPOLATED = {"p_Ed_m": 1e-9, "v_Ed_m_s": 1e-7, "tool_axis_d": 1e-9}
-"""Signals that the station interpolates between the stages of the horizon, and how well."""
+"""Signals that the station interpolates between the stages of the horizon: their tolerances."""
 
 SHORT = [("--set", f"{key}={value}") for key, value in (("settle_s", 0.5), ("duration", 2.0))]
 
@@ -36,7 +36,7 @@ def clover():
 
 
 @pytest.fixture(scope="module")
-def here(clover):
+def local(clover):
     return FlightSimulation(clover).fly()
 
 
@@ -61,15 +61,15 @@ def test_the_ports_are_those_of_the_coordinator(scenario):
 @pytest.mark.parametrize("name", ["clover", "clover_paper"])
 def test_without_latency_the_flight_is_the_same_bit_for_bit(name):
     scenario = load_scenario(name, SHORT)
-    here, over = FlightSimulation(scenario).fly(), fly_over(Lockstep(), scenario)
-    assert over.exit_reason == here.exit_reason == "completed"
-    assert set(over.signals) == set(here.signals)
-    for key in set(here.signals) - {"tick_ms", *INTERPOLATED}:
+    local, over = FlightSimulation(scenario).fly(), fly_over(Lockstep(), scenario)
+    assert over.exit_reason == local.exit_reason == "completed"
+    assert set(over.signals) == set(local.signals)
+    for key in set(local.signals) - {"tick_ms", *INTERPOLATED}:
         # Before the first tick no message has arrived.
-        np.testing.assert_array_equal(over[key][1:], here[key][1:], err_msg=key)
+        np.testing.assert_array_equal(over[key][1:], local[key][1:], err_msg=key)
     for key, tolerance in INTERPOLATED.items():
-        np.testing.assert_allclose(over[key], here[key], rtol=0, atol=tolerance, err_msg=key)
-    figures = summarize(scenario, here)["mpc"], summarize(scenario, over)["mpc"]
+        np.testing.assert_allclose(over[key], local[key], rtol=0, atol=tolerance, err_msg=key)
+    figures = summarize(scenario, local)["mpc"], summarize(scenario, over)["mpc"]
     for key in ("ticks", "missed", "unconstrained", "solver_fallbacks"):
         assert figures[0][key] == figures[1][key]
 
@@ -77,10 +77,10 @@ def test_without_latency_the_flight_is_the_same_bit_for_bit(name):
 def test_latency_hardly_increases_the_error():
     """Without the plan in each message, 3 ms would increase the error by half."""
     scenario = load_scenario("clover", [("--set", "settle_s=0.5"), ("--set", "duration=9")])
-    here, over = FlightSimulation(scenario).fly(), fly_over(Lockstep(late=3), scenario)
+    local, over = FlightSimulation(scenario).fly(), fly_over(Lockstep(late=3), scenario)
     assert summarize(scenario, over)["mpc"]["missed"] == 0
-    started = here.time_s > 3
-    assert over.error_m[started].mean() < 1.2 * here.error_m[started].mean()
+    started = local.time_s > 3
+    assert over.error_m[started].mean() < 1.2 * local.error_m[started].mean()
 
 
 def test_a_reply_within_its_period_is_in_time(clover):
@@ -95,7 +95,7 @@ def test_a_reply_after_its_period_is_a_missed_tick(clover):
     assert (over.exit_reason, over.exit_cause.split()[0]) == ("hold", "plan_outage")
 
 
-def test_lost_messages_hardly_increase_the_error(clover, here):
+def test_lost_messages_hardly_increase_the_error(clover, local):
     """Each fifth reply and each seventh sample are lost, some of them samples of a tick."""
     lcm = Lockstep(2, lambda channel, i: i % {COORDINATOR: 5, STATION: 7}[channel] == 4)
     over = fly_over(lcm, clover)
@@ -145,7 +145,7 @@ def test_a_dead_coordinator_leads_to_a_landing(clover):
     assert over["v_Bd_m_s"][-1, 2] == pytest.approx(-scenario.supervisor.descend_m_s, rel=0.05)
 
 
-def test_a_second_station_does_not_change_the_flight(clover, here):
+def test_a_second_station_does_not_change_the_flight(clover, local):
     """Its messages of all phases are between those of the first one, which is served."""
     lcm = Lockstep()
     second = make_station_link(clover, lcm)
@@ -160,8 +160,8 @@ def test_a_second_station_does_not_change_the_flight(clover, here):
     lcm.is_lost = is_lost
     over = fly_over(lcm, clover)
     assert over.exit_reason == "completed"
-    for key in set(here.signals) - {"tick_ms", *INTERPOLATED}:
-        np.testing.assert_array_equal(over[key][1:], here[key][1:], err_msg=key)
+    for key in set(local.signals) - {"tick_ms", *INTERPOLATED}:
+        np.testing.assert_array_equal(over[key][1:], local[key][1:], err_msg=key)
     assert lcm.companion.link.rejected > 200
     assert second.receive() == [] and second.rejected
 
