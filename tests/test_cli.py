@@ -61,13 +61,13 @@ def test_version_and_help(capsys):
 def test_train_passes_on_its_options(tmp_path, monkeypatch, capsys):
     from aerodrake.learning import train
     from aerodrake.learning.collection_runs import CollectionRun, paper_runs, quick_runs
-    from aerodrake.learning.evaluation import METHODS, Evaluation
+    from aerodrake.learning.evaluation import METHODS, NetworkEvaluation
 
     calls = []
 
     def train_scenario(*arguments):
         calls.append(arguments)
-        return Evaluation(
+        return NetworkEvaluation(
             [CollectionRun("calm", "held_out", 1.0, 5.0, 0.0)], [dict.fromkeys(METHODS, 1.0)]
         )
 

@@ -1,39 +1,16 @@
 """Open-loop flights of the station along prescribed setpoints."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.trajectories import Trajectory
 
 from aerodrake.flight.open_loop import make_open_loop
+from aerodrake.model.residual.samples import Excitation
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
 from aerodrake.support.threads import single_thread
-
-
-@dataclass(frozen=True)
-class Excitation:
-    """Setpoints and measurements at each tick of the MPC's period.
-
-    Attributes:
-        time_s: (T,) 0, period, 2 period, ...
-        state: (T, 13 + 2 n) measured state.
-        specific_thrust: (T, 1) m/s^2, output of the flight controller.
-        external_acceleration: (T, 3) m/s^2, output of the state filter.
-        disturbance: (T, 6) m/s^2 and rad/s^2, output of the flight controller.
-        base_setpoint: (T, 9) p_d, v_d, and a_d until the next tick.
-        joint_setpoint: (T, 3 n) q_d, qdot_d and qddot_d likewise.
-    """
-
-    time_s: np.ndarray
-    state: np.ndarray
-    specific_thrust: np.ndarray
-    external_acceleration: np.ndarray
-    disturbance: np.ndarray
-    base_setpoint: np.ndarray
-    joint_setpoint: np.ndarray
 
 
 def excite(

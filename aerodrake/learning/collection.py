@@ -1,6 +1,5 @@
 """Data collection: runs flown in parallel, stored in files and reused."""
 
-import dataclasses
 from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
@@ -37,42 +36,38 @@ def collect(
 
     Args:
         scenario: The scenario whose station is flown.
-        model: The model whose residual the targets are.
+        model: The model whose residual is learned.
         runs: Runs with distinct names.
         folder: Folder of the files; it exists.
         jobs: Number of runs flown in parallel.
         progress: Called with each run when its samples are available.
 
     Raises:
-        BadInput: if a file has another content, which is not changed; or if a
-            run cannot be flown.
+        BadInput: if a file has another content, which is not changed; or if a run cannot be flown.
         ProcessDied: if the process of a run died; the files of completed runs remain.
     """
     flights: dict[str, Samples] = {}
-    files = {run.name: describe(scenario, run) for run in runs}
     missing = []
     for run in runs:
-        metadata = files[run.name]
+        metadata = describe(scenario, run)
         path = dataset_path(folder, metadata)
         if path.exists():
-            samples = round(run.duration_s / model.dt) - 1
-            size = (samples, len(feature_names(model.joints)))
+            size = round(run.duration_s / model.dt) - 1, len(feature_names(model.joints))
             flights[run.name] = load_samples(path, metadata, size)
             progress(run)
         else:
-            missing.append(run)
-    for i, result in run_parallel(partial(_fly, scenario, model), missing, jobs):
-        run = missing[i]
+            missing.append((run, path, metadata))
+    fly = partial(_fly, scenario, model)
+    for i, result in run_parallel(fly, [run for run, _, _ in missing], jobs):
+        run, path, metadata = missing[i]
         if isinstance(result, BadInput):
             raise result
         if isinstance(result, ProcessDied):
             raise ProcessDied(f"collection run {run.name}: {result}")
         if isinstance(result, Exception):
-            raise BadInput(
-                scenario.source, "", f"collection run {run.name} could not be flown: {result}"
-            ) from result
-        metadata = files[run.name]
-        save_samples(dataset_path(folder, metadata), result, metadata)
+            message = f"collection run {run.name} could not be flown: {result}"
+            raise BadInput(scenario.source, "", message) from result
+        save_samples(path, result, metadata)
         flights[run.name] = result
         progress(run)
     return {run.name: flights[run.name] for run in runs}
@@ -80,25 +75,24 @@ def collect(
 
 def describe(scenario: Scenario, run: CollectionRun) -> dict[str, Any]:
     """Returns the metadata of a run's file: all that determines its samples."""
-    motion = {f.name: getattr(run, f.name) for f in dataclasses.fields(run)}
-    joints = len(scenario.vehicle.working_rad)
+    sections = {"base": run.base, "wind": run.wind, "payload": run.payload}
     return {
         "format": FORMAT,
         "version": version("aerodrake"),
-        "stage": {**motion, **{k: as_mapping(motion[k]) for k in ("base", "wind", "payload")}},
+        "stage": {**vars(run), **{name: as_mapping(part) for name, part in sections.items()}},
         "sensors": as_mapping(scenario.sensors),
         "mismatch": as_mapping(scenario.mismatch),
         "learning_space_m": list(scenario.allocation.learning_space_m),
         "flight_interface": scenario.flight.interface,
         "plant_hash": plant_hash(scenario),
-        "features": feature_names(joints),
+        "features": feature_names(len(scenario.vehicle.working_rad)),
         "targets": ["v_x_m_s", "v_y_m_s", "v_z_m_s"],
         "period_s": scenario.rates.mpc_period_s,
     }
 
 
 def dataset_path(folder: Path, metadata: dict[str, Any]) -> Path:
-    """Returns the path of a run's file, `folder`/NAME-HASH.npz."""
+    """Returns the path of a run's file, NAME-HASH.npz."""
     return folder / f"{metadata['stage']['name']}-{digest(metadata)}.npz"
 
 

@@ -1,9 +1,9 @@
 """Collection runs: flights whose samples train, validate and test the network.
 
-As in the paper, the end-effector flies figure eights at several speeds within
-the learning space while the base hovers or flies circles of 10 cm radius
-at several speeds in three dimensions. The planes of both turn slowly about the
-vertical, so that the data cover every heading.
+As in the paper, the end-effector flies figure eights at several speeds within the learning
+space while the base hovers or flies circles of 10 cm radius at several speeds in three
+dimensions. The planes of both turn slowly about the vertical, so that the data cover every
+heading.
 """
 
 import dataclasses
@@ -13,9 +13,10 @@ from typing import Literal
 
 import numpy as np
 
-from aerodrake.flight.excitation import Excitation, excite
+from aerodrake.flight.excitation import excite
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.residual.collection_motion import joint_motion, turn_about
+from aerodrake.model.residual.samples import Excitation
 from aerodrake.model.setpoint.motion import held_acceleration_motion
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import FigureEight, Hover, Lissajous, Payload, Scenario, Wind
@@ -40,8 +41,8 @@ class CollectionRun:
         lap_s: Time of one lap of the figure eight.
         tilt_rad: Tilt of the figure eight's plane.
         base: Motion of the base.
-        turn_s: Time in which the plane of the figure eight turns once about the
-            vertical, and that of the base's circle in the opposite sense.
+        turn_s: Time in which the plane of the figure eight turns once about the vertical, and
+            that of the base's circle in the opposite sense.
         wind: Wind and gusts.
         payload: Payload at the end-effector.
         seed: Seed of gusts and sensor noise.
@@ -65,11 +66,7 @@ def circle(radius_m: float, speed_m_s: float, tilt_rad: float) -> Lissajous:
     """Returns a circle in a plane tilted about x; a negative speed reverses its sense."""
     lap_s = 2 * math.pi * radius_m / abs(speed_m_s)
     return Lissajous(
-        amplitude_m=(
-            radius_m,
-            radius_m * math.cos(tilt_rad),
-            radius_m * math.sin(tilt_rad),
-        ),
+        amplitude_m=(radius_m, radius_m * math.cos(tilt_rad), radius_m * math.sin(tilt_rad)),
         period_s=(lap_s,) * 3,
         phase_rad=(math.copysign(math.pi / 2, speed_m_s), 0.0, 0.0),
         start_s=START_S,
@@ -77,12 +74,7 @@ def circle(radius_m: float, speed_m_s: float, tilt_rad: float) -> Lissajous:
 
 
 def fly_run(scenario: Scenario, run: CollectionRun) -> Excitation:
-    """Flies one run in open loop on the scenario's station.
-
-    Args:
-        scenario: Vehicle, controllers, sensors and rates; its wind, payload and
-            seed are replaced by those of the run.
-        run: The run to fly.
+    """Flies one run in open loop on the scenario's station, with the run's disturbances and seed.
 
     Returns:
         The recording, without the initial hover.
@@ -94,20 +86,14 @@ def fly_run(scenario: Scenario, run: CollectionRun) -> Excitation:
 
     box = np.array(scenario.allocation.learning_space_m)
     length = box[:2].min()
-    eight = FigureEight(
-        length_m=length,
-        width_m=min(length / 2, box[2]),
-        tilt_rad=run.tilt_rad,
-        lap_s=run.lap_s,
-        start_s=START_S,
-    )
+    width = min(length / 2, box[2])
+    eight = FigureEight(length, width, run.tilt_rad, lap_s=run.lap_s, start_s=START_S)
     tool = make_reference(eight, vehicle.p_O).evaluate(times)
     joints = joint_motion(turn_about(vehicle.p_O, tool, times, run.turn_s), vehicle, period)
     flown = make_reference(run.base, vehicle.p_B).evaluate(times)
     _, velocity = turn_about(vehicle.p_B, flown, times, -run.turn_s)
     base = held_acceleration_motion(vehicle.p_B, velocity, period)
-    whole = excite(scenario, base, joints)
-    return Excitation(*(getattr(whole, f.name)[hover:] for f in dataclasses.fields(whole)))
+    return Excitation(*(rows[hover:] for rows in excite(scenario, base, joints)))
 
 
 def paper_runs() -> list[CollectionRun]:
@@ -157,20 +143,14 @@ def quick_runs() -> list[CollectionRun]:
         *("still_6s", "still_6s_wind", "still_6s_payload"),
         *("circle_0.10_m_0.18", "circle_0.10_m_0.18_wind", "circle_0.10_m_0.18_payload"),
     )
-    return [
-        dataclasses.replace(run, duration_s=20.0, turn_s=20.0)
-        for run in paper_runs()
-        if run.name in chosen
-    ]
+    runs = [run for run in paper_runs() if run.name in chosen]
+    return [dataclasses.replace(run, duration_s=20.0, turn_s=20.0) for run in runs]
 
 
 def with_disturbances(calm: CollectionRun, heading_rad: float, seed: int) -> list[CollectionRun]:
     """Returns a run in calm air, in 2 m/s of wind with and without gusts, and with 0.2 kg.
 
-    Args:
-        calm: The run in calm air.
-        heading_rad: Direction into which the wind blows.
-        seed: Seed of the gusts.
+    The wind blows into the direction `heading_rad`; `seed` is that of the gusts.
     """
     mean = (2 * math.cos(heading_rad), 2 * math.sin(heading_rad), 0.0)
     changes = {

@@ -19,12 +19,7 @@ ARRAYS = ("features", "targets")
 
 
 def save_samples(path: Path, samples: Samples, metadata: dict[str, Any]) -> None:
-    """Writes a dataset atomically.
-
-    Args:
-        path: Path of the `.npz`, in a folder that exists.
-        samples: Features and targets.
-        metadata: Description of the samples, stored as JSON in the array `metadata`.
+    """Writes a dataset atomically, with its metadata as JSON in the array `metadata`.
 
     Raises:
         BadInput: if the file cannot be written.
@@ -44,15 +39,13 @@ def load_samples(path: Path, metadata: dict[str, Any], size: tuple[int, int]) ->
         size: Expected size of the features, (T, 12 + 3 n).
 
     Raises:
-        BadInput: if the file is missing, too large, not a dataset or not the
-            expected one, or if its arrays have a wrong shape or type or NaN or
-            infinite entries.
+        BadInput: if the file is missing, too large, not a dataset or not the expected one, or if
+            its arrays have a wrong shape or type or NaN or infinite entries.
     """
     arrays = _read(path)
     if arrays["metadata"] != metadata:
-        raise BadInput(
-            path, "", "expected the dataset of this collection run and scenario, got another"
-        )
+        message = "expected the dataset of this collection run and scenario, got another"
+        raise BadInput(path, "", message)
     for name, shape in zip(ARRAYS, (size, (size[0], 3)), strict=True):
         array = arrays[name]
         if array.shape != shape or array.dtype != np.float64:

@@ -25,7 +25,7 @@ class Candidates(NamedTuple):
 
     Attributes:
         network: Network as trained offline.
-        learner: Learner that starts from the network's last layer.
+        learner: Starts from the network's last layer.
         linear, ridge: Linear models.
     """
 
@@ -49,7 +49,7 @@ class Candidates(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Evaluation:
+class NetworkEvaluation:
     """RMS errors of the velocity predicted one period ahead, m/s.
 
     Attributes:
@@ -77,15 +77,11 @@ class Evaluation:
     def recovered(self, index: int) -> float | None:
         """Returns the fraction of the RMSE added by wind or payload that online learning removes.
 
-        Args:
-            index: Index of the run.
-
-        Returns:
-            None in calm air, and if less than `MIN_ADDED` is added.
+        Returns None in calm air, and if less than `MIN_ADDED` is added.
         """
         twins = {run.name: rmse["offline"] for run, rmse in zip(self.runs, self.rmse, strict=True)}
         calm = twins.get(self.runs[index].twin, math.inf)
-        offline, online = (self.rmse[index][method] for method in ("offline", "online"))
+        offline, online = self.rmse[index]["offline"], self.rmse[index]["online"]
         if offline < (1 + MIN_ADDED) * calm:
             return None
         return (offline - online) / (offline - calm)
@@ -93,7 +89,7 @@ class Evaluation:
     @property
     def least_recovered(self) -> float | None:
         """Smallest `recovered` of all runs; None if no run has one."""
-        fractions = (self.recovered(i) for i in range(len(self.runs)))
+        fractions = map(self.recovered, range(len(self.runs)))
         return min((part for part in fractions if part is not None), default=None)
 
     def as_mapping(self) -> dict[str, Any]:
@@ -108,22 +104,11 @@ class Evaluation:
 
 def evaluate(
     runs: Sequence[CollectionRun], flights: Mapping[str, Samples], candidates: Candidates
-) -> Evaluation:
-    """Predicts every held-out run with every method of `METHODS`.
-
-    Args:
-        runs: The held-out runs.
-        flights: Their samples, by name.
-        candidates: The models to compare.
-    """
+) -> NetworkEvaluation:
+    """Predicts every held-out run from its samples in `flights`, with every candidate."""
     rows = []
     for run in runs:
-        predicted = candidates.predict(flights[run.name])
-        _, targets = flights[run.name]
-        rows.append({method: _rms(predicted[method] - targets) for method in METHODS})
-    return Evaluation(runs, rows)
-
-
-def _rms(error: np.ndarray) -> float:
-    """Returns the root of the mean squared length of the rows."""
-    return float(np.sqrt((error**2).sum(axis=1).mean()))
+        predicted, (_, targets) = candidates.predict(flights[run.name]), flights[run.name]
+        squares = {name: ((p - targets) ** 2).sum(axis=1) for name, p in predicted.items()}
+        rows.append({name: float(np.sqrt(square.mean())) for name, square in squares.items()})
+    return NetworkEvaluation(runs, rows)

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from aerodrake.learning.evaluation import METHODS, Evaluation
+from aerodrake.learning.evaluation import METHODS, NetworkEvaluation
 from aerodrake.model.residual.training import TrainingResult
 from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 
@@ -18,8 +18,7 @@ class DeltaFlight(NamedTuple):
     Attributes:
         title: Title of the figure.
         period_s: s, period of the rows.
-        estimated: (T, 3) m/s, the network's Delta.
-        true: (T, 3) m/s, Delta from the measured velocity.
+        estimated, true: (T, 3) m/s, Delta of the network, and from the measured velocity.
     """
 
     title: str
@@ -28,7 +27,7 @@ class DeltaFlight(NamedTuple):
     true: np.ndarray
 
 
-def training_table(evaluation: Evaluation) -> str:
+def training_table(evaluation: NetworkEvaluation) -> str:
     """Returns the table of RMS errors by run and method in mm/s, with a summary."""
     width = max(len(run.name) for run in evaluation.runs) + 2
     lines = [
@@ -38,29 +37,20 @@ def training_table(evaluation: Evaluation) -> str:
     ]
     for i, (run, rmse) in enumerate(zip(evaluation.runs, evaluation.rmse, strict=True)):
         numbers = "".join(f"{1e3 * rmse[method]:9.2f}" for method in METHODS)
-        lines.append(
-            f"{run.name:<{width}}{numbers}{_percent(evaluation.recovered(i)):>11}".rstrip()
-        )
-    return "\n".join(
-        [
-            *lines,
-            "",
-            f"offline removes {_percent(evaluation.removed)} or more of the residual in calm air",
-            f"online recovers {_percent(evaluation.least_recovered) or 'nothing'} or more of the "
-            "error that wind and payload add, where that is 10 % or more",
-            f"the offline network errs at most {evaluation.worst:.2f} times as much as no network",
-        ]
-    )
+        recovered = _percent(evaluation.recovered(i))
+        lines.append(f"{run.name:<{width}}{numbers}{recovered:>11}".rstrip())
+    lines += [
+        "",
+        f"offline removes {_percent(evaluation.removed)} or more of the residual in calm air",
+        f"online recovers {_percent(evaluation.least_recovered) or 'nothing'} or more of the "
+        "error that wind and payload add, where that is 10 % or more",
+        f"the offline network errs at most {evaluation.worst:.2f} times as much as no network",
+    ]
+    return "\n".join(lines)
 
 
 def plot_training(result: TrainingResult, delta: DeltaFlight, path: Path) -> None:
-    """Writes the figure: losses by epoch, and Delta on a held-out flight.
-
-    Args:
-        result: Result of the training.
-        delta: Delta on the flight.
-        path: Path of the PNG.
-    """
+    """Writes the figure, a PNG: losses by epoch, and Delta on a held-out flight."""
     with rc_context(STYLE):
         figure = Figure(figsize=(10, 9), dpi=120, layout="constrained")
         losses, *axes = figure.subplots(4, 1, height_ratios=[1.6, 1, 1, 1])
@@ -75,8 +65,7 @@ def plot_training(result: TrainingResult, delta: DeltaFlight, path: Path) -> Non
             plot.plot(times, 1e3 * delta.true[:, axis], **REFERENCE, label="true", zorder=3)
             estimated = 1e3 * delta.estimated[:, axis]
             plot.plot(times, estimated, color=AXIS_COLORS[axis], label="estimated")
-            plot.set_ylabel(f"Delta {name} / mm/s")
-            plot.set_xlim(0, times[-1])
+            plot.set(ylabel=f"Delta {name} / mm/s", xlim=(0, times[-1]))
             plot.legend(loc="upper right", ncols=2)
         axes[0].set_title(delta.title, parse_math=False)
         axes[-1].set_xlabel("time / s")

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Sequence
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from tqdm import tqdm
 from aerodrake.flight.summary import to_json
 from aerodrake.learning.collection import collect
 from aerodrake.learning.collection_runs import CollectionRun
-from aerodrake.learning.evaluation import Candidates, Evaluation, evaluate
+from aerodrake.learning.evaluation import Candidates, NetworkEvaluation, evaluate
 from aerodrake.learning.report import DeltaFlight, plot_training
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.checkpoint import Provenance, load, save
@@ -39,7 +40,7 @@ def train_scenario(
     folder: Path,
     jobs: int,
     quiet: bool = False,
-) -> Evaluation:
+) -> NetworkEvaluation:
     """Flies the runs that are not in `folder` yet, trains a network and writes it there.
 
     The folder then contains `stages/`, the samples; `network.pt`, the checkpoint;
@@ -55,46 +56,36 @@ def train_scenario(
         quiet: True to show no progress.
 
     Raises:
-        BadInput: if the scenario has no residual to learn, or `folder` contains
-            other files, which are not changed.
+        BadInput: if the scenario has no residual to learn, or `folder` contains other files,
+            which are not changed.
     """
     vehicle = VehicleModel.load(scenario)
     if scenario.model.kind == "integral":
-        raise ScenarioError(
-            scenario.source,
-            "model.kind",
-            "expected flight, velocity_aware, paper or exact; the integral model has no residual",
-        )
+        kinds = "flight, velocity_aware, paper or exact; the integral model has no residual"
+        raise ScenarioError(scenario.source, "model.kind", f"expected {kinds}")
     model = EquivalentModel.of(scenario, vehicle.joints)
     _prepare(folder, vehicle.joints)
     total = sum(run.duration_s for run in runs)
     with tqdm(total=total, desc="collection runs", unit="s", disable=quiet) as bar:
         flights = collect(
-            scenario,
-            model,
-            runs,
-            folder / DATA,
-            jobs,
-            progress=lambda run: bar.update(run.duration_s),
+            scenario, model, runs, folder / DATA, jobs, lambda run: bar.update(run.duration_s)
         )
-    training, validation = (
-        [flights[run.name] for run in runs if run.role == role]
-        for role in ("training", "validation")
-    )
+    training = [flights[run.name] for run in runs if run.role == "training"]
+    validation = [flights[run.name] for run in runs if run.role == "validation"]
+    held_out = [run for run in runs if run.role == "held_out"]
     gain = model.C[model.base_velocity].diagonal()
     data = TrainingData(training, validation, gain, vehicle.joints)
-    held_out = [run for run in runs if run.role == "held_out"]
     with single_thread():
         result = _train(data, scenario.seed, config, folder, quiet)
         learner = OnlineLearner(scenario.residual, result.network.last_layer(), gain)
         linear = LinearResidual.fit(training, 0.0)
         ridge = LinearResidual.fit_ridge(training, validation)
-        candidates = Candidates(result.network, learner, linear, ridge)
-        evaluation = evaluate(held_out, flights, candidates)
+        network = result.network
+        evaluation = evaluate(held_out, flights, Candidates(network, learner, linear, ridge))
         calm = held_out[-1].twin or held_out[-1].name
         features, targets = flights[calm]
         title = f"{scenario.name}: held-out flight {calm}"
-        estimated = result.network.phi(features) @ result.network.last_layer().T
+        estimated = network.phi(features) @ network.last_layer().T
         delta = DeltaFlight(title, model.dt, estimated, targets / gain)
     log = {
         "scenario": scenario.name,
@@ -122,11 +113,8 @@ def _train(
 
         result = train(data, seed, config, advance)
     if not np.isfinite(result.validation_loss).any():
-        raise BadInput(
-            folder / DATA,
-            "",
-            "expected samples to which a network can be fitted; its loss is not finite",
-        )
+        message = "expected samples to which a network can be fitted; its loss is not finite"
+        raise BadInput(folder / DATA, "", message)
     return result
 
 
@@ -138,12 +126,8 @@ def _write(
     log: dict[str, Any],
 ) -> None:
     """Writes checkpoint, log and figure."""
-    provenance = Provenance(
-        version("aerodrake"),
-        scenario.flight.interface,
-        plant_hash(scenario),
-        scenario_hash(scenario),
-    )
+    hashes = plant_hash(scenario), scenario_hash(scenario)
+    provenance = Provenance(version("aerodrake"), scenario.flight.interface, *hashes)
     try:
         with deferred_interrupts(), scratch_folder(folder) as scratch:
             plot_training(result, delta, scratch / FIGURE)
@@ -156,23 +140,22 @@ def _write(
 
 def _prepare(folder: Path, joints: int) -> None:
     """Creates the folder; refuses one with files that are not of an earlier training."""
-    known = {CHECKPOINT, LOG, FIGURE, DATA}
+    refuse = partial(BadInput, "--out", "")
     try:
         if folder.exists():
             names = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
             has_network, has_figure = CHECKPOINT in names, FIGURE in names
             # A killed training leaves a network without a figure, but with its samples.
             is_interrupted = has_network and DATA in names
-            if names - known or (has_network != has_figure and not is_interrupted):
-                raise BadInput(
-                    "--out", "", f"{folder} holds files that are not of an earlier training"
-                )
+            is_incomplete = has_network != has_figure and not is_interrupted
+            if is_incomplete or names - {CHECKPOINT, LOG, FIGURE, DATA}:
+                raise refuse(f"{folder} holds files that are not of an earlier training")
         (folder / DATA).mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise BadInput("--out", "", f"cannot write {folder}: {reason}") from None
+        raise refuse(f"cannot write {folder}: {reason}") from None
     for name in (LOG, FIGURE):
         if (folder / name).is_dir():
-            raise BadInput("--out", "", f"expected a file, but {folder / name} is a folder")
+            raise refuse(f"expected a file, but {folder / name} is a folder")
     if (folder / CHECKPOINT).exists():
         load(folder / CHECKPOINT, joints)

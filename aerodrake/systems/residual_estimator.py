@@ -34,21 +34,16 @@ class ResidualEstimator(LeafSystem):
     In the model `flight`, whose state includes the acceleration, it is the change of velocity
     in one period dt under a constant residual acceleration Delta / dt.
 
-    At the tick k the state measured now completes the sample that began at k-1:
-    the velocity that the model predicted with x_{k-1}, Delta_{k-1} and the input
-    applied since is compared with the measured one. First the last layer takes its
-    step (paper, eq. 6; `OnlineLearner`), then the network infers Delta_k. (The
-    paper's Algorithm 1 has the reverse order, and learns one tick late.)
+    At the tick k the state measured now completes the sample that began at k-1: the velocity
+    that the model predicted with x_{k-1}, Delta_{k-1} and the input applied since is compared
+    with the measured one. First the last layer takes its step (paper, eq. 6; `OnlineLearner`),
+    then the network infers Delta_k. (The paper's Algorithm 1 has the reverse order, and learns
+    one tick late.) The features of a sample are from t_{k-1}, with the input applied up to then,
+    and therefore do not contain its label.
 
-    The features of a sample are from t_{k-1}, with the input applied up to then, and
-    therefore do not contain its label. While fewer than `batch` samples have been
-    recorded, a step takes their mean.
-
-    `LearningGate` gates Delta off while it does not improve the prediction. The learner
-    then restarts from the offline layer with an empty ring buffer, and keeps learning
-    unless labels are rejected.
-
-    A tick with NaN or infinite inputs neither completes nor begins a sample, and
+    `LearningGate` gates Delta off while it does not improve the prediction. The learner then
+    restarts from the offline layer with an empty ring buffer, and keeps learning unless labels
+    are rejected. A tick with NaN or infinite inputs neither completes nor begins a sample, and
     its Delta is zero.
 
     Ports:
@@ -59,29 +54,25 @@ class ResidualEstimator(LeafSystem):
             The accelerations are u_{k-1} at a tick: the input applied up to it.
         in `saturated` (1): above 0.5 the flight controller is saturated, and with
             `freeze_saturated` the completed sample is not learned.
-        out `delta` (3): m/s, world frame; zero in the mode `off`. Direct feedthrough: a
-            consumer that samples it at a tick receives it without delay; its value
-            between ticks is meaningless.
-        out `prediction_error` (3): m/s, predicted minus measured velocity of the
-            base, for the last completed sample, learned or not; zero before the
-            first.
+        out `delta` (3): m/s, world frame; zero in the mode `off`. It feeds through: a consumer
+            that samples it at a tick receives it without delay. Meaningless between ticks.
+        out `prediction_error` (3): m/s, predicted minus measured velocity of the base, for the
+            last completed sample, learned or not; zero before the first.
         out `nominal_prediction_error` (3): m/s, likewise of the model without Delta.
         out `learner_health` (2): `GateCause` for which Delta is gated off, and time since
             then in s; `OK` and 0 while Delta is used.
-
-    State: discrete, one group for each field of `LearnerState` (last layer, ring buffer,
-        sample count), `Prediction` (pending flag and prediction), `PredictionErrors`
-        and `GateState`.
-
-    Rate: the period of the model, from time 0.
+    State:
+        discrete, one group for each field of `LearnerState` (last layer, ring buffer, sample
+        count), `PendingPrediction`, `PredictionErrors` and `GateState`.
+    Rate:
+        the period of the model, from time 0.
 
     Attributes:
         groups: Discrete state, one `NamedState` for each part of `EstimatorState`.
 
     Args:
         network: Copied; later changes have no effect. None in the mode `off`.
-        model: Equivalent model. The kind `integral`, in which Delta has no effect, leaves
-            nothing to learn.
+        model: Equivalent model; with the kind `integral`, Delta has no effect.
         config: Mode, learning rate, batch, guards and gate; the checkpoint is not read.
     """
 
@@ -93,8 +84,7 @@ class ResidualEstimator(LeafSystem):
         sizes = EstimatorInputs(VehicleState.size(n), len(model.A), 9, 3 * n, 1)
         for name, size in sizes._asdict().items():
             self.DeclareVectorInputPort(name, size)
-        start = self._estimation.start()
-        self.groups = EstimatorState(*(NamedState(self, part) for part in start))
+        self.groups = EstimatorState(*(NamedState(self, s) for s in self._estimation.start()))
 
         # The output and the update share one computation a tick.
         self._tick = self.DeclareCacheEntry(
@@ -104,12 +94,8 @@ class ResidualEstimator(LeafSystem):
         errors, gate = self.groups.errors.groups, self.groups.gate.groups
         self.DeclareStateOutputPort("prediction_error", errors["error"])
         self.DeclareStateOutputPort("nominal_prediction_error", errors["nominal_error"])
-        self.DeclareVectorOutputPort(
-            "learner_health",
-            2,
-            self._calc_health,
-            {self.discrete_state_ticket(gate[name]) for name in ("cause", "gated_s")},
-        )
+        health = {self.discrete_state_ticket(gate[name]) for name in ("cause", "gated_s")}
+        self.DeclareVectorOutputPort("learner_health", 2, self._calc_health, health)
         self.DeclarePeriodicDiscreteUpdateEvent(model.dt, 0.0, self._update)
 
     def _tickets(self) -> set[DependencyTicket]:
@@ -128,8 +114,7 @@ class ResidualEstimator(LeafSystem):
         tick.set_value(self._equations(context).tick(state, inputs))
 
     def _calc_delta(self, context: Context, output: BasicVector) -> None:
-        delta, _ = self._tick.Eval(context)
-        output.set_value(delta)
+        output.set_value(self._tick.Eval(context)[0])
 
     def _calc_health(self, context: Context, output: BasicVector) -> None:
         gate = self.groups.gate.read(context)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aerodrake.learning.collection_runs import CollectionRun
-from aerodrake.learning.evaluation import METHODS, Candidates, Evaluation, evaluate
+from aerodrake.learning.evaluation import METHODS, Candidates, NetworkEvaluation, evaluate
 from aerodrake.model.residual.linear_residual import LinearResidual
 from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.model.residual.online_learner import OnlineLearner
@@ -21,7 +21,7 @@ def row(none, offline, online):
 
 
 def test_removed_recovered_and_worst_ratios():
-    evaluation = Evaluation(
+    evaluation = NetworkEvaluation(
         [CALM, WIND, LIGHT], [row(10.0, 2.0, 1.0), row(20.0, 22.0, 7.0), row(10.0, 2.1, 1.0)]
     )
     assert evaluation.removed == pytest.approx(0.8)

@@ -2,6 +2,7 @@
 
 import io
 from dataclasses import asdict, dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +27,7 @@ class Provenance:
     Attributes:
         version: Version of aerodrake.
         flight_interface: `trajectory` or `position`; a network is valid for one of them.
-        plant_hash: Hash of the vehicle it was trained on, with controllers and model
-            (`fingerprint`).
+        plant_hash: Hash of its vehicle, controllers and model (`fingerprint`).
         scenario_hash: Hash of the scenario of its training data.
     """
 
@@ -38,56 +38,44 @@ class Provenance:
 
 
 def save(path: Path, network: ResidualNetwork, provenance: Provenance) -> None:
-    """Writes a checkpoint atomically.
-
-    The same network and provenance give the same bytes.
+    """Writes a checkpoint atomically; the same arguments give the same bytes.
 
     Raises:
         BadInput: if the file cannot be written.
     """
     content = io.BytesIO()
-    torch.save(
-        {
-            "format": FORMAT,
-            "features": feature_names(network.joints),
-            "hidden": list(HIDDEN),
-            "metadata": asdict(provenance),
-            "tensors": dict(network.state_dict()),  # With the scaler.
-        },
-        content,
-    )
+    data = {
+        "format": FORMAT,
+        "features": feature_names(network.joints),
+        "hidden": list(HIDDEN),
+        "metadata": asdict(provenance),
+        "tensors": dict(network.state_dict()),  # With the scaler.
+    }
+    torch.save(data, content)
     write_atomically(path, content.getvalue())
 
 
 def load(path: Path, joints: int) -> tuple[ResidualNetwork, Provenance]:
-    """Reads a checkpoint that `save` wrote, without running any code in it.
-
-    Args:
-        path: The file.
-        joints: n of the vehicle that uses the network.
+    """Reads a checkpoint that `save` wrote, for an arm of n = `joints`; runs no code in it.
 
     Raises:
-        BadInput: if the file is missing, too large, not a checkpoint or of
-            another format, for other features, or if its tensors have a wrong
-            shape or type or NaN or infinite entries.
+        BadInput: if the file is missing, too large, not a checkpoint or of another format, for
+            other features, or if its tensors have a wrong shape or type or NaN or infinite
+            entries.
     """
-    path = Path(path)
+    bad = partial(BadInput, path, "")
     data = _read(path)
     if data["format"] != FORMAT:
-        raise BadInput(path, "", f"expected a checkpoint of format {FORMAT}, got another format")
-    expected, features = feature_names(joints), data["features"]
-    if len(features) != len(expected):
-        raise BadInput(
-            path,
-            "",
-            f"expected the {len(expected)} features of an arm of {joints} joints, "
-            f"got {len(features)}",
-        )
-    for name, other in zip(expected, features, strict=True):
+        raise bad(f"expected a checkpoint of format {FORMAT}, got another format")
+    names, features = feature_names(joints), data["features"]
+    if len(features) != len(names):
+        expected = f"the {len(names)} features of an arm of {joints} joints"
+        raise bad(f"expected {expected}, got {len(features)}")
+    for name, other in zip(names, features, strict=True):
         if other != name:
-            raise BadInput(path, "", f"expected the feature {name}, got {other!r:.40}")
+            raise bad(f"expected the feature {name}, got {other!r:.40}")
     if data["hidden"] != list(HIDDEN):
-        raise BadInput(path, "", f"expected hidden layers of {list(HIDDEN)} units")
+        raise bad(f"expected hidden layers of {list(HIDDEN)} units")
 
     network = ResidualNetwork.untrained(joints, seed=0)
     _check_tensors(path, network.state_dict(), data["tensors"])

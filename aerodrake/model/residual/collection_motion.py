@@ -37,20 +37,17 @@ def turn_about(centre: np.ndarray, motion: Motion, times: np.ndarray, turn_s: fl
 
 
 def joint_motion(path: Motion, vehicle: VehicleModel, period: float) -> PiecewisePolynomial:
-    """Returns q_d, from the working configuration, that follows a tool path in the base frame.
+    """Returns q_d, (n,) rad over time, that follows a tool path in the base frame.
 
-    Among the joint velocities that follow the path, those nearest to a return to the
-    working configuration are used (Siciliano et al., Robotics, 2009, section 3.5.1),
-    so that the null-space motion does not drift. The weight of a joint is the inverse
-    of its distance to the nearer limit in the working configuration.
+    Among the joint velocities that follow the path, those nearest to a return to the working
+    configuration are used (Siciliano et al., Robotics, 2009, section 3.5.1), so that the
+    null-space motion does not drift. The weight of a joint is the inverse of its distance to
+    the nearer limit in the working configuration, where the motion starts.
 
     Args:
         path: (T, 3) m and (T, 3) m/s at the times 0, period, ..., from p_O at rest.
         vehicle: The vehicle with the arm.
         period: s.
-
-    Returns:
-        (n,) rad over [0, (T - 1) period].
 
     Raises:
         ValueError: if the motion exceeds the joints' limits.
@@ -63,20 +60,13 @@ def joint_motion(path: Motion, vehicle: VehicleModel, period: float) -> Piecewis
     for p, v in zip(path[0][:-1], path[1][1:], strict=True):
         p_EB, J_B = kinematics.arm(q)
         centering = CENTERING * (vehicle.working - q)
-        tool_velocity = v + CORRECTION * (p - p_EB)
-        missing = tool_velocity - J_B @ centering
+        missing = v + CORRECTION * (p - p_EB) - J_B @ centering
         next_qdot = centering + scale * (np.linalg.pinv(J_B * scale) @ missing)
         q = q + (qdot + next_qdot) * (period / 2)
         qdot = next_qdot
         velocities.append(qdot)
-    motion = held_acceleration_motion(vehicle.working, np.array(velocities), period)
-    _check_limits(motion, np.array(velocities), vehicle, period)
-    return motion
-
-
-def _check_limits(
-    motion: PiecewisePolynomial, velocity: np.ndarray, vehicle: VehicleModel, period: float
-) -> None:
+    velocity = np.array(velocities)
+    motion = held_acceleration_motion(vehicle.working, velocity, period)
     position = motion.vector_values(period * np.arange(len(velocity))).T
     acceleration = np.diff(velocity, axis=0) / period
     if (
@@ -86,3 +76,4 @@ def _check_limits(
         or (np.abs(acceleration) > vehicle.acceleration).any()
     ):
         raise ValueError("the joints' limits do not allow the tool's path")
+    return motion

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, Self
 
 import numpy as np
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.features import PHI_SIZE, features
-from aerodrake.model.residual.gate import GateCause, GateState, LearningGate, Sample
+from aerodrake.model.residual.gate import GateCause, GateState, LearningGate, VelocitySample
 from aerodrake.model.residual.online_learner import LearnerState, OnlineLearner
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Residual
@@ -19,14 +19,9 @@ if TYPE_CHECKING:  # torch takes a second to import.
 
 
 class EstimatorInputs(NamedTuple):
-    """Values of the input ports of `ResidualEstimator`.
+    """Values of the input ports of `ResidualEstimator`, whose docstring describes them.
 
-    Attributes:
-        state: (13 + 2 n,) measured `VehicleState`.
-        x_0: (nx,) state of the model.
-        base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2, world frame.
-        joint_setpoint: (3 n,) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2.
-        saturated: (1,) above 0.5 if the flight controller is saturated.
+    state (13 + 2 n,), x_0 (nx,), base_setpoint (9,), joint_setpoint (3 n,), saturated (1,).
     """
 
     state: np.ndarray
@@ -36,15 +31,14 @@ class EstimatorInputs(NamedTuple):
     saturated: np.ndarray
 
 
-class Prediction(NamedTuple):
+class PendingPrediction(NamedTuple):
     """Prediction made at one tick, which the next tick compares with its measurement.
 
     Attributes:
-        is_pending: False if the next tick has no prediction to compare.
+        is_pending: False if there is no prediction to compare.
         x: (nx,) state of the model.
         phi: (33,) last hidden activations and a 1.
-        p_B: (3,) m, measured position of the base.
-        v_B: (3,) m/s, measured velocity of the base.
+        p_B, v_B: (3,) m and m/s, measured position and velocity of the base.
         delta: (3,) m/s, Delta as used.
     """
 
@@ -57,11 +51,9 @@ class Prediction(NamedTuple):
 
 
 class PredictionErrors(NamedTuple):
-    """Errors of the last prediction that was compared: predicted minus measured velocity.
+    """Predicted minus measured velocity, for the last prediction that was compared.
 
-    Attributes:
-        error: (3,) m/s, of the model with the Delta that was used.
-        nominal_error: (3,) m/s, of the model without Delta.
+    error (3,) m/s: with the Delta that was used. nominal_error (3,) m/s: without Delta.
     """
 
     error: np.ndarray
@@ -72,7 +64,7 @@ class EstimatorState(NamedTuple):
     """Discrete state of `ResidualEstimator`."""
 
     learner: LearnerState
-    prediction: Prediction
+    prediction: PendingPrediction
     errors: PredictionErrors
     gate: GateState
 
@@ -98,7 +90,7 @@ class ResidualEstimation:
     @classmethod
     def make(
         cls, network: ResidualNetwork | None, model: EquivalentModel, config: Residual
-    ) -> ResidualEstimation:
+    ) -> Self:
         """Makes the equations of the configured learner and gate."""
         theta = np.zeros((3, PHI_SIZE)) if network is None else network.last_layer()
         learner = OnlineLearner(config, theta, model.C[model.base_velocity].diagonal())
@@ -107,13 +99,10 @@ class ResidualEstimation:
 
     def start(self) -> EstimatorState:
         """Returns the state before the first tick."""
-        zero = np.zeros(3)
-        prediction = Prediction(
-            False, np.zeros(len(self.model.A)), np.zeros(PHI_SIZE), zero, zero, zero
-        )
-        return EstimatorState(
-            self.learner.start(), prediction, PredictionErrors(zero, zero), self.gate.start()
-        )
+        x, phi, zero = np.zeros(len(self.model.A)), np.zeros(PHI_SIZE), np.zeros(3)
+        prediction = PendingPrediction(False, x, phi, zero, zero, zero)
+        errors = PredictionErrors(zero, zero)
+        return EstimatorState(self.learner.start(), prediction, errors, self.gate.start())
 
     def tick(
         self, state: EstimatorState, inputs: EstimatorInputs
@@ -133,7 +122,7 @@ class ResidualEstimation:
         if not np.isfinite(np.concatenate([inputs.x_0, s, phi, inputs.saturated])).all():
             prediction = state.prediction._replace(is_pending=False)
             return np.zeros(3), state._replace(prediction=prediction)
-        p_B, v_B = self.label_motion(vehicle)
+        p_B, v_B = vehicle.p_B, self.label_velocity(vehicle)
         sample, errors = self._complete(state, p_B, v_B, u)
         learner, gate, delta = state.learner, state.gate, np.zeros(3)
         if self.mode != "off":
@@ -144,21 +133,17 @@ class ResidualEstimation:
                 learner = self.learner.start()
             gate = self.gate.apply(gate, cause, state.prediction.delta)
             delta = self.gate.output(gate, learner.theta @ phi)
-        prediction = Prediction(True, inputs.x_0, phi, p_B, v_B, delta)
+        prediction = PendingPrediction(True, inputs.x_0, phi, p_B, v_B, delta)
         return delta, EstimatorState(learner, prediction, errors, gate)
 
-    def label_motion(self, vehicle: VehicleState) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the measured p_B, (3,) m, and v_B, (3,) m/s, that label a sample."""
-        return vehicle.p_B, vehicle.v_B
+    def label_velocity(self, vehicle: VehicleState) -> np.ndarray:
+        """Returns the measured v_B, (3,) m/s, that labels a sample."""
+        return vehicle.v_B
 
     def learn(
-        self, state: EstimatorState, sample: Sample | None, is_saturated: bool
+        self, state: EstimatorState, sample: VelocitySample | None, is_saturated: bool
     ) -> tuple[LearnerState, GateState, GateCause]:
-        """Updates the last layer and the gate's statistics, if there is a sample.
-
-        Returns:
-            States of learner and gate, and the result of the gate's check of its statistics.
-        """
+        """Learns a sample, if there is one; the gate checks its statistics of the samples first."""
         learner, gate = state.learner, state.gate
         if sample is None:
             return learner, gate, GateCause.OK
@@ -167,13 +152,12 @@ class ResidualEstimation:
         if cause != GateCause.OK:
             learner = self.learner.start()
         elif self.mode == "online" and not self.gate.rejects_labels(gate):
-            phi = state.prediction.phi
-            learner = self.learner.step(learner, phi, sample.target, is_saturated)
+            learner = self.learner.step(learner, state.prediction.phi, sample.target, is_saturated)
         return learner, gate, cause
 
     def _complete(
         self, state: EstimatorState, p_B: np.ndarray, v_B: np.ndarray, u: np.ndarray
-    ) -> tuple[Sample | None, PredictionErrors]:
+    ) -> tuple[VelocitySample | None, PredictionErrors]:
         """Compares the pending prediction with the motion measured now, after `u` was applied."""
         prediction, gain = state.prediction, self.learner.gain
         if not prediction.is_pending:
@@ -182,8 +166,7 @@ class ResidualEstimation:
         correction = gain * (state.learner.theta @ prediction.phi)
         if not np.isfinite(correction).all():
             return None, state.errors
-        displacement = (p_B - prediction.p_B) / self.model.dt
-        offset = (prediction.v_B + v_B) / 2 - displacement
+        offset = (prediction.v_B + v_B) / 2 - (p_B - prediction.p_B) / self.model.dt
         target = v_B - nominal
         error = nominal + gain * prediction.delta - v_B
-        return Sample(target, correction, offset), PredictionErrors(error, -target)
+        return VelocitySample(target, correction, offset), PredictionErrors(error, -target)

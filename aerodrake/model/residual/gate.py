@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,25 +12,18 @@ from aerodrake.scenario import Residual
 
 ERROR_FLOOR_M_S = 1e-4
 """Velocity errors below this value are negligible."""
-
 MAX_DELTA_M_S = 1.0
 """Largest plausible |Delta|."""
-
 MAX_SAMPLE_OFFSET_M_S = 0.5
 """Bound on one label's offset in the running mean; larger offsets are outliers."""
-
 FADE_IN = 2.0
 """Duration in which Delta returns, in units of `gate_s`: a step would disturb the flight."""
-
 FADE_OUT = 0.5
 """Duration in which the last valid Delta fades out, in units of `gate_s`."""
-
 NOISE_DEVIATIONS = 5.0
 """Standard deviations of noise that a mean offset may have beyond its bound."""
-
 REJECTION_RATIO = 0.25
 """Ratio of the mean offset to its bound above which labels are not learned."""
-
 MIN_IMPROVEMENT = 0.25
 """Mean improvement above which Delta is used; 1 if always exact, 0 if without effect."""
 
@@ -46,7 +39,7 @@ class GateCause(IntEnum):
     NOT_FINITE = 5
 
 
-class Sample(NamedTuple):
+class VelocitySample(NamedTuple):
     """One velocity prediction, compared with the measurement one period later.
 
     Attributes:
@@ -125,32 +118,25 @@ class LearningGate:
             return GateState(GateCause.OK, 0.0, 1.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0)
         return GateState(GateCause.UNPROVEN, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, -1.0)
 
-    def update(self, state: GateState, sample: Sample) -> GateState:
+    def update(self, state: GateState, sample: VelocitySample) -> GateState:
         """Updates the running means by one sample; NaN and infinite samples are ignored."""
         size = math.hypot(*sample.offset)
         if self.config.gate_s == 0 or not math.isfinite(size):
             return state
-        weight = self._sample_weight
-        is_outlier = size > MAX_SAMPLE_OFFSET_M_S
-        bounded = sample.offset * (MAX_SAMPLE_OFFSET_M_S / size) if is_outlier else sample.offset
-        offset = state.mean_offset + weight * (bounded - state.mean_offset)
-        square = float(bounded @ bounded)
-        square = state.mean_square_offset + weight * (square - state.mean_square_offset)
+        bounded = sample.offset * (MAX_SAMPLE_OFFSET_M_S / max(size, MAX_SAMPLE_OFFSET_M_S))
+        offset = self._mean(state.mean_offset, bounded)
+        square = self._mean(state.mean_square_offset, float(bounded @ bounded))
         state = state._replace(mean_offset=offset, mean_square_offset=square)
-        if is_outlier:
-            return state
         target = sample.target - offset
         with np.errstate(over="ignore", invalid="ignore"):
             error = sample.correction - target
             e0_square, e1_square = float(target @ target), float(error @ error)
-        if not math.isfinite(e0_square + e1_square):
+        total, benefit = e0_square + e1_square, e0_square - e1_square
+        if size > MAX_SAMPLE_OFFSET_M_S or not math.isfinite(total):
             return state
-        improvement = (e0_square - e1_square) / (e0_square + e1_square + ERROR_FLOOR_M_S**2)
-        return state._replace(
-            mean_benefit=state.mean_benefit + weight * (e0_square - e1_square - state.mean_benefit),
-            mean_improvement=state.mean_improvement
-            + weight * (improvement - state.mean_improvement),
-        )
+        improvement = self._mean(state.mean_improvement, benefit / (total + ERROR_FLOOR_M_S**2))
+        benefit = self._mean(state.mean_benefit, benefit)
+        return state._replace(mean_benefit=benefit, mean_improvement=improvement)
 
     def check_statistics(self, state: GateState) -> GateCause:
         """Returns POISONED, UNHELPFUL or OK, from the running means."""
@@ -164,12 +150,7 @@ class LearningGate:
         return self._offset_ratio(state) > REJECTION_RATIO
 
     def check_layer(self, theta: np.ndarray, delta: np.ndarray) -> GateCause:
-        """Returns NOT_FINITE, DIVERGED or OK, from the last layer and its output.
-
-        Args:
-            theta: (3, m) m/s, last layer.
-            delta: (3,) m/s, Delta.
-        """
+        """Returns NOT_FINITE, DIVERGED or OK, from theta (3, m) m/s and its delta (3,) m/s."""
         if not (np.isfinite(theta).all() and np.isfinite(delta).all()):
             return GateCause.NOT_FINITE
         if self.config.gate_s == 0:
@@ -180,19 +161,16 @@ class LearningGate:
         return GateCause.DIVERGED if math.hypot(*delta) > MAX_DELTA_M_S else GateCause.OK
 
     def apply(self, state: GateState, cause: GateCause, last: np.ndarray) -> GateState:
-        """Returns the state after gating Delta off or on at this tick.
+        """Returns the state after Delta is gated off, for the largest `cause` of this tick, or on.
 
-        Args:
-            state: With the newest sample in its means.
-            cause: Result of the checks at this tick.
-            last: (3,) m/s, Delta as used at the tick before: start of the fade-out.
+        The output fades out from `last`, (3,) m/s, Delta as used at the tick before.
         """
         was_used = state.cause == GateCause.OK
         gated_s = 0.0 if was_used else state.gated_s + self.dt
         if cause != GateCause.OK:
-            fade_out = state.fade_out
-            if was_used:
-                fade_out = np.zeros(3) if cause == GateCause.UNHELPFUL else last
+            fade_out = last if was_used else state.fade_out
+            if was_used and cause == GateCause.UNHELPFUL:
+                fade_out = np.zeros(3)
             return state._replace(
                 cause=cause, gated_s=gated_s, blend=0.0, fade_out=fade_out, mean_improvement=-1.0
             )
@@ -227,6 +205,10 @@ class LearningGate:
         # Standard deviation of the mean: position noise is uncorrelated between samples.
         noise = self._sample_weight * math.sqrt(state.mean_square_offset)
         return math.hypot(*state.mean_offset) / (bound + NOISE_DEVIATIONS * noise)
+
+    def _mean(self, mean: np.ndarray | float, newest: np.ndarray | float) -> Any:
+        """Returns a running mean after the newest value."""
+        return mean + self._sample_weight * (newest - mean)
 
     @cached_property
     def _sample_weight(self) -> float:

@@ -31,9 +31,7 @@ class LinearResidual:
     def fit(cls, flights: Sequence[Samples], alpha: float) -> Self:
         """Minimises mean squared error + alpha |coefficients|^2, without penalty on the intercept.
 
-        Args:
-            flights: Their samples have equal weights.
-            alpha: Penalty; 0 for least squares, with least norm for constant features.
+        All samples have equal weights. Without penalty, constant features have coefficients 0.
         """
         features, targets = (np.vstack(parts) for parts in zip(*flights, strict=True))
         mean, deviation = features.mean(axis=0), features.std(axis=0)

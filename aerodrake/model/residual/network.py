@@ -1,9 +1,8 @@
 """The network that estimates the residual velocity Delta of the base.
 
-Two hidden layers of 32 units with ELU, as in the paper (section "Residual
-Learning"). Everything is float64: the online update of the last layer is numpy
-in float64, where steps of 1e-9 still count, and torch and numpy then agree to
-rounding. At this size float32 would be no faster.
+Two hidden layers of 32 units with ELU, as in the paper (section "Residual Learning").
+Everything is float64, as the online update of the last layer, where steps of 1e-9 still
+count. At this size float32 would be no faster.
 """
 
 from dataclasses import dataclass, fields
@@ -12,7 +11,7 @@ from typing import Self
 import numpy as np
 import torch
 
-from aerodrake.model.residual.features import HIDDEN, PHI_SIZE, feature_names
+from aerodrake.model.residual.features import HIDDEN, PHI_SIZE
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,25 +35,17 @@ class FeatureScaler:
     @classmethod
     def nominal(cls, joints: int) -> Self:
         """Returns the ranges expected in slow flight, for a network without training data."""
-        scale = np.concatenate(
-            [
-                np.full(3, 0.1),  # rad, Theta_B
-                np.full(3, 0.3),  # m/s, v_B
-                np.full(3, 0.3),  # rad/s, omega_B
-                np.full(joints, 1.0),  # rad, q
-                np.full(joints, 0.5),  # rad/s, q'
-                np.full(3, 1.0),  # m/s^2, p_B,d''
-                np.full(joints, 3.0),  # rad/s^2, q_d''
-            ]
-        )
+        # rad Theta_B, m/s v_B, rad/s omega_B, rad q, rad/s q', m/s^2 p_B,d'', rad/s^2 q_d''.
+        sizes = (3, 3, 3, joints, joints, 3, joints)
+        scale = np.repeat([0.1, 0.3, 0.3, 1.0, 0.5, 1.0, 3.0], sizes)
         return cls(np.zeros_like(scale), scale)
 
 
 class ResidualNetwork(torch.nn.Module):
     """Delta = theta [ELU(W_2 ELU(W_1 s + b_1) + b_2); 1], with s the scaled features.
 
-    The last layer starts at zero, so that Delta is exactly zero until the
-    layer learns; the hidden layers start uniform in +-1/sqrt(inputs).
+    The last layer starts at zero, so that Delta is exactly zero until the layer learns; the
+    hidden layers start uniform in +-1/sqrt(inputs).
 
     Args:
         joints: n.
@@ -68,14 +59,9 @@ class ResidualNetwork(torch.nn.Module):
         self.register_buffer("mean", torch.tensor(scaler.mean))
         self.register_buffer("scale", torch.tensor(scaler.scale))
         generator = torch.Generator().manual_seed(seed)
-        inputs = len(feature_names(joints))
         first, second = HIDDEN
-        self.hidden = torch.nn.Sequential(
-            _linear(inputs, first, generator),
-            torch.nn.ELU(),
-            _linear(first, second, generator),
-            torch.nn.ELU(),
-        )
+        hidden = _linear(len(scaler.mean), first, generator), _linear(first, second, generator)
+        self.hidden = torch.nn.Sequential(hidden[0], torch.nn.ELU(), hidden[1], torch.nn.ELU())
         self.last = _linear(second, 3, generator)
         torch.nn.init.zeros_(self.last.weight)
         torch.nn.init.zeros_(self.last.bias)
@@ -87,16 +73,16 @@ class ResidualNetwork(torch.nn.Module):
 
     def forward(self, features: torch.Tensor) -> torch.Tensor:
         """Returns Delta (..., 3) in m/s from unscaled features (..., 12 + 3 n)."""
-        return self.last(self.hidden((features - self.mean) / self.scale))
+        return self.last(self.activations(features))
+
+    def activations(self, features: torch.Tensor) -> torch.Tensor:
+        """Returns the last hidden activations (..., 32) from unscaled features (..., 12 + 3 n)."""
+        return self.hidden((features - self.mean) / self.scale)
 
     def phi(self, features: np.ndarray) -> np.ndarray:
-        """Returns (..., 33), the last hidden activations and a 1, from features (..., 12 + 3 n).
-
-        The features are unscaled. Delta is `phi @ last_layer().T`.
-        """
+        """Returns (..., 33), the `activations` and a 1; Delta is `phi @ last_layer().T`."""
         with torch.inference_mode():
-            scaled = (torch.from_numpy(features) - self.mean) / self.scale
-            activations = self.hidden(scaled).numpy()
+            activations = self.activations(torch.from_numpy(features)).numpy()
         phi = np.ones((*activations.shape[:-1], PHI_SIZE))
         phi[..., :-1] = activations
         return phi

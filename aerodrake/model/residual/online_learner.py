@@ -13,10 +13,8 @@ class LearnerState(NamedTuple):
 
     Attributes:
         theta: (3, m) m/s, last layer.
-        phis: (B_l, m) activations of the samples.
-        targets: (B_l, 3) m/s, their targets.
-        sample_count: Number of samples written so far; the next one goes to row
-            `sample_count` mod B_l.
+        phis, targets: (B_l, m) activations and (B_l, 3) m/s targets of the samples.
+        sample_count: Number of samples so far; the next one goes to row `sample_count` mod B_l.
     """
 
     theta: np.ndarray
@@ -29,21 +27,20 @@ class LearnerState(NamedTuple):
 class OnlineLearner:
     """The gradient step of the paper's eq. 6 (`last_layer_step`), with guards.
 
-    With its three bounds 0 and `freeze_saturated` false the step is the paper's.
-    Otherwise
+    With its three bounds 0 and `freeze_saturated` false the step is the paper's. Otherwise
 
-    - a sample is rejected while the flight controller is saturated, since the
-      base then does not follow the equivalent model;
-    - a sample is rejected if the offline layer mispredicts it by more than
-      `max_error_m_s`. The learned layer is not used for this test: a learner that
-      diverged would reject the samples that correct it;
+    - a sample is rejected while the flight controller is saturated, since the base then does
+      not follow the equivalent model;
+    - a sample is rejected if the offline layer mispredicts it by more than `max_error_m_s`.
+      The learned layer is not used for this test: a learner that diverged would reject the
+      samples that correct it;
     - a step of theta is shortened to the length `max_step`;
-    - theta is projected onto the ball of radius `max_drift` about theta_offline, so
-      that |Delta - theta_offline phi| <= max_drift |phi|.
+    - theta is projected onto the ball of radius `max_drift` about theta_offline, so that
+      |Delta - theta_offline phi| <= max_drift |phi|.
 
-    Norms are Frobenius norms. Projecting onto a convex set that contains the old
-    theta never lengthens the step. Samples with NaN or infinite entries are
-    rejected, and a step that overflows is discarded.
+    Norms are Frobenius norms. Projecting onto a convex set that contains the old theta never
+    lengthens the step. Samples with NaN or infinite entries are rejected, and a step that
+    overflows is discarded.
 
     Attributes:
         config: Learning rate, batch and bounds.
@@ -68,8 +65,7 @@ class OnlineLearner:
         Args:
             state: Before the sample.
             phi: (m,) at the time of the prediction.
-            target: (3,) m/s, measured velocity minus the model's prediction
-                without Delta.
+            target: (3,) m/s, measured velocity minus the model's prediction without Delta.
             is_saturated: True if the flight controller was saturated in between.
         """
         # Extreme samples may overflow; the results are tested below.
@@ -80,31 +76,27 @@ class OnlineLearner:
             phis, targets = state.phis.copy(), state.targets.copy()
             row = state.sample_count % self.config.batch
             phis[row], targets[row] = phi, target
-            count = state.sample_count + 1
-            filled = slice(min(count, self.config.batch))
-            theta = self._guard(
-                state.theta,
-                last_layer_step(
-                    state.theta, phis[filled], targets[filled], self.gain, self.config.learning_rate
-                ),
+            count = state.sample_count + 1  # Of which the buffer has the latest B_l.
+            theta = last_layer_step(
+                state.theta, phis[:count], targets[:count], self.gain, self.config.learning_rate
             )
+            if np.isfinite(theta).all():
+                theta = _project(self.config.max_step, state.theta, theta)
+                theta = _project(self.config.max_drift, self.theta_offline, theta)
+            else:
+                theta = state.theta
         return LearnerState(theta, phis, targets, count)
 
     def run(self, phi: np.ndarray, target: np.ndarray, saturated: np.ndarray) -> np.ndarray:
-        """Returns the Delta that the residual estimator infers along a recorded flight.
+        """Returns Delta (T, 3) m/s that the residual estimator infers along a recorded flight.
 
-        Delta_k uses phi_k and the theta that has learned the samples up to k-1,
-        since the target of sample k is measured at k+1. Its prediction error is
-        gain * Delta_k - target_k.
+        Delta_k uses phi_k and the theta that has learned the samples up to k-1, since the target
+        of sample k is measured at k+1. Its prediction error is gain * Delta_k - target_k.
 
         Args:
             phi: (T, m) at successive ticks.
             target: (T, 3) m/s.
-            saturated: (T,) flag of each sample, read when its target is measured,
-                one tick after its phi.
-
-        Returns:
-            (T, 3) m/s.
+            saturated: (T,) flag of each sample, at the time of its target.
         """
         state, delta = self.start(), np.empty_like(target)
         for k in range(len(phi)):
@@ -119,41 +111,28 @@ class OnlineLearner:
         bound = self.config.max_error_m_s
         return bool(bound == 0 or error <= bound)
 
-    def _guard(self, old: np.ndarray, new: np.ndarray) -> np.ndarray:
-        if not np.isfinite(new).all():
-            return old
-        new = _project(self.config.max_step, old, new)
-        return _project(self.config.max_drift, self.theta_offline, new)
-
 
 def last_layer_step(
-    theta: np.ndarray,
-    phi: np.ndarray,
-    target: np.ndarray,
-    gain: np.ndarray,
-    learning_rate: float,
+    theta: np.ndarray, phi: np.ndarray, target: np.ndarray, gain: np.ndarray, learning_rate: float
 ) -> np.ndarray:
     """Returns theta after one step theta_k = theta_{k-1} - eta mean_i grad L_i (paper, eq. 6).
 
-    L_i = || p_hat'_i - p'_i ||^2 with p_hat'_i = base_i + c * (theta phi_i): the
-    model's velocity prediction is affine in theta, so that
+    L_i = || p_hat'_i - p'_i ||^2 with p_hat'_i = base_i + c * (theta phi_i): the model's
+    velocity prediction is affine in theta, so that
 
-        grad L_i = 2 diag(c) (c * (theta phi_i) - target_i) phi_i^T,
-        target_i = p'_i - base_i.
+        grad L_i = 2 diag(c) (c * (theta phi_i) - target_i) phi_i^T, target_i = p'_i - base_i.
 
-    The printed sum over i = k-B_l..k has B_l + 1 terms and is divided by B_l; it
-    is read as i = k-B_l+1..k. While fewer than B_l samples have been recorded, the
-    mean runs over those.
+    The printed sum over i = k-B_l..k has B_l + 1 terms and is divided by B_l; it is read as
+    i = k-B_l+1..k. With fewer than B_l samples so far, the mean runs over those.
 
-    The method is that of Saviolo et al., "Active Learning of Discrete-Time
-    Dynamics for Uncertainty-Aware Model Predictive Control", 2023. The step is
-    stable for eta c^2 < 1 / lambda_max, the largest eigenvalue of mean phi phi^T.
+    The method is that of Saviolo et al., "Active Learning of Discrete-Time Dynamics for
+    Uncertainty-Aware Model Predictive Control", 2023. The step is stable for
+    eta c^2 < 1 / lambda_max, the largest eigenvalue of mean phi phi^T.
 
     Args:
-        theta: (3, m) last layer, [weights, bias].
+        theta: (3, m) m/s, last layer, [weights, bias].
         phi: (B, m) last hidden activations and a 1, B >= 1.
-        target: (B, 3) m/s, measured velocity minus the model's prediction
-            without Delta.
+        target: (B, 3) m/s, measured velocity minus the model's prediction without Delta.
         gain: (3,) c, the diagonal of the model's C in the rows of p_B'.
         learning_rate: eta.
     """

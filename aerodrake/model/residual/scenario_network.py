@@ -1,7 +1,4 @@
-"""Residual network of a scenario.
-
-Torch takes a second to import, and is imported only for scenarios with a network.
-"""
+"""Residual network of a scenario. Torch is imported only if needed: that takes a second."""
 
 from __future__ import annotations
 
@@ -13,27 +10,23 @@ from aerodrake.support.errors import ScenarioError, file_at
 from aerodrake.support.files import locate
 
 if TYPE_CHECKING:
+    from aerodrake.model.residual.checkpoint import Provenance
     from aerodrake.model.residual.network import ResidualNetwork
 
 
 def network_for(scenario: Scenario, joints: int) -> ResidualNetwork | None:
-    """Loads the scenario's checkpoint; without one, returns an untrained network.
-
-    Returns None in the mode `off`.
+    """Returns the checkpoint's network, or an untrained one without; None in the mode `off`.
 
     Raises:
         ScenarioError: if the checkpoint cannot be used, or is for another flight interface.
     """
     if scenario.residual.mode == "off":
         return None
-    from aerodrake.model.residual.checkpoint import load
-    from aerodrake.model.residual.network import ResidualNetwork
+    if not scenario.residual.checkpoint:
+        from aerodrake.model.residual.network import ResidualNetwork
 
-    file = scenario.residual.checkpoint
-    if not file:
         return ResidualNetwork.untrained(joints, scenario.seed)
-    with file_at(scenario.source, "residual.checkpoint"):
-        network, provenance = load(locate(file), joints)
+    network, provenance = _load(scenario, joints)
     if provenance.flight_interface != scenario.flight.interface:
         raise ScenarioError(
             scenario.source,
@@ -50,16 +43,18 @@ def provenance_notes(scenario: Scenario, joints: int) -> list[str]:
     Raises:
         ScenarioError: if the checkpoint cannot be used.
     """
-    file = scenario.residual.checkpoint
-    if not file or scenario.residual.mode == "off":
+    if not scenario.residual.checkpoint or scenario.residual.mode == "off":
         return []
-    from aerodrake.model.residual.checkpoint import load
-
-    with file_at(scenario.source, "residual.checkpoint"):
-        _, provenance = load(locate(file), joints)
-    if provenance.plant_hash == plant_hash(scenario):
+    if _load(scenario, joints)[1].plant_hash == plant_hash(scenario):
         return []
     return [
         "residual.checkpoint was trained for another vehicle, flight controller or model than "
         "this scenario's; `aerodrake train` trains a network for it"
     ]
+
+
+def _load(scenario: Scenario, joints: int) -> tuple[ResidualNetwork, Provenance]:
+    from aerodrake.model.residual.checkpoint import load
+
+    with file_at(scenario.source, "residual.checkpoint"):
+        return load(locate(scenario.residual.checkpoint), joints)

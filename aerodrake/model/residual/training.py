@@ -87,19 +87,18 @@ def train(
 ) -> TrainingResult:
     """Trains a network to fit Delta = target / gain.
 
-    The loss is the mean over flights of the squared error relative to the flight's own
-    mean squared target, so that slow and fast flights have equal weights.
+    The loss is the mean over flights of the squared error relative to the flight's own mean
+    squared target, so that slow and fast flights have equal weights.
 
-    Noise on roll, pitch and their rates keeps the network from inferring accelerations
-    from the attitude: in wind the base tilts without accelerating. The network then
-    infers them from the setpoint and the velocity. Noise on the commanded acceleration
-    bounds the dependence of Delta on u: the MPC chooses u by Delta, and a strong
-    dependence makes the two oscillate.
+    Noise on roll, pitch and their rates keeps the network from inferring accelerations from the
+    attitude: in wind the base tilts without accelerating. The network then infers them from the
+    setpoint and the velocity. Noise on the commanded acceleration bounds the dependence of Delta
+    on u: the MPC chooses u by Delta, and a strong dependence makes the two oscillate.
 
-    Online learning corrects Delta by a fraction 2 eta c^2 |phi|^2 of its error at
-    every tick: with the small phi of an ordinary initialisation a constant error
-    takes seconds to learn. The hidden layers therefore start with larger weights
-    and biases; training on phi minus its mean preserves them.
+    Online learning corrects Delta by a fraction 2 eta c^2 |phi|^2 of its error at every tick:
+    with the small phi of an ordinary initialisation a constant error takes seconds to learn. The
+    hidden layers therefore start with larger weights and biases; training on phi minus its mean
+    preserves them.
 
     Args:
         data: Training and validation flights.
@@ -153,16 +152,11 @@ def _stack(
 
     The weighted mean square of each flight's targets is 1, unless it is below `RMS_FLOOR`.
     """
-    weights = []
-    for _, targets in flights:
-        mean_square = (targets**2).sum(axis=1).mean()
-        weights.append(np.full((len(targets), 1), 1 / max(mean_square, RMS_FLOOR**2)))
-    features, targets = (np.vstack(parts) for parts in zip(*flights, strict=True))
-    return (
-        torch.from_numpy(features),
-        torch.from_numpy(targets / gain),
-        torch.from_numpy(np.vstack(weights)),
-    )
+    squares = [(targets**2).sum(axis=1) for _, targets in flights]
+    weights = [np.full((len(s), 1), 1 / max(s.mean(), RMS_FLOOR**2)) for s in squares]
+    features, targets, weight = map(np.vstack, (*zip(*flights, strict=True), weights))
+    features, targets, weight = map(torch.from_numpy, (features, targets / gain, weight))
+    return features, targets, weight
 
 
 def _noise(features: np.ndarray, joints: int, config: TrainingConfig) -> np.ndarray:
@@ -183,7 +177,6 @@ class _Centred:
     """Network in training, whose last layer receives phi minus its mean, and is scaled.
 
     Steps along the mean of phi and along its variation then are equally well conditioned.
-    `fold` returns the parameters to those of the plain network.
     """
 
     def __init__(self, network: ResidualNetwork, features: torch.Tensor, rms: float):
@@ -193,12 +186,13 @@ class _Centred:
             first.weight *= WEIGHT_GAIN
             second.weight *= WEIGHT_GAIN
             second.bias += BIAS
-            phi = self._phi(features)
+            phi = network.activations(features)
             self._centre = phi.mean(dim=0)
             self._scale = rms / float(((phi - self._centre) ** 2).sum(dim=1).mean().sqrt())
 
     def __call__(self, features: torch.Tensor) -> torch.Tensor:
-        return self._scale * self._network.last(self._phi(features) - self._centre)
+        phi = self._network.activations(features)
+        return self._scale * self._network.last(phi - self._centre)
 
     def fold(self) -> None:
         """Converts the last layer to the plain network's."""
@@ -207,7 +201,3 @@ class _Centred:
             last.weight *= self._scale
             last.bias *= self._scale
             last.bias -= last.weight @ self._centre
-
-    def _phi(self, features: torch.Tensor) -> torch.Tensor:
-        network = self._network
-        return network.hidden((features - network.mean) / network.scale)

@@ -11,7 +11,7 @@ from pydrake.systems.framework import Context, DependencyTicket
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.estimation import EstimatorState, ResidualEstimation
-from aerodrake.model.residual.gate import GateCause, GateState, Sample
+from aerodrake.model.residual.gate import GateCause, GateState, VelocitySample
 from aerodrake.model.residual.online_learner import LearnerState
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import (
@@ -40,13 +40,12 @@ class FaultyEstimation(ResidualEstimation):
     theta_offset: float
     velocity_offset: np.ndarray
 
-    def label_motion(self, vehicle: VehicleState) -> tuple[np.ndarray, np.ndarray]:
-        """Returns p_B, (3,) m, and v_B with its offset, (3,) m/s."""
-        p_B, v_B = super().label_motion(vehicle)
-        return p_B, v_B + self.velocity_offset
+    def label_velocity(self, vehicle: VehicleState) -> np.ndarray:
+        """Returns the measured v_B with its offset, (3,) m/s."""
+        return super().label_velocity(vehicle) + self.velocity_offset
 
     def learn(
-        self, state: EstimatorState, sample: Sample | None, is_saturated: bool
+        self, state: EstimatorState, sample: VelocitySample | None, is_saturated: bool
     ) -> tuple[LearnerState, GateState, GateCause]:
         """Learns, then adds the offset to the last layer."""
         learner, gate, cause = super().learn(state, sample, is_saturated)
@@ -54,18 +53,15 @@ class FaultyEstimation(ResidualEstimation):
 
 
 class FaultyResidualEstimator(ResidualEstimator):
-    """`ResidualEstimator` with learning faults.
-
-    Reference time is the context's time minus `settle_s`. A fault is active from its
-    start until before its end.
+    """`ResidualEstimator` with learning faults, each active from its start until before its end.
 
     Ports:
         those of `ResidualEstimator`.
-
-    State, rate: those of `ResidualEstimator`.
+    State, rate:
+        those of `ResidualEstimator`.
 
     Args:
-        network, model, config: Of `ResidualEstimator`.
+        network, model, config: As of `ResidualEstimator`.
         faults: All faults of a scenario; the offsets of its learning faults add up.
         settle_s: s, hover before reference time 0.
     """

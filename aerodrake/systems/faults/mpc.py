@@ -24,10 +24,9 @@ SEVERITY = (MpcStarved, MpcInfeasible, MpcNonFinite, MpcMissed)
 
 
 class FaultyMpc(MpcSystem):
-    """MPC whose programs and ticks have the faults of a scenario.
+    """MPC with faults, each active from its start until before its end.
 
-    Reference time is the context's time less `settle_s`. A fault acts from its start until
-    before its end. A missed tick has status `MISSED` and solves no program.
+    A missed tick has status `MISSED` and solves no program.
 
     Ports:
         those of `MpcSystem`.
@@ -47,7 +46,7 @@ class FaultyMpc(MpcSystem):
         self._osqp = CondensedQp(formulation.A, formulation.config.max_iterations)
 
     def active_fault(self, context: Context) -> AnyFault | None:
-        """Returns the fault that acts at a Context's time; of starved ones, the most starved."""
+        """Returns the active fault of a Context; of starved ones, that with fewest iterations."""
         now = round(context.get_time() - self._settle_s, 9)
         return max(
             (fault for fault in self._faults if fault.is_active(now)),
@@ -56,13 +55,13 @@ class FaultyMpc(MpcSystem):
         )
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        if not isinstance(self.active_fault(context), MpcMissed):
+        if isinstance(self.active_fault(context), MpcMissed):
+            tick = self.tick_inputs(context)
+            program = self._formulation.form(tick)
+            no_result = QpResult(np.zeros_like(program.g), MISSED, 0, np.zeros(0))
+            self._apply(context, discrete, tick, SolvedProgram(program, no_result))
+        else:
             super()._update(context, discrete)
-            return
-        tick = self.tick_inputs(context)
-        program = self._formulation.form(tick)
-        no_result = QpResult(np.zeros_like(program.g), MISSED, 0, np.zeros(0))
-        self._apply(context, discrete, tick, SolvedProgram(program, no_result))
 
     def _solve(self, context: Context, program: MpcProgram) -> QpResult:
         match self.active_fault(context):

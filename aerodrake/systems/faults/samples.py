@@ -30,8 +30,7 @@ class SampleFaultSystem(LeafSystem):
 
     def __init__(self, fault: SampleFault, settle_s: float, period: float, initial: np.ndarray):
         super().__init__()
-        self._fault = fault
-        self._settle_s = settle_s
+        self._fault, self._settle_s = fault, settle_s
         self._sample = self.DeclareVectorInputPort("sample", len(initial))
         self._stamps = self.DeclareVectorInputPort("stamps", 3)
         self._last = NamedState(self, Sample(initial, np.zeros(3)))
@@ -41,17 +40,15 @@ class SampleFaultSystem(LeafSystem):
 
     def _is_active(self, context: Context) -> bool:
         # Rounding keeps a fault from beginning or ending a sample late.
-        time = round(context.get_time() - self._settle_s, 9)
-        return bool(self._fault.is_active(time))
+        return bool(self._fault.is_active(round(context.get_time() - self._settle_s, 9)))
 
     def _measured(self, context: Context) -> Sample:
         return Sample(self._sample.Eval(context), self._stamps.Eval(context))
 
     def _arriving(self, context: Context) -> Sample:
         sample = self._measured(context)
-        if not self._is_active(context):
-            return sample
-        return faulty(self._fault, sample, self._last.read(context))
+        is_active = self._is_active(context)
+        return faulty(self._fault, sample, self._last.read(context)) if is_active else sample
 
     def _calc_sample(self, context: Context, output: BasicVector) -> None:
         output.set_value(self._arriving(context).state)

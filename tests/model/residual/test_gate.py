@@ -20,7 +20,7 @@ from aerodrake.model.residual.gate import (
     GateCause,
     GateState,
     LearningGate,
-    Sample,
+    VelocitySample,
 )
 from aerodrake.scenario import Residual
 
@@ -28,7 +28,7 @@ DT, M = 0.02, 5
 SECOND = round(1 / DT)
 ZERO = np.zeros(3)
 RIGHT = np.array([0.01, -0.005, 0.0])
-EXACT = Sample(RIGHT, RIGHT, ZERO)
+EXACT = VelocitySample(RIGHT, RIGHT, ZERO)
 
 
 def make_gate(**changes) -> LearningGate:
@@ -36,7 +36,7 @@ def make_gate(**changes) -> LearningGate:
     return LearningGate(replace(Residual(mode="online"), **changes), theta, DT)
 
 
-def step(gate: LearningGate, state: GateState, sample: Sample) -> GateState:
+def step(gate: LearningGate, state: GateState, sample: VelocitySample) -> GateState:
     """Returns the state after a tick whose last layer passes its check."""
     state = gate.update(state, sample)
     return gate.apply(state, gate.check_statistics(state), ZERO)
@@ -80,7 +80,7 @@ def test_delta_is_used_after_the_time_constant_and_fades_in(gate_s):
 def test_without_a_gate_every_finite_delta_is_used():
     plain = make_gate(gate_s=0.0)
     assert plain.start().blend == 1 and plain.start().cause == GateCause.OK
-    harmful = Sample(RIGHT, -9 * RIGHT, RIGHT)
+    harmful = VelocitySample(RIGHT, -9 * RIGHT, RIGHT)
     for state in run(plain, [harmful] * SECOND):
         assert state.blend == 1 and state.gated_s == 0
     assert plain.check_layer(plain.theta_offline + 50.0, np.full(3, 50.0)) == GateCause.OK
@@ -95,10 +95,11 @@ def test_without_a_gate_every_finite_delta_is_used():
 @pytest.mark.parametrize(
     "sample",
     [
-        Sample(RIGHT, ZERO, ZERO),
-        Sample(RIGHT, 2.1 * RIGHT, ZERO),
-        Sample(RIGHT, -RIGHT, ZERO),
-        Sample(np.full(3, 2e-5), np.full(3, 2e-5), ZERO),  # The residual is below the floor.
+        VelocitySample(RIGHT, ZERO, ZERO),
+        VelocitySample(RIGHT, 2.1 * RIGHT, ZERO),
+        VelocitySample(RIGHT, -RIGHT, ZERO),
+        # The residual is below the floor.
+        VelocitySample(np.full(3, 2e-5), np.full(3, 2e-5), ZERO),
     ],
 )
 def test_delta_that_does_not_improve_the_prediction_is_never_used(sample):
@@ -107,7 +108,7 @@ def test_delta_that_does_not_improve_the_prediction_is_never_used(sample):
 
 
 def test_one_large_error_gates_delta_off(used):
-    state = step(make_gate(), used, Sample(RIGHT, np.array([0.2, 0.0, 0.0]), ZERO))
+    state = step(make_gate(), used, VelocitySample(RIGHT, np.array([0.2, 0.0, 0.0]), ZERO))
     assert state.cause == GateCause.UNHELPFUL and state.blend == 0
     later = run(make_gate(), [EXACT] * 2 * SECOND, state)
     assert later[0].cause == GateCause.UNHELPFUL and later[-1].cause == GateCause.OK
@@ -127,7 +128,7 @@ def test_the_last_delta_fades_out_unless_it_was_harmful(used, cause):
 
 
 def test_a_label_that_contradicts_the_motion_does_not_enter_the_improvement(used):
-    outlier = Sample(np.full(3, 1e9), ZERO, np.full(3, 1e9))
+    outlier = VelocitySample(np.full(3, 1e9), ZERO, np.full(3, 1e9))
     state = step(make_gate(), used, outlier)
     assert state.mean_benefit == used.mean_benefit
     assert state.mean_improvement == used.mean_improvement
@@ -139,7 +140,7 @@ def test_a_label_that_contradicts_the_motion_does_not_enter_the_improvement(used
 def test_non_finite_samples_and_overflowing_squares_are_ignored(used, number, part):
     vectors = [v.copy() for v in EXACT]
     vectors[part][1] = number
-    state = make_gate().update(used, Sample(*vectors))
+    state = make_gate().update(used, VelocitySample(*vectors))
     assert state.mean_benefit == used.mean_benefit
     assert state.mean_improvement == used.mean_improvement
     assert is_finite(state)
@@ -155,7 +156,7 @@ def test_non_finite_samples_and_overflowing_squares_are_ignored(used, number, pa
 def test_offset_labels_are_detected_within_a_second(true, axis, size, sign):
     """For any motion, and although Delta predicts the labels exactly."""
     offset = sign * size * np.eye(3)[axis]
-    states = run(make_gate(), [Sample(r + offset, r + offset, offset) for r in true])
+    states = run(make_gate(), [VelocitySample(r + offset, r + offset, offset) for r in true])
     for state in states[SECOND:]:
         assert state.cause == GateCause.POISONED and state.blend == 0
 
@@ -164,7 +165,7 @@ def test_offset_labels_are_detected_within_a_second(true, axis, size, sign):
 def test_labels_are_rejected_before_delta_is_gated_off(used, size):
     """After less than 0.35 of the time in which they would otherwise be learned."""
     offset = np.array([0.0, 0.0, size])
-    states = run(make_gate(), [Sample(RIGHT + offset, RIGHT, offset)] * 3 * SECOND, used)
+    states = run(make_gate(), [VelocitySample(RIGHT + offset, RIGHT, offset)] * 3 * SECOND, used)
     rejected = [make_gate().rejects_labels(state) for state in states]
     assert rejected[-1] and not make_gate().rejects_labels(used)
     poisoned = [state.cause == GateCause.POISONED for state in states]
@@ -175,7 +176,7 @@ def test_labels_are_rejected_before_delta_is_gated_off(used, size):
 
 def test_poisoning_ends_when_labels_are_consistent_again():
     offset = np.array([0.0, 0.1, 0.0])
-    last = run(make_gate(), [Sample(RIGHT, RIGHT, offset)] * 3 * SECOND)[-1]
+    last = run(make_gate(), [VelocitySample(RIGHT, RIGHT, offset)] * 3 * SECOND)[-1]
     healed = run(make_gate(), [EXACT] * 8 * SECOND, last)
     first = next(k for k, state in enumerate(healed) if state.cause == GateCause.OK)
     bound = make_gate().config.max_offset_m_s
@@ -190,7 +191,7 @@ def test_position_noise_is_not_poison(seed):
     """2 mm at each sample makes the displacement of a tick wrong by 0.14 m/s."""
     noise = np.random.default_rng(seed).normal(scale=0.002, size=(60 * SECOND + 1, 3))
     offsets = -np.diff(noise, axis=0) / DT
-    states = run(make_gate(), [Sample(RIGHT, RIGHT, offset) for offset in offsets])
+    states = run(make_gate(), [VelocitySample(RIGHT, RIGHT, offset) for offset in offsets])
     assert GateCause.POISONED not in {state.cause for state in states}
 
 
@@ -203,8 +204,10 @@ def test_position_noise_is_not_poison(seed):
 def test_a_wrong_delta_is_gated_off_within_a_second_after_any_history(history, length, large):
     """Wrong: an error four times that without Delta."""
     right = large * RIGHT
-    before = [Sample(right, ratio * right, ZERO) for ratio in history for _ in range(length)]
-    states = run(make_gate(), before + [Sample(RIGHT, 5 * RIGHT, ZERO)] * SECOND)
+    before = [
+        VelocitySample(right, ratio * right, ZERO) for ratio in history for _ in range(length)
+    ]
+    states = run(make_gate(), before + [VelocitySample(RIGHT, 5 * RIGHT, ZERO)] * SECOND)
     assert states[-1].blend == 0 and states[-1].cause != GateCause.OK
 
 
@@ -212,7 +215,7 @@ VECTOR = arrays(float, 3, elements=st.floats(-1e6, 1e6))
 
 
 @given(
-    samples=st.lists(st.builds(Sample, VECTOR, VECTOR, VECTOR), max_size=40),
+    samples=st.lists(st.builds(VelocitySample, VECTOR, VECTOR, VECTOR), max_size=40),
     cause=st.sampled_from(GateCause),
     gate_s=st.floats(1e-3, 60.0),
 )

@@ -8,12 +8,11 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from aerodrake.flight.excitation import Excitation
 from aerodrake.model.equivalent.axis_models import AXIS_MODELS
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.model.residual.online_learner import OnlineLearner
-from aerodrake.model.residual.samples import residual_samples
+from aerodrake.model.residual.samples import Excitation, residual_samples
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Model, Residual, Scenario
 from aerodrake.systems.equivalent_state import EquivalentState
