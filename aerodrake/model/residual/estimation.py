@@ -143,7 +143,7 @@ class ResidualEstimation:
     def learn(
         self, state: EstimatorState, sample: VelocitySample | None, is_saturated: bool
     ) -> tuple[LearnerState, GateState, GateCause]:
-        """Learns a sample, if there is one; the gate checks its statistics of the samples first."""
+        """Updates gate and last layer by a sample, if any; also returns the gate's result."""
         learner, gate = state.learner, state.gate
         if sample is None:
             return learner, gate, GateCause.OK

@@ -80,7 +80,7 @@ class ResidualNetwork(torch.nn.Module):
         return self.hidden((features - self.mean) / self.scale)
 
     def phi(self, features: np.ndarray) -> np.ndarray:
-        """Returns (..., 33), the `activations` and a 1; Delta is `phi @ last_layer().T`."""
+        """Returns (..., 33), activations and a 1, from unscaled features (..., 12 + 3 n)."""
         with torch.inference_mode():
             activations = self.activations(torch.from_numpy(features)).numpy()
         phi = np.ones((*activations.shape[:-1], PHI_SIZE))
@@ -88,7 +88,7 @@ class ResidualNetwork(torch.nn.Module):
         return phi
 
     def last_layer(self) -> np.ndarray:
-        """Returns a (3, 33) copy of theta, [weights, bias]: the paper's theta^l."""
+        """Returns a (3, 33) copy of theta = [weights, bias] (paper: theta^l); Delta = theta phi."""
         with torch.no_grad():
             return torch.column_stack([self.last.weight, self.last.bias]).numpy()
 
