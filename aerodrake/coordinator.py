@@ -2,7 +2,7 @@
 
 It turns the measured state and the reference into setpoints of base and arm. Rates of its
 systems are in `aerodrake.station`, its signals from and to the station in `STATION_INTERFACE` and
-`SETPOINTS` there. Guidance is wired on a page of its own.
+`SETPOINTS` there. Guidance is wired in `aerodrake.wiring.guidance`.
 """
 
 import numpy as np
@@ -95,8 +95,8 @@ def make_coordinator(
 ) -> Diagram:
     """Makes the coordinator: guidance, estimators, MPC or CLIK, setpoint integrator, supervisor.
 
-    Inputs: those of `STATION_INTERFACE`; `followed` (3 (3 + n) + 1), the segment of the setpoint
-    integrator that has the last word, where that is the station's; unconnected otherwise.
+    Inputs: those of `STATION_INTERFACE`; `followed` (3 (3 + n) + 1), the segment that the vehicle
+    follows, if the station has a setpoint integrator of its own; unconnected otherwise.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment` (3 (3 + n) + 1), the
     polynomials of both until the next tick; `reference` (6) and `horizon` (6 (N + 1)), as they are
     followed, and `reference_verdict` (1); `weights` (5), `u` (3 + n) and `plan` (P (3 + n)), the

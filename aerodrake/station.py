@@ -4,7 +4,7 @@ The *station* is what real hardware replaces: plant, rotors, wind, sensors and l
 controllers. The *coordinator* is what runs on a companion computer: reference, weight allocator,
 residual estimator, MPC, setpoint integrator and supervisor. The closed loop connects the two
 by the signals in `STATION_INTERFACE` and `SETPOINTS`. The coordinator is wired in
-`aerodrake.coordinator`, each sub-diagram in a page of `aerodrake.wiring`.
+`aerodrake.coordinator`, each sub-diagram in a module of `aerodrake.wiring`.
 
 `RATES` has the periodic events of both. The sensors sample the plant a quarter of its step before
 each instant, when the plant's state is already that of the instant, so that every event there
@@ -45,7 +45,7 @@ RATES = (
     Rate(("flight_controller",), "flight_period_s", offset_steps=1 / 2),
     Rate(("arm_controller",), "arm_period_s", offset_steps=1 / 2),
 )
-"""Periodic updates of all systems; wind that cannot blow has none."""
+"""Periodic updates of all systems; in still air the wind has none."""
 
 WIRING = Wiring(
     connections=(

@@ -9,7 +9,7 @@ from aerodrake.scenario import Wind
 
 
 class WindForce(LeafSystem):
-    """Drag on the base, sampled and held.
+    """Drag on the base with a zero-order hold.
 
     Ports:
         in `true_state` (13 + 2 n): the plant's state.

@@ -40,10 +40,11 @@ class Wiring:
 
     def rename(self, old: str, new: str) -> Self:
         """Returns these rows with the name `new` wherever they have `old`."""
-        tables = (self.connections, self.inputs, self.outputs)
-        return Wiring(
-            *(tuple(tuple(new if x == old else x for x in row) for row in rows) for rows in tables)
-        )
+
+        def renamed(rows: tuple[tuple[str, ...], ...]) -> tuple[tuple[str, ...], ...]:
+            return tuple(tuple(new if name == old else name for name in row) for row in rows)
+
+        return Wiring(renamed(self.connections), renamed(self.inputs), renamed(self.outputs))
 
     def insert(
         self, name: str, source: tuple[str, str], input_port: str = "u0", output_port: str = "y0"

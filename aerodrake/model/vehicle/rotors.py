@@ -47,8 +47,8 @@ class Rotors:
             robot: URI or path of the robot, for messages.
 
         Raises:
-            BadInput: if there are fewer than four, one is on another link or tilted, or
-                the name of its frame does not say which way it turns.
+            BadInput: if there are fewer than four, one is on another link or tilted, or the name
+                of its frame ends in neither `_ccw` nor `_cw`.
         """
         frames = [plant.get_frame(i) for i in plant.GetFrameIndices(base.model_instance())]
         frames = [f for f in frames if f.name().startswith(ROTOR_PREFIX)]

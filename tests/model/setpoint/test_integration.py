@@ -1,4 +1,4 @@
-"""Setpoints: exact integration, and limits for any command."""
+"""Setpoints: exact integration, limits for any command, and braking as soon as they allow."""
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ from aerodrake.model.setpoint.integration import (
     Segment,
     SetpointLimits,
     admissible,
+    braking,
     evaluate,
     integrate,
     split_segment,
@@ -24,6 +25,8 @@ LIMITS = SetpointLimits(
     acceleration=np.array([4.0, 15.0, 15.0]),
 )
 TICKS = 200
+STAGES_S = 0.02 * np.array([1, 1, 2, 3, 5, 8])
+MOST = np.array([2.5, 15.0])
 
 
 def assert_within_limits(p, v, commands):
@@ -144,3 +147,14 @@ def test_limits_are_the_scenarios_and_the_robots(vehicle):
     np.testing.assert_array_equal(limits.lower, [-np.inf] * 3 + [*vehicle.lower])
     np.testing.assert_array_equal(limits.velocity, [1, 2, 3, *vehicle.velocity])
     np.testing.assert_array_equal(limits.acceleration, [4, 5, 6, *vehicle.acceleration])
+
+
+@given(st.floats(-3, 3), st.floats(-3, 3))
+def test_braking_at_the_limit_until_rest(v_0, v_1):
+    v = np.array([v_0, v_1])
+    z = braking(v, MOST, STAGES_S).reshape(2, -1)
+    assert np.all(np.abs(z) <= 1)
+    left = v[:, None] + np.cumsum(z * MOST[:, None] * STAGES_S, axis=1)
+    most = np.maximum(np.abs(v[:, None]) - MOST[:, None] * np.cumsum(STAGES_S), 0)
+    np.testing.assert_allclose(np.abs(left), most, atol=1e-12)
+    assert np.all(left * v[:, None] >= -1e-12)
