@@ -31,10 +31,8 @@ class ReferenceSystem(LeafSystem):
         self, curve: ReferenceCurve, start: np.ndarray, settle_s: float, stages_s: np.ndarray
     ):
         super().__init__()
-        self._curve = curve
-        self._start = start
-        self._settle_s = settle_s
-        self._stages = stages_s
+        self._curve, self._start = curve, start
+        self._settle_s, self._stages = settle_s, stages_s
         time = {self.time_ticket()}
         self.DeclareVectorOutputPort("reference", 6, self._calc_reference, time)
         self._horizon = self.DeclareVectorOutputPort(

@@ -10,7 +10,12 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
-from aerodrake.model.reference.envelope import Envelope, GuardState, guard_reference
+from aerodrake.model.reference.envelope import (
+    Envelope,
+    GuardState,
+    ReferenceVerdict,
+    guard_reference,
+)
 from aerodrake.systems.named_state import NamedState
 
 
@@ -42,7 +47,7 @@ class ReferenceGuard(LeafSystem):
         size = 6 * (stages + 1)
         self._requested = self.DeclareVectorInputPort("horizon", size)
         at_rest = np.concatenate([start, np.zeros(3)])
-        self._state = NamedState(self, GuardState.initial(at_rest))
+        self._state = NamedState(self, GuardState(at_rest, at_rest, int(ReferenceVerdict.OK)))
         # Computed once per tick for both outputs and the update.
         self._guarded = self.DeclareCacheEntry(
             "guarded",

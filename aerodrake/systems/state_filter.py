@@ -4,7 +4,6 @@ import numpy as np
 from pydrake.systems.framework import Context, LeafSystem, State
 
 from aerodrake.model.sensing.sample import Sample
-from aerodrake.model.sensing.sample_check import SampleCheck
 from aerodrake.model.sensing.state_filter import FilterState, StateFilter, replace_rejected, update
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.systems.named_state import NamedState
@@ -13,7 +12,7 @@ from aerodrake.systems.named_state import NamedState
 class StateFilterSystem(LeafSystem):
     """Estimates the vehicle's present state, for all its consumers, from samples.
 
-    Groups of a sample that `check` rejects are predicted.
+    Groups of a sample that `state_filter.check` rejects are predicted.
 
     Ports:
         in `sample` (13 + 2 n): the last sample; its base is delayed by `filter.steps` samples.
@@ -37,8 +36,7 @@ class StateFilterSystem(LeafSystem):
         with the sensors sees the new state, not the previous one.
 
     Args:
-        state_filter: The filter's equations.
-        sample_check: Bounds for accepting a sample.
+        state_filter: The equations.
         passes: True if `state` is the sample itself, where that is accepted.
         initial: (13 + 2 n,) the state before the first sample, at rest.
         trim_acceleration: (6,) modelled at rest; the initial disturbances cancel it.
@@ -47,15 +45,12 @@ class StateFilterSystem(LeafSystem):
     def __init__(
         self,
         state_filter: StateFilter,
-        sample_check: SampleCheck,
         passes: bool,
         initial: np.ndarray,
         trim_acceleration: np.ndarray,
     ):
         super().__init__()
-        self._filter = state_filter
-        self._check = sample_check
-        self._passes = passes
+        self._filter, self._passes = state_filter, passes
         self._sample = self.DeclareVectorInputPort("sample", len(initial))
         self._stamps = self.DeclareVectorInputPort("stamps", 3)
         self._acceleration = self.DeclareVectorInputPort("acceleration", 6)
@@ -79,7 +74,6 @@ class StateFilterSystem(LeafSystem):
         sample = Sample(self._sample.Eval(context), self._stamps.Eval(context))
         now, estimate = update(
             self._filter,
-            self._check,
             self._state.read(context),
             sample,
             self._acceleration.Eval(context),

@@ -6,7 +6,6 @@ from pydrake.systems.framework import Diagram
 from pydrake.systems.primitives import AffineSystem, DiscreteTimeDelay, RandomSource
 
 from aerodrake.model.sensing.sample import noise_size
-from aerodrake.model.sensing.sample_check import SampleCheck
 from aerodrake.model.sensing.state_filter import StateFilter
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import SampleFault, Scenario
@@ -16,9 +15,22 @@ from aerodrake.systems.state_filter import StateFilterSystem
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.table import Wiring, outputs, shared_input
 
-SAMPLER = Wiring(
-    connections=(("sensor_noise", "output", "sampler", "noise"),),
-    inputs=(("true_state", "sampler", "true_state"),),
+WIRING = Wiring(
+    connections=(
+        ("sensor_noise", "output", "sampler", "noise"),
+        ("sampler", "state", "state_filter", "sample"),
+        ("sampler", "stamps", "state_filter", "stamps"),
+    ),
+    inputs=(
+        ("true_state", "sampler", "true_state"),
+        *shared_input("acceleration", "state_filter"),
+        *shared_input("reaction", "state_filter"),
+        *shared_input("joint_setpoint", "state_filter"),
+    ),
+    outputs=(
+        ("sampler", "state", "sample"),
+        *outputs("state_filter", "state", "external_acceleration", "sample_health"),
+    ),
 )
 PROMPT = Wiring(inputs=(("true_state", "sampler", "late_state"),))
 DELAYED = Wiring(
@@ -28,14 +40,6 @@ DELAYED = Wiring(
         ("late_state", "y0", "sampler", "late_state"),
     ),
     inputs=(("true_state", "deviation", "u0"),),
-)
-FILTER = Wiring(
-    inputs=(
-        *shared_input("acceleration", "state_filter"),
-        *shared_input("reaction", "state_filter"),
-        *shared_input("joint_setpoint", "state_filter"),
-    ),
-    outputs=outputs("state_filter", "state", "external_acceleration", "sample_health"),
 )
 
 
@@ -51,15 +55,13 @@ def make_sensors(
     before each multiple of the period, when the plant's state is already that of the multiple.
     All events at the multiple see the sample, whatever their kind.
 
-    Inputs: `true_state` (13 + 2 n); `acceleration` (6) and `reaction` (3) of the flight
-    controller and `joint_setpoint` (3 n), for the filter.
-    Outputs: `sample` (13 + 2 n), the last one as it arrives; `state` (13 + 2 n), the filter's
-    estimate, `trim_state` before the first sample; `external_acceleration` (3);
-    `sample_health` (6), ages and verdicts of the sample's groups.
+    Inputs: `true_state` (13 + 2 n); `acceleration` (6), `reaction` (3) and `joint_setpoint` (3 n)
+    of the state filter.
+    Outputs: `sample` (13 + 2 n), the last one as it arrives; `state` (13 + 2 n), `trim_state`
+    before the first sample, `external_acceleration` (3) and `sample_health` (6) of the filter.
 
     Args:
-        scenario: Noise, delay, filter, rates, and faults of samples. Faults apply one after
-            another, in their order.
+        scenario: Noise, delay, filter, rates, and faults of samples, applied in their order.
         trim_state: (13 + 2 n,) the state before time 0.
         trim_acceleration: (6,) that the flight controller models then.
         replacements: Of systems in the diagram.
@@ -70,9 +72,8 @@ def make_sensors(
     builder.AddNamedSystem(
         "sensor_noise", RandomSource(RandomDistribution.kGaussian, noise_size(joints), period)
     )
-    builder.AddNamedSystem(
-        "sampler", SensorSystem(config, joints, period, period - step / 4, trim_state)
-    )
+    sampler = SensorSystem(config, joints, period, period - step / 4, trim_state)
+    builder.AddNamedSystem("sampler", sampler)
     delay_steps = round(config.base_delay_s / step)
     if delay_steps:
         # The deviation from trim is delayed, since a delay's initial values are zeros.
@@ -81,35 +82,19 @@ def make_sensors(
         # Its update stores the state before the update, which is one step of the delay.
         builder.AddNamedSystem("base_delay", DiscreteTimeDelay(step, delay_steps - 1, size))
         builder.AddNamedSystem("late_state", AffineSystem(D=identity, y0=trim_state))
+    equations = StateFilter.make(scenario.filter, config, period)
     is_exact_now = is_exact(config) and scenario.filter.delay_s == 0
-    builder.AddNamedSystem(
-        "state_filter",
-        StateFilterSystem(
-            StateFilter.make(scenario.filter, period),
-            SampleCheck.make(scenario.filter, config, period),
-            scenario.filter.kind == "none" or is_exact_now,
-            trim_state,
-            trim_acceleration,
-        ),
-    )
-    source, port, faults = "sampler", "state", ()
+    passes = scenario.filter.kind == "none" or is_exact_now
+    state_filter = StateFilterSystem(equations, passes, trim_state, trim_acceleration)
+    builder.AddNamedSystem("state_filter", state_filter)
+    wiring = WIRING + (DELAYED if delay_steps else PROMPT)
+    source, port = "sampler", "state"
     for i, fault in enumerate(scenario.faults):
         if isinstance(fault, SampleFault):
             name = f"{fault.kind}_{i}"
-            builder.AddNamedSystem(
-                name, SampleFaultSystem(fault, scenario.settle_s, period, trim_state)
-            )
-            faults += _samples(source, port, name)
+            faulty = SampleFaultSystem(fault, scenario.settle_s, period, trim_state)
+            builder.AddNamedSystem(name, faulty)
+            wiring = wiring.insert(name, (source, port), "sample", "sample")
+            wiring = wiring.insert(name, (source, "stamps"), "stamps", "stamps")
             source, port = name, "sample"
-    samples = Wiring(
-        connections=(*faults, *_samples(source, port, "state_filter")),
-        outputs=((source, port, "sample"),),
-    )
-    return (SAMPLER + (DELAYED if delay_steps else PROMPT) + samples + FILTER).build(
-        builder, "sensors"
-    )
-
-
-def _samples(source: str, port: str, target: str) -> tuple[tuple[str, str, str, str], ...]:
-    """Returns the connections of samples and their time stamps to a system."""
-    return (source, port, target, "sample"), (source, "stamps", target, "stamps")
+    return wiring.build(builder, "sensors")

@@ -19,7 +19,7 @@ from aerodrake.flight.log import FlightLog
 from aerodrake.flight.open_loop import make_open_loop
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.sensing.sample import GROUPS, group_columns
-from aerodrake.model.sensing.sample_check import SampleCheck, Verdict, split_health
+from aerodrake.model.sensing.sample_check import Verdict, split_health
 from aerodrake.model.sensing.state_filter import StateFilter
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
@@ -39,9 +39,8 @@ TRIM = np.concatenate([[1, 0, 0, 0, 0.3, -0.2, 1.5], np.linspace(-1, 1, JOINTS),
 
 def make_filter(config: Filter, trim_acceleration: np.ndarray) -> StateFilterSystem:
     """Returns a state filter that never passes samples."""
-    equations = StateFilter.make(config, PERIOD)
-    bounds = SampleCheck.make(config, Sensors(), PERIOD)
-    return StateFilterSystem(equations, bounds, False, TRIM, trim_acceleration)
+    equations = StateFilter.make(config, Sensors(), PERIOD)
+    return StateFilterSystem(equations, False, TRIM, trim_acceleration)
 
 
 def resting(vehicle: VehicleModel, duration: float) -> tuple[Trajectory, Trajectory]:

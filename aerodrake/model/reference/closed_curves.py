@@ -25,9 +25,7 @@ class ClosedCurve(ReferenceCurve):
     """
 
     def __init__(self, start: np.ndarray, start_s: float, lap_s: float | None):
-        self._start = start
-        self._start_s = start_s
-        self._lap_s = lap_s
+        self._start, self._start_s, self._lap_s = start, start_s, lap_s
 
     @abstractmethod
     def shape(self, s: np.ndarray) -> Motion:

@@ -4,10 +4,10 @@ Times are reference times in s. Before 0 the direction is that at 0.
 """
 
 import math
-from abc import ABC, abstractmethod
 
 import numpy as np
 
+from aerodrake.model.reference.reference_curve import Motion, TimedPath
 from aerodrake.model.reference.waypoints import interpolate_waypoints, read_waypoints
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import AxisAlong, FixedAxis, Orientation, OrientationOff
@@ -15,12 +15,7 @@ from aerodrake.scenario.rules import SHORTEST_AXIS
 from aerodrake.support.errors import BadInput, ScenarioError
 from aerodrake.support.files import locate
 
-COLUMNS = {
-    "t": ("s", 0.0, 1e5),
-    "ax": ("1", -1000.0, 1000.0),
-    "ay": ("1", -1000.0, 1000.0),
-    "az": ("1", -1000.0, 1000.0),
-}
+COLUMNS = {"t": ("s", 0.0, 1e5), **dict.fromkeys(("ax", "ay", "az"), ("1", -1000.0, 1000.0))}
 """Unit and closed range of each column of a file of directions."""
 
 FARTHEST_RAD = math.radians(90)
@@ -30,18 +25,8 @@ FARTHEST_START_RAD = math.radians(120)
 """Largest angle between the tool's axis and its desired direction at reference time 0."""
 
 
-class Direction(ABC):
-    """Desired direction d of the tool's axis over reference time."""
-
-    def evaluate(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns d (T, 3) and d' (T, 3) in 1/s at reference times (T,) in s."""
-        times = np.asarray(times, dtype=float)
-        d, rate = self._turn(np.maximum(times, 0.0))
-        return d, np.where(times[:, None] < 0.0, 0.0, rate)
-
-    @abstractmethod
-    def _turn(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Implements `evaluate` for times (T,) >= 0."""
+class Direction(TimedPath):
+    """Desired direction d of the tool's axis over reference time, and d' in 1/s."""
 
 
 class FixedDirection(Direction):
@@ -50,7 +35,7 @@ class FixedDirection(Direction):
     def __init__(self, config: FixedAxis):
         self._d = np.array(config.axis) / np.linalg.norm(config.axis)
 
-    def _turn(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _move(self, times: np.ndarray) -> Motion:
         return np.tile(self._d, (len(times), 1)), np.zeros((len(times), 3))
 
 
@@ -86,7 +71,7 @@ class DirectionPath(Direction):
         self._path = interpolate_waypoints(times, d)
         self._derivative = self._path.derivative()
 
-    def _turn(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _move(self, times: np.ndarray) -> Motion:
         w, rate = self._path.vector_values(times).T, self._derivative.vector_values(times).T
         length = np.linalg.norm(w, axis=1, keepdims=True)
         d = w / length
@@ -105,13 +90,10 @@ def make_direction(config: Orientation) -> Direction | None:
 
 
 def check_start(direction: Direction, vehicle: VehicleModel) -> None:
-    """Raises ScenarioError if the initial direction is too far from the tool's axis.
+    """Raises ScenarioError if the tool's axis is over `FARTHEST_START_RAD` from d at time 0.
 
-    Opposite to the tool's axis in the working configuration, the sense of rotation would be
+    If the two were opposite in the working configuration, the sense of rotation would be
     undefined.
-
-    Raises:
-        ScenarioError: if they are more than `FARTHEST_START_RAD` apart at reference time 0.
     """
     d = direction.evaluate(np.zeros(1))[0][0]
     angle = math.acos(np.clip(vehicle.tool_axis @ d, -1.0, 1.0))

@@ -70,11 +70,6 @@ class GuardState(NamedTuple):
     requested: np.ndarray
     verdict: int
 
-    @classmethod
-    def initial(cls, point: np.ndarray) -> Self:
-        """Returns the state after a tick with an acceptable point (6,)."""
-        return cls(point, point, int(ReferenceVerdict.OK))
-
 
 @compiled
 def guard_reference(

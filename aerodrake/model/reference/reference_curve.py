@@ -11,20 +11,28 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 Motion = tuple[np.ndarray, np.ndarray]
-"""Positions (T, 3) in m, and their derivatives (T, 3)."""
+"""Values (T, 3) of a vector, a position in m or a direction, and their derivatives (T, 3)."""
 
 
-class ReferenceCurve(ABC):
-    """Desired motion of the end-effector over reference time."""
+class TimedPath(ABC):
+    """Vector in the world frame as a function of reference time, constant before time 0."""
 
     def evaluate(self, times: np.ndarray) -> Motion:
-        """Returns positions (T, 3) in m and velocities (T, 3) in m/s at times (T,) in s.
+        """Returns values (T, 3) and derivatives (T, 3) at reference times (T,) in s.
 
-        Before reference time 0 the position is that at 0, and the velocity is zero.
+        Before reference time 0 the value is that at 0, and the derivative is zero.
         """
         times = np.asarray(times, dtype=float)
         p, v = self._move(np.maximum(times, 0.0))
         return p, np.where(times[:, None] < 0.0, 0.0, v)
+
+    @abstractmethod
+    def _move(self, times: np.ndarray) -> Motion:
+        """Implements `evaluate` for times (T,) >= 0."""
+
+
+class ReferenceCurve(TimedPath):
+    """Desired position of the end-effector in m over reference time, and its velocity in m/s."""
 
     @property
     @abstractmethod
@@ -35,10 +43,6 @@ class ReferenceCurve(ABC):
     def lap(self) -> tuple[float, float] | None:
         """Start and end in s of one whole lap after the smooth start; None without laps."""
         return None
-
-    @abstractmethod
-    def _move(self, times: np.ndarray) -> Motion:
-        """Implements `evaluate` for times (T,) >= 0."""
 
 
 def hover_then_follow(curve: ReferenceCurve, start: np.ndarray, times: np.ndarray) -> Motion:
@@ -59,15 +63,12 @@ def path_diameter(position: Callable[[np.ndarray], np.ndarray], times: np.ndarra
         times: (T,) s, ascending; dense enough to separate the path's turns.
     """
     a = b = times
-    points = position(times)
-    i, j = farthest_pair(points)
-    distance = float(np.linalg.norm(points[i] - points[j]))
+    i, j = farthest_pair(position(times))
     for _ in range(3):
         a, b = _between_neighbours(a, i), _between_neighbours(b, j)
         distances = cdist(position(a), position(b))
         i, j = np.unravel_index(distances.argmax(), distances.shape)
-        distance = float(distances[i, j])
-    return distance
+    return float(distances[i, j])
 
 
 def farthest_pair(points: np.ndarray) -> tuple[int, int]:
@@ -79,8 +80,7 @@ def farthest_pair(points: np.ndarray) -> tuple[int, int]:
     radius = np.linalg.norm(points - (points.min(axis=0) + points.max(axis=0)) / 2, axis=1)
     order = np.argsort(-radius)
     points, radius = points[order], radius[order]
-    best, pair = -1.0, (0, 0)
-    block = 64
+    best, pair, block = -1.0, (0, 0), 64
     for first in range(0, len(points), block):
         end = np.searchsorted(-radius, radius[first] - best)
         if end <= first:

@@ -21,12 +21,7 @@ MIN_STEP_S = 1e-3
 Columns = Mapping[str, tuple[str, float, float]]
 """Unit and closed range of each column, by name; the first column is time in s."""
 
-COLUMNS: Columns = {
-    "t": ("s", 0.0, 1e5),
-    "x": ("m", -1000.0, 1000.0),
-    "y": ("m", -1000.0, 1000.0),
-    "z": ("m", -1000.0, 1000.0),
-}
+COLUMNS: Columns = {"t": ("s", 0.0, 1e5), **dict.fromkeys("xyz", ("m", -1000.0, 1000.0))}
 """Columns of a waypoint file."""
 
 

@@ -85,13 +85,7 @@ class SampleCheck(NamedTuple):
 
     @classmethod
     def make(cls, config: Filter, sensors: Sensors, dt: float) -> Self:
-        """Returns the bounds for the noise that the filter assumes, or the sensors' if larger.
-
-        Args:
-            config: Assumed noise.
-            sensors: Actual noise.
-            dt: s.
-        """
+        """Returns the bounds for the noise that the filter assumes, or the sensors' if larger."""
         noise = np.maximum(
             [config.position_noise_m, config.attitude_noise_rad, config.joint_noise_rad],
             [sensors.position_noise_m, sensors.attitude_noise_rad, sensors.joint_noise_rad],

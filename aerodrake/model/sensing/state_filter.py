@@ -22,7 +22,7 @@ from aerodrake.model.sensing.sample_check import (
     is_outage,
     split_health,
 )
-from aerodrake.scenario import Filter
+from aerodrake.scenario import Filter, Sensors
 from aerodrake.support.compiled import compiled
 
 JOINT_WALK_RAD = 1e-4
@@ -45,6 +45,7 @@ class StateFilter(NamedTuple):
         translation: (3, 2) gains of [p, v, d] for [p, v] as measured.
         rotation: (3, 2) gains of [attitude, rate, delta] for [attitude, rate] as measured.
         joint: Gain of a joint's angle.
+        check: Bounds for accepting a sample.
         steps: Assumed delay of the base's samples, in samples.
         dt: s, between samples.
     """
@@ -52,12 +53,16 @@ class StateFilter(NamedTuple):
     translation: np.ndarray
     rotation: np.ndarray
     joint: float
+    check: SampleCheck
     steps: int
     dt: float
 
     @classmethod
-    def make(cls, config: Filter, dt: float) -> Self:
-        """Returns the filter for the noise, disturbances and delay of a scenario; dt in s."""
+    def make(cls, config: Filter, sensors: Sensors, dt: float) -> Self:
+        """Returns the filter for the noise, disturbances and delay that a scenario assumes.
+
+        The actual noise of `sensors` only widens the bounds of the sample check; dt in s.
+        """
         r, q = config.joint_noise_rad**2, JOINT_WALK_RAD**2
         P = (q + np.sqrt(q**2 + 4 * q * r)) / 2
         return cls(
@@ -68,6 +73,7 @@ class StateFilter(NamedTuple):
                 config.attitude_noise_rad, config.rate_noise_rad_s, config.disturbance_rad_s3, dt
             ),
             joint=float(P / (P + r)),
+            check=SampleCheck.make(config, sensors, dt),
             steps=round(config.delay_s / dt),
             dt=dt,
         )
@@ -106,7 +112,6 @@ class FilterState(NamedTuple):
 @compiled
 def update(
     gains: StateFilter,
-    bounds: SampleCheck,
     last: FilterState,
     sample: Sample,
     acceleration: np.ndarray,
@@ -120,7 +125,6 @@ def update(
 
     Args:
         gains: The filter.
-        bounds: The sample check.
         last: State of the filter.
         sample: The base's groups are delayed, the joints' are not.
         acceleration: (6,) modelled since the previous sample, as in `predict_base`.
@@ -132,13 +136,13 @@ def update(
     accelerations = np.concatenate((last.accelerations, acceleration[np.newaxis, :]))
     at_sample = predict_base(last.estimate, accelerations[0], gains.dt)
     predicted = predict_arm(at_sample, joint_setpoint, gains.dt)
-    checked = check(bounds, last.check, predicted, sample)
+    checked = check(gains.check, last.check, predicted, sample)
     ages, verdicts = split_health(last.check.health).ages, split_health(checked.health).verdicts
     for g in range(3):
         if verdicts[g] != Verdict.OK.value:
             if g == JOINTS:
                 replace_group(g, at_sample.state, predicted.state)
-        elif is_outage(bounds, ages[g]):
+        elif is_outage(gains.check, ages[g]):
             replace_group(g, at_sample.state, sample.state)
         elif g == POSITION:
             correct_position(at_sample, sample.state, gains.translation)
@@ -175,11 +179,7 @@ def replace_group(g: int, x: np.ndarray, source: np.ndarray) -> None:
 def _chain_gain(value: float, rate: float, walk: float, dt: float) -> np.ndarray:
     """Returns the gains (3, 2) of [x, x', d] for noisy [x, x'] and a random walk d.
 
-    Args:
-        value: Standard deviation of the noise on x.
-        rate: Standard deviation of the noise on x'.
-        walk: Standard deviation of d, per square root of a second.
-        dt: s.
+    Standard deviations are `value` of x, `rate` of x', and `walk` of d per square root of 1 s.
     """
     F = np.array([[1, dt, dt**2 / 2], [0, 1, dt], [0, 0, 1]])
     H = np.eye(2, 3)

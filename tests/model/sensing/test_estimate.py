@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from aerodrake.model.sensing.estimate import predict_base
 from aerodrake.model.sensing.state_filter import StateFilter
 from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.scenario import Filter
+from aerodrake.scenario import Filter, Sensors
 from tests.estimates import CONFIG, DT, correct, estimate, rest, state_of
 
 small = arrays(float, 3, elements=st.floats(-1, 1))
@@ -55,7 +55,7 @@ def riccati(value: float, rate: float, walk: float) -> tuple[np.ndarray, np.ndar
 def test_gains_are_the_limit_of_the_riccati_recursion(config, axis):
     """Seen by the correction for a unit error, of value or rate, on one axis."""
     e = np.eye(3)[axis]
-    gains = StateFilter.make(config, DT)
+    gains = StateFilter.make(config, Sensors(), DT)
     predicted = estimate()
     L, _, _ = riccati(config.position_noise_m, config.velocity_noise_m_s, config.disturbance_m_s3)
     for k, sample in enumerate([rest(p_B=e), rest(v_B=e)]):
@@ -90,7 +90,7 @@ def test_errors_have_the_covariance_that_the_recursion_predicts():
     _, P, G = riccati(*noise, CONFIG.disturbance_m_s3)
     F = expm(DT * np.eye(3, k=1))
     random = np.random.default_rng(0)
-    gains = StateFilter.make(CONFIG, DT)
+    gains = StateFilter.make(CONFIG, Sensors(), DT)
     x, now = np.zeros((3, 3)), estimate()  # Rows p, v, d.
     errors = []
     for k in range(samples):
@@ -175,7 +175,7 @@ def test_attitude_errors_are_rotations_in_the_base_frame(attitude, turn, omega, 
         quaternion=signs[1] * quaternion(R * Rotation.from_rotvec(turn)),
         omega_W=omega + R.apply(rate_error),
     )
-    corrected = correct(StateFilter.make(CONFIG, DT), predicted, sample.to_vector())
+    corrected = correct(StateFilter.make(CONFIG, Sensors(), DT), predicted, sample.to_vector())
     theta, rate, delta = M @ np.stack([turn, rate_error])
     expected = R * Rotation.from_rotvec(theta)
     np.testing.assert_allclose(
@@ -189,7 +189,7 @@ def test_attitude_errors_are_rotations_in_the_base_frame(attitude, turn, omega, 
 def test_a_sample_as_predicted_changes_nothing(attitude, omega, p, v, d, delta):
     R = Rotation.from_quat(attitude, scalar_first=True)
     predicted = estimate(d, delta, quaternion=quaternion(R), omega_W=omega, p_B=p, v_B=v)
-    corrected = correct(StateFilter.make(CONFIG, DT), predicted, predicted.state)
+    corrected = correct(StateFilter.make(CONFIG, Sensors(), DT), predicted, predicted.state)
     for field, expected in zip(corrected, predicted, strict=True):
         np.testing.assert_allclose(field, expected, atol=1e-12)
 
@@ -197,7 +197,7 @@ def test_a_sample_as_predicted_changes_nothing(attitude, omega, p, v, d, delta):
 @pytest.mark.parametrize("config", [Filter(), CONFIG])
 def test_a_step_of_the_disturbances_is_estimated_without_bias(config):
     d, delta = np.array([1.0, -2.0, 0.5]), np.array([0.0, 0.0, 4.0])
-    gains = StateFilter.make(config, DT)
+    gains = StateFilter.make(config, Sensors(), DT)
     now = estimate()
     for k in range(1, 401):
         t = k * DT

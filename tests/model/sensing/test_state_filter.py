@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from aerodrake.model.sensing.estimate import ARM_DECAY_S, predict_arm, predict_base
 from aerodrake.model.sensing.sample import GROUPS, Sample, group_columns
-from aerodrake.model.sensing.sample_check import SampleCheck, Verdict, split_health
+from aerodrake.model.sensing.sample_check import Verdict, split_health
 from aerodrake.model.sensing.state_filter import (
     JOINT_WALK_RAD,
     FilterState,
@@ -24,7 +24,7 @@ from tests.estimates import CONFIG, DT, JOINTS, correct, estimate, rest, state_o
 
 @pytest.mark.parametrize(("delay_s", "steps"), [(0.0, 0), (0.01, 1), (0.03, 3), (0.07, 7)])
 def test_the_assumed_delay_is_counted_in_samples(delay_s, steps):
-    assert StateFilter.make(Filter(delay_s=delay_s), DT).steps == steps
+    assert StateFilter.make(Filter(delay_s=delay_s), Sensors(), DT).steps == steps
 
 
 def test_joints_follow_their_scalar_kalman_filter():
@@ -37,7 +37,7 @@ def test_joints_follow_their_scalar_kalman_filter():
         P *= 1 - K
     q, rate, new_rate, measured = np.random.default_rng(1).normal(size=(4, JOINTS))
     sample = rest(q=measured, qdot=new_rate).to_vector()
-    corrected = correct(StateFilter.make(config, DT), estimate(q=q, qdot=rate), sample)
+    corrected = correct(StateFilter.make(config, Sensors(), DT), estimate(q=q, qdot=rate), sample)
     predicted = q + DT * (rate + new_rate) / 2
     np.testing.assert_allclose(
         state_of(corrected).q, (1 - K) * predicted + K * measured, rtol=1e-10
@@ -46,7 +46,7 @@ def test_joints_follow_their_scalar_kalman_filter():
 
 
 def test_constant_joint_accelerations_are_estimated_exactly():
-    gains = StateFilter.make(Filter(), DT)
+    gains = StateFilter.make(Filter(), Sensors(), DT)
     start, qddot = np.linspace(-1, 1, JOINTS), np.linspace(5, -3, JOINTS)
     now = estimate(q=start)
     for k in range(1, 51):
@@ -60,8 +60,7 @@ def test_constant_joint_accelerations_are_estimated_exactly():
 def test_a_delayed_sample_corrects_the_estimate_of_its_own_time(steps):
     """Against a filter that is run from the start each time."""
     random = np.random.default_rng(2)
-    gains = StateFilter.make(replace(CONFIG, delay_s=steps * DT), DT)
-    bounds = SampleCheck.make(CONFIG, Sensors(), DT)
+    gains = StateFilter.make(replace(CONFIG, delay_s=steps * DT), Sensors(), DT)
     rows = 12
     accelerations = random.normal(size=(rows + steps, 6))
     accelerations[:steps] = accelerations[0]
@@ -72,7 +71,6 @@ def test_a_delayed_sample_corrects_the_estimate_of_its_own_time(steps):
     for k in range(rows):
         state, now = update(
             gains,
-            bounds,
             state,
             Sample(samples[k], np.full(3, k * DT)),
             accelerations[steps + k],
@@ -91,18 +89,17 @@ def test_a_delayed_sample_corrects_the_estimate_of_its_own_time(steps):
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])
 @pytest.mark.parametrize("group", GROUPS)
 def test_a_rejected_group_is_predicted_and_the_others_corrected(group, wrong):
-    gains = StateFilter.make(CONFIG, DT)
-    bounds = SampleCheck.make(CONFIG, Sensors(), DT)
+    gains = StateFilter.make(CONFIG, Sensors(), DT)
     a, start = np.arange(6.0), rest(q=np.ones(JOINTS)).to_vector()
     last = FilterState.at_rest(gains, start, np.zeros(6))
     setpoint = np.linspace(0.9, 1.1, 3 * JOINTS)
     sample = Sample(start + 1e-3, np.zeros(3))
-    state, corrected = update(gains, bounds, last, sample, a, setpoint)
+    state, corrected = update(gains, last, sample, a, setpoint)
     np.testing.assert_array_equal(state.check.health, 0)
     columns = group_columns(group, JOINTS)
     broken = sample.state.copy()
     broken[columns[-1]] = wrong
-    state, now = update(gains, bounds, last, sample._replace(state=broken), a, setpoint)
+    state, now = update(gains, last, sample._replace(state=broken), a, setpoint)
     expected = predict_arm(predict_base(last.estimate, a, DT), setpoint, DT).state
     rejected = np.isin(np.arange(len(start)), columns)
     np.testing.assert_array_equal(now.state[rejected], expected[rejected])
