@@ -29,10 +29,10 @@ if TYPE_CHECKING:  # torch takes a second to import.
 class ResidualEstimator(LeafSystem):
     """Estimates Delta of the equivalent model, and learns the network's last layer online.
 
-    Delta is the term C Delta that the model x+ = A x + B u + C Delta lacks, in m/s. In the
-    models with K_B alone it is the paper's residual velocity, p_B' = K_B (p_d - p_B) + Delta.
-    In the model `flight`, whose state includes the acceleration, it is the change of velocity
-    in one period dt under a constant residual acceleration Delta / dt.
+    Without Delta, in m/s, the model x+ = A x + B u + C Delta lacks its last term. In the models
+    with K_B alone Delta is the paper's residual velocity, p_B' = K_B (p_d - p_B) + Delta. In the
+    model `flight`, whose state includes the acceleration, it is the change of velocity in one
+    period dt under a constant residual acceleration Delta / dt.
 
     At the tick k the state measured now completes the sample that began at k-1: the velocity
     that the model predicted with x_{k-1}, Delta_{k-1} and the input applied since is compared

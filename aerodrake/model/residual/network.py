@@ -1,8 +1,8 @@
 """The network that estimates the residual velocity Delta of the base.
 
 Two hidden layers of 32 units with ELU, as in the paper (section "Residual Learning").
-Everything is float64, as the online update of the last layer, where steps of 1e-9 still
-count. At this size float32 would be no faster.
+Everything is float64, like the online update of the last layer, in which steps of 1e-9
+still count. At this size float32 would be no faster.
 """
 
 from dataclasses import dataclass, fields

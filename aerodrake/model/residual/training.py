@@ -108,7 +108,7 @@ def train(
     """
     joints = data.joints
     features, targets, weights = _stack(data.training, data.gain)
-    held_out = _stack(data.validation, data.gain)
+    validation_features, *validation = _stack(data.validation, data.gain)
     scale = np.maximum(features.std(dim=0).numpy(), FeatureScaler.nominal(joints).scale)
     network = ResidualNetwork(joints, FeatureScaler(features.mean(dim=0).numpy(), scale), seed)
     model = _Centred(network, features, float((targets**2).mean().sqrt()))
@@ -132,17 +132,16 @@ def train(
             schedule.step()
             total += len(rows) * loss.item()
         with torch.inference_mode():
-            validation = _loss(model(held_out[0]), *held_out[1:]).item()
-        losses.append((total / len(features), validation))
+            validation_loss = _loss(model(validation_features), *validation).item()
+        losses.append((total / len(features), validation_loss))
         progress(*losses[-1])
-        if validation < best[1]:
-            best = epoch, validation, copy.deepcopy(network.state_dict())
+        if validation_loss < best[1]:
+            best = epoch, validation_loss, copy.deepcopy(network.state_dict())
         if epoch - best[0] >= config.patience:
             break
     network.load_state_dict(best[2])
     model.fold()
-    training_loss, validation_loss = np.array(losses).T
-    return TrainingResult(network, training_loss, validation_loss, best[0])
+    return TrainingResult(network, *np.array(losses).T, best[0])
 
 
 def _stack(

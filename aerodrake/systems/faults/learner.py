@@ -61,7 +61,7 @@ class FaultyResidualEstimator(ResidualEstimator):
         those of `ResidualEstimator`.
 
     Args:
-        network, model, config: As of `ResidualEstimator`.
+        network, model, config: As for `ResidualEstimator`.
         faults: All faults of a scenario; the offsets of its learning faults add up.
         settle_s: s, hover before reference time 0.
     """

@@ -23,7 +23,7 @@ class SampleFaultSystem(LeafSystem):
 
     Args:
         fault: Kind, start and duration.
-        settle_s: Reference time 0.
+        settle_s: s, hover before reference time 0.
         period: s, of samples.
         initial: (13 + 2 n,) the sample at time 0.
     """
