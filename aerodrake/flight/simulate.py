@@ -22,7 +22,7 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import add_closed_loop, make_context
 from aerodrake.support.threads import single_thread
-from aerodrake.support.tick_timer import TickTimer
+from aerodrake.support.wall_time import time_ticks
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Phase
 from aerodrake.wire.remote_coordinator import make_remote_coordinator
@@ -214,8 +214,8 @@ class FlightSimulation:
 
 
 def _tick_ms(closed_loop: Diagram, controller: str) -> list[float]:
-    """Returns the list of a timer on the controller; empty if that is not ours."""
+    """Returns the wall times in ms of a controller's ticks; empty if the coordinator lacks it."""
     coordinator = closed_loop.GetSubsystemByName("coordinator")
     if not isinstance(coordinator, Diagram) or not coordinator.HasSubsystemNamed(controller):
         return []
-    return TickTimer(coordinator.GetSubsystemByName(controller)).times_ms
+    return time_ticks(coordinator.GetSubsystemByName(controller))

@@ -23,6 +23,7 @@ the trajectory interface these errors hardly depend on K.
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
@@ -57,8 +58,7 @@ LEAST_R2 = 0.5
 """Smallest R^2 of a response that is accepted as first order."""
 
 
-@dataclass(frozen=True)
-class Manoeuvre:
+class Manoeuvre(NamedTuple):
     """One flight: the axis along which the base is excited, and the motion of the arm."""
 
     scenario: Scenario
@@ -140,15 +140,15 @@ def identify(
     manoeuvres = [Manoeuvre(scenario, axis, arm) for axis in range(3) for arm in ARMS]
     records: dict[tuple[int, str], Record] = {}
     for index, result in run_parallel(fly, manoeuvres, jobs):
-        manoeuvre = manoeuvres[index]
-        name = f"{AXES[manoeuvre.axis]}, arm {manoeuvre.arm}"
+        _, axis, arm = manoeuvres[index]
+        name = f"{AXES[axis]}, arm {arm}"
         if isinstance(result, BadInput):
             raise result
         if isinstance(result, ProcessDied):
             raise ProcessDied(f"{name}: {result}")
         if isinstance(result, Exception):
             raise RuntimeError(f"{name}: its process failed") from result
-        records[manoeuvre.axis, manoeuvre.arm] = result
+        records[axis, arm] = result
         progress(DURATION_S)
     axes = {
         name: identify_axis(scenario, {arm: records[axis, arm] for arm in ARMS})
@@ -179,7 +179,7 @@ def fly(manoeuvre: Manoeuvre) -> Record:
     Raises:
         ScenarioError: if the vehicle crashes.
     """
-    scenario, axis, arm = manoeuvre.scenario, manoeuvre.axis, manoeuvre.arm
+    scenario, axis, arm = manoeuvre
     seeds = np.random.SeedSequence([scenario.seed, axis, ARMS.index(arm)])
     seeded = dataclasses.replace(scenario, seed=int(seeds.generate_state(1)[0]) % 2**31)
     vehicle = VehicleModel.load(scenario)
@@ -215,18 +215,13 @@ def arm_motion(scenario: Scenario, vehicle: VehicleModel, arm: str) -> Piecewise
     velocity = np.zeros((len(ticks), vehicle.joints))
     if arm == "moving":
         above, below = vehicle.upper - vehicle.working, vehicle.working - vehicle.lower
-        amplitude = np.where(above > below, 1, -1) * np.minimum(
-            ARM_SWING_RAD, np.maximum(above, below)
-        )
+        swing = np.minimum(ARM_SWING_RAD, np.maximum(above, below))
+        amplitude = np.where(above > below, 1, -1) * swing
         omega = 2 * np.pi * np.geomspace(*ARM_BAND_HZ, vehicle.joints)
         velocity = amplitude / 2 * omega * np.sin(np.outer(ticks, omega))
     return held_acceleration_motion(vehicle.working, velocity, period)
 
 
 def _not_first_order(scenario: Scenario, problem: str) -> ScenarioError:
-    return ScenarioError(
-        scenario.source,
-        "flight",
-        f"expected a base with the response p' = K_B (p_d - p), with R^2 of {LEAST_R2:g} "
-        f"or more; {problem}",
-    )
+    expected = f"expected a base with the response p' = K_B (p_d - p), with R^2 of {LEAST_R2:g}"
+    return ScenarioError(scenario.source, "flight", f"{expected} or more; {problem}")

@@ -60,13 +60,7 @@ def as_figures(identification: Identification, command: str) -> dict[str, Any]:
 
 
 def write(identification: Identification, command: str, folder: Path) -> None:
-    """Writes `FILES` into an existing folder.
-
-    Args:
-        identification: Identification to write.
-        command: Command that repeats it.
-        folder: Folder of the files.
-    """
+    """Writes `FILES` into an existing folder; `command` repeats the identification."""
     figures = as_figures(identification, command)
     (folder / "identification.json").write_text(to_json(figures), encoding="utf-8")
     plot_identification(identification, folder / "identification.png")
@@ -82,9 +76,8 @@ def table(identification: Identification) -> str:
         f"{'axis':<6}{'K_B':>7}{f'{LEVEL:.0%} interval':>18}{'R^2':>8}{'arm still':>11}"
         f"{'moving':>9}{'scenario':>11}{'paper':>8}",
     ]
-    for (name, axis), own, paper in zip(
-        identification.axes.items(), scenario.model.k_b, PAPER_K_B, strict=True
-    ):
+    axes = zip(identification.axes.items(), scenario.model.k_b, PAPER_K_B, strict=True)
+    for (name, axis), own, paper in axes:
         low, high = axis.fit.interval
         lines.append(
             f"{name:<6}{axis.fit.gain:>7.3f}{f'{low:.3f} .. {high:.3f}':>18}{axis.fit.r2:>8.3f}"
@@ -104,22 +97,18 @@ def plot_identification(identification: Identification, path: Path) -> None:
         rows = figure.subplots(4, 3)
         columns = zip(rows.T, identification.axes.items(), AXIS_COLORS, strict=True)
         for column, (name, axis), color in columns:
-            k, (low, high) = axis.fit.gain, axis.fit.interval
-            column[0].set_title(
-                f"{name}: K_B = {k:.3f} ({low:.3f} to {high:.3f}) 1/s, R^2 = {axis.fit.r2:.3f}",
-                parse_math=False,
-            )
+            k, (low, high), r2 = axis.fit.gain, axis.fit.interval, axis.fit.r2
+            title = f"{name}: K_B = {k:.3f} ({low:.3f} to {high:.3f}) 1/s, R^2 = {r2:.3f}"
+            column[0].set_title(title, parse_math=False)
             _response(column[0], axis)
             _velocity(column[1], axis)
             _residual(column[2], axis, color)
             _fit(column[3], axis, color)
-        for row, label in zip(
-            rows, ("p - p(0) / m", "v / m/s", "residual / m/s", "v / m/s"), strict=True
-        ):
+        labels = ("p - p(0) / m", "v / m/s", "residual / m/s", "v / m/s")
+        for row, label in zip(rows, labels, strict=True):
             row[0].set_ylabel(label)
-            if row[0] is not rows[3, 0]:
-                for axes in row:
-                    axes.set_xlabel("time / s")
+        for axes in rows[:3].flat:
+            axes.set_xlabel("time / s")
         write_png(figure, path)
 
 

@@ -99,7 +99,7 @@ class KinematicController(LeafSystem):
         )
 
     def solve_tick(self, context: Context, tick: MpcInputs) -> Any:
-        """Forms and solves the problem of one tick. A `TickTimer` measures its wall time."""
+        """Forms and solves the problem of one tick. `time_ticks` measures its wall time."""
         raise NotImplementedError
 
     def _apply(

@@ -16,7 +16,7 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
 from aerodrake.support.threads import single_thread
-from aerodrake.support.tick_timer import TickTimer
+from aerodrake.support.wall_time import time_ticks
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Message, Phase
 from aerodrake.wire.remote_coordinator import make_layouts
@@ -88,7 +88,7 @@ class Companion:
         self._context = make_context(self._coordinator, scenario.seed)
         self._simulator = Simulator(self._coordinator, self._context)
         controller = self._coordinator.GetSubsystemByName(scenario.controller)
-        self.service = Service(TickTimer(controller).times_ms)
+        self.service = Service(time_ticks(controller))
         self._reported = 0  # Number of times in `tick_ms` that were sent.
         self._time = -math.inf  # s, of the last sample.
         # Compiled code is loaded now, so that the first ticks do not wait for it.

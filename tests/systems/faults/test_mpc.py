@@ -19,7 +19,7 @@ from aerodrake.scenario import (
     MpcStarved,
     Push,
 )
-from aerodrake.support.tick_timer import TickTimer
+from aerodrake.support.wall_time import time_ticks
 from aerodrake.systems.faults.mpc import FaultyMpc, make_mpc
 from aerodrake.systems.mpc import MpcSystem
 
@@ -141,13 +141,13 @@ class OneTick(FaultyMpc):
 def test_a_tick_with_a_fault_follows_the_shifted_plan(formulation, inputs, fault, status):
     """And reports its status; a missed tick solves nothing, so it is not timed."""
     mpc = OneTick(formulation, [fault] if fault else [], inputs)
-    timer = TickTimer(mpc)
+    times_ms = time_ticks(mpc)
     context = at(mpc, 0.0)
     mpc.GetInputPort("weights").FixValue(context, np.zeros(5))
     mpc.GetInputPort("delta").FixValue(context, np.zeros(3))
     context.SetDiscreteState(mpc.EvalUniquePeriodicDiscreteUpdate(context))
     first = mpc.GetOutputPort("plan").Eval(context).reshape(-1, len(inputs.u_last)).copy()
-    assert first.any() and len(timer.times_ms) == 1
+    assert first.any() and len(times_ms) == 1
     context.SetTime(SETTLE_S + 5.5)
     context.SetDiscreteState(mpc.EvalUniquePeriodicDiscreteUpdate(context))
     reported = TickStatus(*mpc.GetOutputPort("status").Eval(context))
@@ -155,7 +155,7 @@ def test_a_tick_with_a_fault_follows_the_shifted_plan(formulation, inputs, fault
     assert reported.ticks_since_solved == (fault is not None)
     u = mpc.GetOutputPort("u").Eval(context)
     np.testing.assert_array_equal(u, first[1] if fault else first[0])
-    assert len(timer.times_ms) == 1 + (status != MISSED)
+    assert len(times_ms) == 1 + (status != MISSED)
 
 
 def test_only_a_scenario_with_mpc_faults_has_a_faulty_mpc(formulation):
