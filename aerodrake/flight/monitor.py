@@ -44,9 +44,7 @@ class Monitor:
         context: Context,
         p_E: Callable[[np.ndarray], np.ndarray],
     ):
-        self._scenario = scenario
-        self._closed_loop = closed_loop
-        self._context = context
+        self._scenario, self._closed_loop, self._context = scenario, closed_loop, context
         self._p_E = p_E
         self._conditions = conditions(scenario.supervisor)
         self._target = self._eval("reference")[:3]
@@ -80,8 +78,7 @@ class Monitor:
         if not np.isfinite(x).all():
             return f"the state is not finite {when}"
         state = split_state(x)
-        upright = state.R_B[2, 2]
-        tilt = math.acos(min(1.0, max(-1.0, upright)))
+        tilt = math.acos(np.clip(state.R_B[2, 2], -1.0, 1.0))
         if tilt > LOST_TILT_RAD:
             return f"tilt of {math.degrees(tilt):.0f} deg {when}"
         reference, p_E = self._eval("reference"), self._p_E(x)
@@ -102,12 +99,9 @@ class Monitor:
         return ""
 
     def cause_of_loss(self, error: BaseException) -> str:
-        """Returns the cause if the vehicle is lost after a step that failed.
+        """Returns the cause if the vehicle is lost after a step that raised `error`.
 
         The plant cannot step with a state or input that is not finite, for example.
-
-        Args:
-            error: The exception that ended the step.
 
         Raises:
             BaseException: `error` itself, if the vehicle is not lost.

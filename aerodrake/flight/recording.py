@@ -76,12 +76,13 @@ class Recording(Mapping[str, np.ndarray]):
         if key in self._others:
             return self._others[key]
         columns = self._columns[key]
-        first, width = (columns, 1) if isinstance(columns, int) else _range(columns)
+        part = slice(columns, columns + 1) if isinstance(columns, int) else columns
+        width = part.stop - part.start
         rows = np.empty((sum(length for _, length in self._blocks), width))
         start = 0
         for offset, length in self._blocks:
             block = np.empty((width, length))
-            self._file.seek(offset + first * length * block.itemsize)
+            self._file.seek(offset + part.start * length * block.itemsize)
             self._file.readinto(block.data)
             rows[start : start + length] = block.T
             start += length
@@ -93,7 +94,3 @@ class Recording(Mapping[str, np.ndarray]):
 
     def __len__(self) -> int:
         return len(self._columns) + len(self._others)
-
-
-def _range(columns: slice) -> tuple[int, int]:
-    return columns.start, columns.stop - columns.start

@@ -37,7 +37,7 @@ class FlightSimulation:
 
     Attributes:
         scenario: The scenario to fly.
-        vehicle: The vehicle that flies.
+        vehicle: Its vehicle.
         closed_loop: Diagram of station, coordinator and log. Its outputs are `true_state`, and
             `reference`, `base_setpoint`, `mode` and `cause` of the coordinator.
 
@@ -200,9 +200,8 @@ class FlightSimulation:
     ) -> dict[str, np.ndarray]:
         """Returns the signals of `DERIVED`, and zeros for ports that the closed loop lacks."""
         quaternion = signals["quaternion"]
-        p_EB, t_B = np.empty((2, len(time_s), 3))
-        for i, q in enumerate(signals["q_rad"]):
-            p_EB[i], t_B[i] = self._kinematics.tool(q)
+        tool = np.array([self._kinematics.tool(q) for q in signals["q_rad"]])
+        p_EB, t_B = tool[:, 0], tool[:, 1]
         absent = {"tool_axis_d": np.zeros_like(t_B)} if "tool_axis_d" not in signals else {}
         return {
             "time_s": time_s,

@@ -39,8 +39,8 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             from reference time 0 on: mean, rms, max and settled mean; null without
             the task.
         base_error: the same as `error` for the base and its setpoint.
-        mpc: number of ticks, wall time in ms, and numbers of ticks with a
-            fallback, without a solution (missed), and longer than the period.
+        mpc: wall time of a tick in ms, and numbers of ticks: all, without active
+            bounds, with a fallback, without a solution (missed), longer than the period.
         modes: s in each mode of the weight allocation.
         safe_modes: s in each mode of the supervisor, including the initial hover.
         events: Changes of the supervisor's conditions, see `aerodrake.flight.events`.
@@ -72,7 +72,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         "exit_cause": log.exit_cause,
         "error": _errors(log.error_m, log.time_s, lap, scenario.allocation.d_h_m),
         "base_error": _errors(log.base_error_m, log.time_s, lap, scenario.allocation.d_h_m),
-        "orientation": _orientation(log),
+        "orientation": _spread(log.tool_angle_rad, log.time_s, "rad"),
         "mpc": {
             "ticks": len(ticks),
             "median_ms": rounded(np.median(ticks)) if len(ticks) else None,
@@ -143,15 +143,10 @@ def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
     }
 
 
-def _orientation(log: FlightLog) -> dict[str, float | None]:
-    angle = log.tool_angle_rad
-    if angle is None:
-        angle = np.empty(0)
-    return _spread(angle, log.time_s[: len(angle)], "rad")
-
-
-def _spread(values: np.ndarray, time_s: np.ndarray, unit: str) -> dict[str, float | None]:
-    """Returns statistics from reference time 0 on; null without samples."""
+def _spread(values: np.ndarray | None, time_s: np.ndarray, unit: str) -> dict[str, float | None]:
+    """Returns statistics from reference time 0 on; null without values."""
+    if values is None:
+        values = time_s = np.empty(0)
     flown = values[time_s >= 0]
     return {
         f"mean_{unit}": _mean(flown),

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import Self
 
 SECTION = re.compile(r"^(Ports|State, rate|State|Rate|Attributes|Args|Raises|Returns|Keys):(.*)$")
+ENTRY = re.compile(r"^(?:in|out) `.*(?:\n +.*)*", re.MULTILINE)
+"""A description of ports, with its continuation lines."""
 PORT = re.compile(r"^(in|out) ((?:`\w+` \(.*?\)(?:, | and )?)+)(?:: |\. )(.*)$")
 
 
@@ -40,8 +42,8 @@ class Docstring:
     def ports(self) -> dict[tuple[str, str], str]:
         """Descriptions of the ports by (`in` or `out`, name)."""
         descriptions: dict[tuple[str, str], str] = {}
-        for entry in _entries(self.sections.get("Ports", "")):
-            if match := PORT.match(entry):
+        for entry in ENTRY.findall(self.sections.get("Ports", "")):
+            if match := PORT.match(re.sub(r"\n *", " ", entry)):
                 for name in re.findall(r"`(\w+)` \(", match[2]):
                     descriptions[match[1], name] = match[3]
         return descriptions
@@ -49,14 +51,3 @@ class Docstring:
 
 def _joined(lines: list[str]) -> str:
     return inspect.cleandoc("\n".join(["", *lines])).strip()
-
-
-def _entries(text: str) -> list[str]:
-    """Returns the entries that begin with `in` or `out`, each with its continuation lines."""
-    entries: list[str] = []
-    for line in text.splitlines():
-        if re.match(r"(in|out) `", line):
-            entries.append(line)
-        elif entries and line.startswith(" "):
-            entries[-1] += " " + line.strip()
-    return entries

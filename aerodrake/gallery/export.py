@@ -30,11 +30,7 @@ DOT_TIMEOUT_S = 60.0
 
 
 def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
-    """Writes `NAME.md`, `.dot` and `.mmd`; with Graphviz also `.svg` and `.png`.
-
-    Returns:
-        The paths written.
-    """
+    """Writes `NAME.md`, `.dot`, `.mmd`, with Graphviz also `.svg` and `.png`; returns the paths."""
     dot = to_dot(system, depth)
     contents = {
         "md": system_page(name, system, depth).encode(),
@@ -56,16 +52,11 @@ def gallery(names: Collection[str] = ()) -> dict[str, System]:
     Other scenarios have the systems of the orientation task, of faults and of CLIK. They are
     built if one of `names` is missing, or if `names` is empty.
     """
-    faults = (
-        *(SampleNan(), RotorDegraded(), JointDegraded(), Push()),
-        *(MpcMissed(), LearnerPoisoned(), ReferenceNan()),
-    )
-    others = (
-        Scenario(orientation=FixedAxis(), faults=faults, residual=Residual(mode="online")),
-        Scenario(controller="clik"),
-    )
+    in_station = (SampleNan(), RotorDegraded(), JointDegraded(), Push())
+    faults = (*in_station, MpcMissed(), LearnerPoisoned(), ReferenceNan())
+    all_tasks = Scenario(orientation=FixedAxis(), faults=faults, residual=Residual(mode="online"))
     systems: dict[str, System] = {}
-    for scenario in (Scenario(), *others):
+    for scenario in (Scenario(), all_tasks, Scenario(controller="clik")):
         for name, system in systems_by_name(make_closed_loop(scenario)).items():
             systems.setdefault(name, system)
         if names and systems.keys() >= set(names):
@@ -76,16 +67,13 @@ def gallery(names: Collection[str] = ()) -> dict[str, System]:
 def export_all(
     systems: Mapping[str, System], names: Iterable[str], folder: Path, depth: int
 ) -> list[Path]:
-    """Exports the named systems, or all of them if none is named.
+    """Exports the systems with these names, or all if there are none; returns the paths.
 
     Args:
-        systems: Systems by name, from `gallery` or `systems_by_name`.
-        names: Names of diagrams and leaf systems.
+        systems: Diagrams and leaf systems by name, from `gallery` or `systems_by_name`.
+        names: Keys of `systems`.
         folder: The folder, created if missing.
         depth: Number of levels of diagrams to open.
-
-    Returns:
-        The paths written.
 
     Raises:
         BadInput: if a name is unknown, or the folder cannot be written.

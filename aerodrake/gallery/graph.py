@@ -1,7 +1,8 @@
 """Graphs of diagrams and systems, as Graphviz and Mermaid text.
 
 Both depend only on the wiring. A diagram gives the same bytes in every process,
-so that its graphs can be committed and compared.
+so that its graphs can be committed and compared. `system` is a diagram or a leaf system;
+`depth` is the number of levels of diagrams to open, and 0 draws one box.
 """
 
 import re
@@ -48,12 +49,7 @@ def systems_by_name(system: System) -> dict[str, System]:
 
 
 def to_dot(system: System, depth: int) -> str:
-    """Returns Drake's own graph, with every port, as Graphviz text.
-
-    Args:
-        system: A diagram or a leaf system.
-        depth: Number of levels of diagrams to open; 0 draws one box.
-    """
+    """Returns Drake's own graph, with every port, as Graphviz text."""
     ids: dict[str, int] = {}
 
     def renumber(match: re.Match[str]) -> str:
@@ -75,10 +71,6 @@ def to_mermaid(system: System, depth: int) -> str:
     ports, without Drake's default names such as `u0`. Rounded nodes are the
     ports of `system` with their sizes, except ports of size zero. An open
     diagram without inputs is a closed loop, whose outputs are left out.
-
-    Args:
-        system: A diagram or a leaf system.
-        depth: Number of levels of diagrams to open; 0 draws one box.
 
     Raises:
         ValueError: as `systems_by_name`.
@@ -150,12 +142,7 @@ def is_default(name: str) -> bool:
 
 
 def connections(system: System, depth: int) -> Iterator[tuple[OutputPort, InputPort]]:
-    """Yields the signals between boxes of the graph, in no particular order.
-
-    Args:
-        system: A diagram; a leaf system has none.
-        depth: Number of levels of diagrams to open.
-    """
+    """Yields the signals between boxes of the graph, in no particular order."""
     if not _opens(system, depth):
         return
     for (target, i), (source, o) in system.connection_map().items():

@@ -40,12 +40,9 @@ EQUATIONS = "aerodrake.model."
 
 
 def system_page(name: str, system: System, depth: int) -> str:
-    """Returns Markdown: kind, graph, ports, state, rate and equations.
+    """Returns Markdown with the title `name`: kind, graph, ports, state, rate and equations.
 
-    Args:
-        name: Title of the page.
-        system: A diagram or a leaf system.
-        depth: Number of levels of diagrams that the graph shows.
+    `system` and `depth` are those of `to_mermaid`.
     """
     maker = MAKERS.get(name) if isinstance(system, Diagram) else None
     docstring = Docstring.of(maker or (type(system) if _is_ours(system) else None))

@@ -23,14 +23,13 @@ def fly_into(
 ) -> tuple[dict[str, Any], FlightLog]:
     """Flies, and writes `summary.json`, `log.npz`, `scenario.yaml` and `tracking.png`.
 
+    Returns the summary and the log.
+
     Args:
         folder: An empty folder.
         flight: The flight, ready to fly.
         title: Title of the figure.
         progress, rate, attach: See `FlightSimulation.fly`.
-
-    Returns:
-        The summary and the log.
     """
     log = flight.fly(progress, rate, attach)
     summary = summarize(flight.scenario, log)

@@ -25,8 +25,7 @@ def report_page(
     """Returns the page of one flight.
 
     Args:
-        flight: The flight.
-        summary, log: Its results.
+        flight, summary, log: The flight and its results.
         replay: A page from `replay_page`.
         folder: The folder of `scenario.yaml`.
         target: The final folder, for the command that repeats the flight.
