@@ -146,11 +146,10 @@ def make_controller(
     scenario: Scenario, model: EquivalentModel, vehicle: VehicleModel
 ) -> MpcSystem | ClikSystem:
     """Makes the scenario's controller."""
-    limits = SetpointLimits.make(scenario.mpc, vehicle)
     if scenario.controller == "mpc":
-        formulation = MpcFormulation(scenario.mpc, model, limits, vehicle)
+        formulation = MpcFormulation(scenario.mpc, model, vehicle)
         return make_mpc(formulation, scenario.faults, scenario.settle_s)
-    return ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, limits, vehicle))
+    return ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, vehicle))
 
 
 def make_pointing(scenario: Scenario, vehicle: VehicleModel) -> PointingSystem | None:

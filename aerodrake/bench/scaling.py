@@ -28,7 +28,7 @@ PEER = "daqp"
 def scaling_figures(flown_s: float, passes: int, progress: Callable[[str], None]) -> dict[str, Any]:
     """Flies clovers with other horizons and arms, and replays their ticks.
 
-    Stages are scaled alike: a horizon of N stages lasts N / N_0 times that of the scenario.
+    A horizon of N stages lasts N / N_0 times as long as that of the scenario with N_0 stages.
 
     Keys:
         horizon: For each N the stages, their duration in ticks, and the tick times of the

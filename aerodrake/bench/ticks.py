@@ -11,13 +11,10 @@ import numpy as np
 
 from aerodrake.bench.peers import Peer
 from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
 from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.qp.condensed_qp import QpResult, QpStatus, is_constrained
-from aerodrake.model.setpoint.integration import SetpointLimits
-from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.threads import single_thread
 
@@ -80,10 +77,7 @@ def record_ticks(scenario: Scenario) -> RecordedTicks:
 
     mpc.tick_inputs = recorded
     flight.fly()
-    vehicle = VehicleModel.load(scenario)
-    model = EquivalentModel.of(scenario, vehicle.joints)
-    limits = SetpointLimits.make(scenario.mpc, vehicle)
-    return RecordedTicks(MpcFormulation(scenario.mpc, model, limits, vehicle), inputs)
+    return RecordedTicks(mpc.formulation, inputs)
 
 
 def replay(

@@ -51,10 +51,10 @@ class MpcSystem(KinematicController):
 
     def __init__(self, formulation: MpcFormulation):
         super().__init__(formulation.model, formulation.config.horizon)
-        self._formulation = formulation
+        self.formulation = formulation
         self._pointing = self.DeclareAbstractInputPort("pointing", AbstractValue.Make(object()))
         self._solver = MpcSolver(formulation)
-        self._starts = np.cumsum([0, *formulation.stage_ticks[:-1]])  # Of the stages, in ticks.
+        self._starts = np.cumsum([0, *formulation.stage_ticks[:-1]])  # Ticks of stage starts.
         self._planned = NamedState(
             self,
             PlanState(
@@ -71,7 +71,7 @@ class MpcSystem(KinematicController):
         return tick
 
     def solve_tick(self, context: Context, tick: MpcInputs) -> SolvedProgram:
-        program = self._formulation.form(tick)
+        program = self.formulation.form(tick)
         return SolvedProgram(program, self._solve(context, program))
 
     def _solve(self, context: Context, program: MpcProgram) -> QpResult:
@@ -88,13 +88,13 @@ class MpcSystem(KinematicController):
         program, result = solution
         plan, active = self._planned.read(context)
         if is_solved(result.status):
-            stages = self._formulation.inputs(result.z)
-            plan = np.repeat(stages, self._formulation.stage_ticks, axis=0)
+            stages = self.formulation.inputs(result.z)
+            plan = np.repeat(stages, self.formulation.stage_ticks, axis=0)
         else:
             plan = np.vstack([plan[1:], np.zeros_like(plan[:1])])
         if is_constrained(result.status):
             active = result.active
         self._planned.write(discrete, PlanState(plan, active))
         U = plan[self._starts]
-        prediction = self._formulation.predict(tick, program, U)
+        prediction = self.formulation.predict(tick, program, U)
         self._set_outputs(context, discrete, U[0], prediction, result.status, result.iterations)

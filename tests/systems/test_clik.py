@@ -12,7 +12,6 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.clik import InverseKinematics
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.qp.condensed_qp import QpStatus
-from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Clik, Lissajous, Mpc
@@ -25,7 +24,7 @@ CONFIG = Mpc(horizon=4, k_e=(3.0, 3.0, 3.0))
 @pytest.fixture(scope="module")
 def parts(vehicle):
     model = EquivalentModel.make("velocity_aware", np.ones(3), 0.02, vehicle.joints)
-    return model, SetpointLimits.make(CONFIG, vehicle), vehicle
+    return model, vehicle
 
 
 @pytest.fixture

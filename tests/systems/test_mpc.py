@@ -11,7 +11,6 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.qp.condensed_qp import QpStatus
-from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Flight, Lissajous, Model, Mpc
@@ -38,7 +37,7 @@ WEIGHTS = [0.7, 1.0, 500.0, 20.0, 7.0]
 def formulation(vehicle, request) -> MpcFormulation:
     config = replace(CONFIG, span_ticks=request.param)
     model = EquivalentModel.make("exact", np.array([1.8, 2.0, 2.4]), DT, vehicle.joints)
-    return MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
+    return MpcFormulation(config, model, vehicle)
 
 
 @pytest.fixture(scope="module")

@@ -48,22 +48,15 @@ class InverseKinematics:
 
     Args:
         config: Damping and rates.
-        mpc: Gives K_e and the approach speed.
+        mpc: Gives K_e, the approach speed and the limits of the base.
         model: Gives the period and the indices of the setpoints in x_0.
-        limits: Limits of the setpoints (3 + n).
-        vehicle: Gives the centre of the learning space.
+        vehicle: Gives the centre of the learning space and the limits of the joints.
     """
 
-    def __init__(
-        self,
-        config: Clik,
-        mpc: Mpc,
-        model: EquivalentModel,
-        limits: SetpointLimits,
-        vehicle: VehicleModel,
-    ):
+    def __init__(self, config: Clik, mpc: Mpc, model: EquivalentModel, vehicle: VehicleModel):
         self.mpc, self.model = mpc, model
-        self._config, self._limits, self._p_O = config, limits, vehicle.p_O
+        self._config, self._p_O = config, vehicle.p_O
+        self._acceleration = SetpointLimits.make(mpc, vehicle).acceleration
         self._stages_s = stage_times(mpc, model.dt)
 
     def command(self, tick: MpcInputs) -> ClikCommand:
@@ -76,7 +69,7 @@ class InverseKinematics:
         model = self.model
         commanded = tick.x_0[np.concatenate([model.setpoint_velocity, model.joint_velocity])]
         unbounded = self._config.bandwidth_1_s * (velocity - commanded)
-        u = np.clip(unbounded, -self._limits.acceleration, self._limits.acceleration)
+        u = np.clip(unbounded, -self._acceleration, self._acceleration)
         return ClikCommand(velocity, u, bool(np.any(u != unbounded)))
 
     def predict(self, tick: MpcInputs, velocity: np.ndarray) -> np.ndarray:
@@ -94,21 +87,15 @@ class InverseKinematics:
         W = np.array([tick.w_q] * 3 + [tick.w_m] * n)
         weighted = J / (W / W.min())
         e = tick.end_effector.p_E - tick.reference[0, :3]
-        v = (
-            tick.reference[1, 3:]
-            - limited_gain(np.array(self.mpc.k_e), e, self.mpc.approach_speed_m_s) * e
-            - tick.end_effector.J_yaw * tick.rpy_rates[2]
-        )
+        K_e = limited_gain(np.array(self.mpc.k_e), e, self.mpc.approach_speed_m_s)
+        v = tick.reference[1, 3:] - K_e * e - tick.end_effector.J_yaw * tick.rpy_rates[2]
         return weighted.T @ np.linalg.solve(weighted @ J.T + self._damping, v)
 
     def _centring(self, tick: MpcInputs) -> np.ndarray:
         """Returns s_0 (3 + n,)."""
         J_B, offset = tick.end_effector.J_B, tick.end_effector.p_EB - self._p_O
-        rate = (
-            -self._config.centring_1_s
-            * J_B.T
-            @ np.linalg.solve(J_B @ J_B.T + self._damping, offset)
-        )
+        descent = np.linalg.solve(J_B @ J_B.T + self._damping, offset)
+        rate = -self._config.centring_1_s * J_B.T @ descent
         return np.concatenate([-tick.end_effector.J_s[:, 3:] @ rate, rate])
 
     @property

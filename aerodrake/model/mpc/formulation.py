@@ -90,17 +90,14 @@ class MpcFormulation:
     the mean rate T (a_k - a_{k-1}) / (t_k - t_{k-1}); no effect in models without a.
 
     Args:
-        config: Weights and bounds.
+        config: Weights, horizon and limits of the base.
         model: The equivalent model.
-        limits: Limits of the setpoints (3 + n): base velocity, joint positions and
-            velocities, and all accelerations.
-        vehicle: Gives the centre of the learning space.
+        vehicle: Gives the centre of the learning space and the limits of the joints.
     """
 
-    def __init__(
-        self, config: Mpc, model: EquivalentModel, limits: SetpointLimits, vehicle: VehicleModel
-    ):
-        self.config, self.model, self.limits = config, model, limits
+    def __init__(self, config: Mpc, model: EquivalentModel, vehicle: VehicleModel):
+        self.config, self.model = config, model
+        self.limits = limits = SetpointLimits.make(config, vehicle)
         self.stage_ticks = ticks = stage_ticks(config)
         self.states = StageStates(model, ticks)
         self.scale = np.repeat(limits.acceleration, config.horizon)
@@ -113,7 +110,7 @@ class MpcFormulation:
         self._W_4 = np.array(config.w_4)
         self._setpoint_rates = np.concatenate([model.setpoint_velocity, model.joint_velocity])
         self._is_base = np.arange(len(self.W_2)) < 3
-        # Measured roll and pitch rates are used if they are held; the yaw rate always.
+        # The measured yaw rate is used always, those of roll and pitch only with tilt `held`.
         self._rates = np.array([1.0, 1.0, 1.0] if config.tilt == "held" else [0.0, 0.0, 1.0])
         W_3 = np.array([*config.w_3_base, *w_3_joints])
         W_5 = np.array([*config.w_5, *np.zeros(model.joints)])
@@ -155,16 +152,17 @@ class MpcFormulation:
         self.A = A / norms[:, None]
         self._upper = np.concatenate([np.tile(high, N), limits.upper[3:]]) / norms
         self._lower = np.concatenate([np.tile(low, N), limits.lower[3:]]) / norms
-        free = np.hstack([rows(states.Phi), rows(states.Psi)]) / norms[:, None]
         # Free response of the rows and of the outputs, per [x_0, Delta].
-        outputs_free = outputs.free_response.reshape(-1, free.shape[1])
-        self._free_response = np.vstack([free, outputs_free])
+        of_rows = np.hstack([rows(states.Phi), rows(states.Psi)]) / norms[:, None]
+        of_outputs = outputs.free_response.reshape(-1, of_rows.shape[1])
+        self._free_response = np.vstack([of_rows, of_outputs])
 
     def form(self, tick: MpcInputs) -> MpcProgram:
         """Returns the program of one tick."""
         config, end_effector = self.config, tick.end_effector
-        free = self._free_response @ np.concatenate([tick.x_0, tick.delta])
-        rows, free = free[: len(self.A)], free[len(self.A) :].reshape(-1, config.horizon)
+        response = self._free_response @ np.concatenate([tick.x_0, tick.delta])
+        rows, outputs = response[: len(self.A)], response[len(self.A) :]
+        free_response = outputs.reshape(-1, config.horizon)
         W_2 = self.W_2 * np.where(self._is_base, tick.w_q, tick.w_m)
         W_4, offset = self._W_4 * tick.w_d, end_effector.p_EB - self._p_O
         cost = posture_cost(config.horizon, W_2, W_4, end_effector.J_B, offset)
@@ -172,7 +170,7 @@ class MpcFormulation:
         tilts, is_predicted = config.tilt == "flatness", config.error == "predicted"
         for task in self._tasks(tick):
             add_tracking(cost, task, rpy_rates, tilts, is_predicted)
-        g = gradient(self.condensing, cost, free)
+        g = gradient(self.condensing, cost, free_response)
         g[:: config.horizon] -= self._w_5 * tick.u_last
         task_jacobian = end_effector.J_B
         if tick.pointing is not None:
@@ -181,7 +179,7 @@ class MpcFormulation:
             g=g,
             lower=self._lower - rows,
             upper=self._upper - rows,
-            free_response=free,
+            free_response=free_response,
             C=cost.C,
             task_jacobian=task_jacobian,
             condensing=self.condensing,

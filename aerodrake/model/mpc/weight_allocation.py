@@ -68,9 +68,7 @@ def next_mode(config: Allocation, last: Mode, d_e: float, d_o: float, d_g: float
         return Mode.FLIGHT
     if beyond(d_o, config.d_h_m, last is Mode.ADJUSTMENT):
         return Mode.ADJUSTMENT
-    if can_hover:
-        return Mode.HOVER
-    return Mode.COORDINATED
+    return Mode.HOVER if can_hover else Mode.COORDINATED
 
 
 def allocate(

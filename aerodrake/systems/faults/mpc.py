@@ -57,7 +57,7 @@ class FaultyMpc(MpcSystem):
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         if isinstance(self.active_fault(context), MpcMissed):
             tick = self.tick_inputs(context)
-            program = self._formulation.form(tick)
+            program = self.formulation.form(tick)
             no_result = QpResult(np.zeros_like(program.g), MISSED, 0, np.zeros(0))
             self._apply(context, discrete, tick, SolvedProgram(program, no_result))
         else:

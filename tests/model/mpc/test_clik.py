@@ -9,7 +9,6 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.clik import InverseKinematics
 from aerodrake.model.mpc.horizon import stage_ticks
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Clik, Mpc
 
@@ -22,8 +21,7 @@ def velocity_aware(vehicle: VehicleModel) -> EquivalentModel:
 
 
 def inverse(vehicle: VehicleModel, config: Clik) -> InverseKinematics:
-    limits = SetpointLimits.make(MPC, vehicle)
-    return InverseKinematics(config, MPC, velocity_aware(vehicle), limits, vehicle)
+    return InverseKinematics(config, MPC, velocity_aware(vehicle), vehicle)
 
 
 @pytest.fixture(params=[20, 60, 100])

@@ -12,7 +12,6 @@ from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.stage_cost import tilt_matrix
 from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpStatus
-from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Model, Mpc, Scenario
 from tests.explicit_mpc import K_B, UP, ExplicitMpc, G, acceleration, displacement
@@ -53,8 +52,7 @@ def formulation(
         w_3_joints=(10.0, 12.0, 8.0, 15.0, 9.0, 11.0),
         w_4=(300.0, 200.0, 400.0),
     )
-    limits = SetpointLimits.make(config, vehicle)
-    return MpcFormulation(config, make_model(kind, vehicle), limits, vehicle)
+    return MpcFormulation(config, make_model(kind, vehicle), vehicle)
 
 
 @pytest.fixture(scope="module")
@@ -145,10 +143,10 @@ def test_one_weight_applies_to_all_joints(tight_scenario, ticks, vehicle):
     per_joint = dataclasses.replace(
         config, w_2_joints=config.w_2_joints * 6, w_3_joints=config.w_3_joints * 6
     )
-    model, limits = make_model("flight", vehicle), SetpointLimits.make(config, vehicle)
+    model = make_model("flight", vehicle)
     for name in ("H", "g"):
         one, other = (
-            getattr(MpcFormulation(c, model, limits, vehicle).form(ticks[0]), name)
+            getattr(MpcFormulation(c, model, vehicle).form(ticks[0]), name)
             for c in (config, per_joint)
         )
         np.testing.assert_array_equal(one, other)
@@ -161,7 +159,7 @@ def test_feasibility_is_recursive(horizon, ticks_of, vehicle):
     A joint can stop within the horizons: v_max / a_max = 10 ticks and more.
     """
     config, model = Mpc(horizon=horizon, span_ticks=horizon), make_model("velocity_aware", vehicle)
-    ours = MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
+    ours = MpcFormulation(config, model, vehicle)
     first = ticks_of(model)[0]
     tick = dataclasses.replace(first, reference=np.zeros((horizon + 1, 6)), delta=np.zeros(3))
     by_input = ours.states.Gamma[:, model.joint_velocity].sum(axis=(0, 1))

@@ -9,7 +9,6 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.horizon import stage_ticks
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.scenario import Model, Mpc, Scenario
 
 K_B, DT = (1.8, 2.5, 6.67), 0.02
@@ -85,7 +84,7 @@ def test_the_program_is_half_the_cost(kind, tilt, error, span, ticks_of, vehicle
     """z' H z / 2 + g' z for any inputs, up to a constant."""
     config = dataclasses.replace(CONFIG, error=error, tilt=tilt, span_ticks=span)
     model = EquivalentModel.of(Scenario(model=Model(kind=kind, k_b=K_B)), vehicle.joints)
-    ours = MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
+    ours = MpcFormulation(config, model, vehicle)
     rng, N = np.random.default_rng(0), config.horizon
     # The target is so near that K_e is not limited.
     near = 0.05 * rng.normal(size=(N + 1, 6))

@@ -11,7 +11,6 @@ from aerodrake.model.mpc.redundancy import DecoupledMinimiser, task_basis
 from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.mpc.tick import MpcInputs, Pointing
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpStatus
-from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Mpc, Scenario
@@ -22,7 +21,7 @@ CONFIG = Mpc(horizon=7, span_ticks=20, w_6=70.0, k_o=4.0)
 def formulation(vehicle, **changes) -> MpcFormulation:
     config = dataclasses.replace(CONFIG, **changes)
     model = EquivalentModel.of(Scenario(), vehicle.joints)
-    return MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
+    return MpcFormulation(config, model, vehicle)
 
 
 def make_tick(vehicle, model, pointing: bool, seed: int = 0) -> MpcInputs:

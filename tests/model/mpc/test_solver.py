@@ -10,13 +10,12 @@ from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.qp.condensed_qp import QpStatus
-from aerodrake.model.setpoint.integration import SetpointLimits
 
 
 @pytest.fixture(scope="module")
 def formulation(vehicle, tight_scenario) -> MpcFormulation:
     config, model = tight_scenario.mpc, EquivalentModel.of(tight_scenario, vehicle.joints)
-    return MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
+    return MpcFormulation(config, model, vehicle)
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.stage_cost import limited_gain
 from aerodrake.model.mpc.tick import MpcInputs, Pointing
-from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Mpc, Scenario
@@ -60,7 +59,7 @@ def tick(model, kinematics, state) -> MpcInputs:
 
 
 def formulation(config, model, vehicle) -> MpcFormulation:
-    return MpcFormulation(config, model, SetpointLimits.make(config, vehicle), vehicle)
+    return MpcFormulation(config, model, vehicle)
 
 
 def tool_direction(kinematics, state, by=(0.0, 0.0, 0.0), q=0.0) -> np.ndarray:

@@ -8,7 +8,6 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.tick import MISSED, MpcInputs, TickStatus
 from aerodrake.model.qp.condensed_qp import QpStatus
-from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import (
@@ -32,7 +31,7 @@ CONFIG = Mpc(horizon=6, w_3_base=(30.0, 30.0, 30.0))
 @pytest.fixture(scope="module")
 def formulation(vehicle) -> MpcFormulation:
     model = EquivalentModel.make("velocity_aware", np.ones(3), 0.02, vehicle.joints)
-    return MpcFormulation(CONFIG, model, SetpointLimits.make(CONFIG, vehicle), vehicle)
+    return MpcFormulation(CONFIG, model, vehicle)
 
 
 @pytest.fixture(scope="module")
