@@ -1,4 +1,4 @@
-"""The same flight twice is the same to the last bit, however it is flown."""
+"""Flights of the same scenario are equal bit for bit."""
 
 import os
 import subprocess
@@ -17,7 +17,7 @@ from aerodrake.support.threads import single_thread
 
 
 def noisy(seed: int = 7) -> Scenario:
-    """Short, with all that could differ: noise, delay, gusts, learning, a solver that iterates."""
+    """Short, with noise, delay, gusts, learning, and a solver that iterates."""
     return Scenario(
         duration=0.8,
         settle_s=0.2,
@@ -61,7 +61,7 @@ def signals(flight):
 def test_there_is_something_that_could_differ(signals):
     assert np.any(signals["measured_p_B_m"] != signals["p_B_m"])
     assert np.any(signals["delta_m_s"] != 0)
-    assert np.count_nonzero(signals["qp_status"]) > 10  # Programs that a bound holds.
+    assert np.count_nonzero(signals["qp_status"]) > 10  # Programs with active bounds.
     assert np.ptp(signals["p_E_m"]) > 0
     assert len(np.unique(signals["wind_force_n"], axis=0)) == len(signals["time_s"])
     for key, signal in signals.items():
@@ -79,7 +79,7 @@ def test_flown_by_another_diagram(signals):
 
 
 def test_flown_by_another_process(signals, tmp_path):
-    """Which hashes differently, and has built no other diagram."""
+    """A process with another hash seed, which has built no other diagram."""
     path = tmp_path / "log.npz"
     code = (
         f"import sys; sys.path[:0] = {[str(Path(__file__).parent)]!r}\n"
@@ -105,7 +105,7 @@ def closed_loop():
 
 
 def advance(diagram, context, *times) -> np.ndarray:
-    """Everything in the state after advancing to each of `times`."""
+    """Returns state and outputs after advancing to each of `times`."""
     simulator = Simulator(diagram, context)
     simulator.Initialize()
     with single_thread():
@@ -115,7 +115,7 @@ def advance(diagram, context, *times) -> np.ndarray:
 
 
 def numbers(diagram, context) -> np.ndarray:
-    """All discrete state, and all vector outputs."""
+    """Returns all discrete state, and all vector outputs."""
     groups = context.get_discrete_state()
     state = [groups.value(i) for i in range(groups.num_groups())]
     ports = map(diagram.get_output_port, range(diagram.num_output_ports()))
@@ -143,7 +143,7 @@ def test_a_clone_is_independent(closed_loop, context):
     np.testing.assert_array_equal(numbers(closed_loop, context), before)
     assert context.get_time() == 0.405
 
-    # Even a change by hand to one of them is none to another.
+    # A change of one context does not change another.
     plant = closed_loop.GetSubsystemByName("station").GetSubsystemByName("plant")
     pushed = plant.GetMyMutableContextFromRoot(third)
     plant.SetPositions(pushed, plant.GetPositions(pushed) + 0.01 * (np.arange(13) == 4))
@@ -151,7 +151,7 @@ def test_a_clone_is_independent(closed_loop, context):
     np.testing.assert_array_equal(advance(closed_loop, context, 0.6), ahead)
 
 
-def test_chunks_do_not_matter(closed_loop):
+def test_the_lengths_of_steps_of_the_simulator_do_not_matter(closed_loop):
     whole = advance(closed_loop, make_context(closed_loop, 7), 0.5)
     chunks = np.sort(np.random.default_rng(0).uniform(0, 0.5, 40))
     ticks = np.arange(1, 25) * 0.02

@@ -1,4 +1,4 @@
-"""The packaged scenarios: all of them fly, and the best ones fly as well as we say."""
+"""The packaged scenarios: all of them fly, and the best ones reach the errors that we state."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +16,7 @@ from aerodrake.comparison.compare import make_variants
 from aerodrake.flight.excitation import excite
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
+from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Hover
@@ -32,7 +33,7 @@ def fly(name: str, **changes):
 
 
 def end_effector(log) -> np.ndarray:
-    """(T, 3) m, by Drake's forward kinematics of the floating robot, beside our own."""
+    """(T, 3) m, by Drake's forward kinematics of the floating robot, independent of ours."""
     return np.array([pose.translation() for pose in tool_poses(log)])
 
 
@@ -110,7 +111,7 @@ def test_clover():
 
 
 def test_clover_pointing():
-    """The tool's angle from Drake's forward kinematics, beside our own."""
+    """The tool's angle equals that of Drake's forward kinematics."""
     _, log, figures = fly("clover_pointing", duration=8.0, settle_s=1.0)
     flown = log.time_s > -1e-9
     angle = np.arccos(np.clip(-tool_axes(log)[:, 2], -1, 1))[flown]
@@ -128,14 +129,14 @@ def test_moving_target():
     assert figures["error"]["approach_s"] <= 2.6
     assert figures["error"]["settled_mean_m"] <= 0.00001
     mode = log["mode"][log.time_s >= 0].astype(int)
-    assert mode[1] == 0 and mode[-1] == 1  # flight, coordinated
+    assert mode[1] == Mode.FLIGHT and mode[-1] == Mode.COORDINATED
     assert figures["modes"]["flight"] > 0.5 and figures["modes"]["coordinated"] > 20
     moved = np.outer(np.maximum(log.time_s, 0), [0, 0.05, 0])
     assert_figures(log, figures, np.array([0, 1.4, 0.6]) + moved)
 
 
-def test_the_world_of_clover_realistic():
-    """Noise in mm, mm/s, deg, 0.01 rad/s and deg; the plant in per cent off its model."""
+def test_the_disturbances_of_clover_realistic():
+    """Noise in mm, mm/s, deg, rad/s and deg; model mismatch in per cent."""
     scenario, clean = load_scenario("clover_realistic"), load_scenario("clover")
     sensors, wind, mismatch = scenario.sensors, scenario.wind, scenario.mismatch
     assert 1e3 * sensors.position_noise_m == pytest.approx(2)
@@ -189,7 +190,7 @@ def test_samples_of_clover_realistic_have_the_declared_delay_and_noise_on_every_
     assert drawn.shape == (999, 18)
     np.testing.assert_allclose(drawn.std(axis=0), 1, atol=0.09)
     np.testing.assert_allclose(drawn.mean(axis=0), 0, atol=0.13)
-    # White, which what is late by another time would not be.
+    # White, unlike the errors of another delay.
     both = np.hstack([drawn[1:], drawn[:-1]])
     np.testing.assert_allclose(np.corrcoef(both.T), np.eye(36), atol=0.13)
 
@@ -235,10 +236,10 @@ def test_moving_target_with_the_papers_method():
     u = np.hstack([log["a_Bd_m_s2"], log["qddot_d_rad_s2"]])
     assert np.all(np.abs(u) <= limits.acceleration + 1e-9)
     changes = np.count_nonzero(np.diff(log["mode"][flown]))
-    assert changes <= 10  # From one mode to the next, not to and fro.
+    assert changes <= 10  # No chattering between modes.
 
 
-def test_the_papers_scenarios_differ_in_what_is_flown_only():
+def test_the_papers_scenarios_differ_only_in_the_reference():
     first, second = load_scenario("clover_paper"), load_scenario("moving_target_paper")
     same = {"name": "", "source": "", "reference": Hover()}
     assert replace(first, **same) == replace(second, **same)
@@ -246,7 +247,7 @@ def test_the_papers_scenarios_differ_in_what_is_flown_only():
 
 @pytest.mark.parametrize("name", ["clover_paper", "moving_target_paper", "clover_position"])
 def test_gains_of_the_position_interface_meet_their_criterion(name):
-    """The one that their files state, fixed before any comparison."""
+    """The criterion that the files state, fixed before any comparison."""
     scenario = load_scenario(name)
     assert scenario.flight.interface == "position"
     vehicle = VehicleModel.load(scenario)

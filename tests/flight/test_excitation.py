@@ -1,4 +1,4 @@
-"""Excitations: what was commanded and measured, tick by tick of the MPC."""
+"""Excitations: setpoints and measurements at each tick of the MPC."""
 
 from dataclasses import replace
 
@@ -42,7 +42,7 @@ def test_it_starts_in_trim_and_follows(flown, vehicle):
     np.testing.assert_allclose(flown.state[0], vehicle.trim_state, atol=1e-12)
     moved = flown.state[-1, 4:7] - vehicle.p_B
     assert moved[0] == pytest.approx(0.4 * FLOWN_S * 2 / np.pi, abs=0.02)
-    assert np.abs(moved[1:]).max() < 0.04  # The arm throws it a little.
+    assert np.abs(moved[1:]).max() < 0.04  # The reaction of the arm.
 
 
 def test_exact_sensors_show_the_true_state_at_the_tick(flown, scenario, vehicle):
@@ -55,7 +55,7 @@ def test_exact_sensors_show_the_true_state_at_the_tick(flown, scenario, vehicle)
         np.testing.assert_allclose(state, true_state.Eval(simulator.get_context()), atol=1e-12)
 
 
-def test_setpoints_are_those_of_the_station(flown, scenario, vehicle):
+def test_setpoints_equal_those_of_the_diagram(flown, scenario, vehicle):
     """The acceleration is the one from the tick on."""
     diagram = make_open_loop(scenario, *motions(vehicle))
     context = diagram.CreateDefaultContext()
@@ -74,7 +74,7 @@ def test_ticks_are_those_of_the_scenarios_mpc(vehicle):
     np.testing.assert_allclose(flown.time_s, np.linspace(0, FLOWN_S, 11), atol=1e-12)
 
 
-def test_one_seed_one_result(vehicle):
+def test_results_depend_on_the_seed_only(vehicle):
     noisy = Scenario(sensors=NOISE, seed=3)
     first, again = (excite(noisy, *motions(vehicle)).state for _ in range(2))
     np.testing.assert_array_equal(first, again)
@@ -82,8 +82,8 @@ def test_one_seed_one_result(vehicle):
     assert np.abs(first - other)[1:, 4:7].max() > 1e-3
 
 
-def test_noise_is_what_the_sensors_have(flown, vehicle):
-    """In the samples; and the vehicle itself is where it was, but for some of it."""
+def test_samples_have_the_noise_of_the_sensors(flown, vehicle):
+    """The motion itself differs by less than the noise."""
     unfiltered = Scenario(sensors=NOISE, filter=Filter(kind="none"))
     noisy = excite(unfiltered, *motions(vehicle)).state
     difference = (noisy - flown.state)[1:, 4:7]

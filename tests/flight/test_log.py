@@ -61,7 +61,7 @@ def test_names_are_unique():
 
 
 @pytest.mark.parametrize("key", [*KEYS, *DERIVED])
-def test_names_carry_units(key):
+def test_names_end_in_units(key):
     assert key in DIMENSIONLESS or re.search(r"_(s|ms|ticks|m|n|rad|m_s2?|rad_s2?|n_m)$", key)
 
 
@@ -83,7 +83,7 @@ def test_parts_are_where_they_belong(short_flight, vehicle):
     np.testing.assert_allclose(log["joint_torque_n_m"][0], vehicle.trim_torque)
     assert log["thrust_n"][0].sum() == pytest.approx(vehicle.mass * 9.81)
     assert log["v_Ed_m_s"].any() and not log["v_Ed_m_s"][:11].any()
-    # Velocities are the derivatives of what they are called after.
+    # Velocities are the derivatives of the positions of the same name.
     for position, velocity in (("p_B_m", "v_B_m_s"), ("q_rad", "qdot_rad_s"),
                                ("p_Bd_m", "v_Bd_m_s"), ("p_Ed_m", "v_Ed_m_s")):  # fmt: skip
         slope = np.gradient(log[position], log.time_s, axis=0)
@@ -137,7 +137,7 @@ def test_a_thinned_log_reads_the_file_once(short_flight, tmp_path):
 
 @pytest.mark.parametrize("samples", [0, 1, ROWS_PER_WRITE, 2 * ROWS_PER_WRITE + 1])
 def test_saved_piece_by_piece(vehicle, samples, tmp_path):
-    """However an array lies in memory."""
+    """Arrays of any memory layout."""
     rows = np.random.default_rng(0).normal(size=(samples, 3))
     signals = {
         "c": rows,
@@ -180,7 +180,7 @@ def test_read_is_the_reverse_of_save(short_flight, tmp_path):
 
 @pytest.mark.parametrize("most", [7, 60, 61, 1000])
 def test_thinned_for_figures(short_flight, most):
-    """Evenly, up to the last sample; ticks are not samples."""
+    """Evenly, up to the last sample; signals of ticks stay whole."""
     _, log = short_flight
     thin = log.thinned(most)
     assert most / 2 < len(thin.time_s) <= most or len(thin.time_s) == 61 <= most

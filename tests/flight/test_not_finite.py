@@ -25,25 +25,25 @@ from aerodrake.wiring.replacements import Replacements
 SHORT = Scenario(duration=0.5, settle_s=0.1, reference=Clover(start_s=0.2))
 
 
-class Spoils(LeafSystem):
-    """Passes its input on until a time; then there is another number in it."""
+class Corruption(LeafSystem):
+    """Outputs its input; from the time `after_s` on, `number` is its last entry."""
 
     def __init__(self, size: int, number: float, after_s: float):
         super().__init__()
-        self.set_name("spoils")
+        self.set_name("corruption")
         self.number, self.after_s = number, after_s
-        self.DeclareVectorInputPort("given", size)
-        self.DeclareVectorOutputPort("passed", size, self._calc)
+        self.DeclareVectorInputPort("original", size)
+        self.DeclareVectorOutputPort("corrupted", size, self._calc)
 
     def _calc(self, context: Context, output: BasicVector) -> None:
-        given = self.get_input_port().Eval(context).copy()
+        value = self.get_input_port().Eval(context).copy()
         if context.get_time() >= self.after_s:
-            given[-1] = self.number
-        output.SetFromVector(given)
+            value[-1] = self.number
+        output.SetFromVector(value)
 
 
-def spoilt(port: str, number: float, after_s: float):
-    """Ours, with a number of one of its ports spoilt."""
+def corrupted(port: str, number: float, after_s: float):
+    """Replaces a system by itself, with the output `port` corrupted."""
 
     def make(ours: System) -> Diagram:
         builder = DiagramBuilder()
@@ -53,9 +53,9 @@ def spoilt(port: str, number: float, after_s: float):
         for i in range(inner.num_output_ports()):
             out = end = inner.get_output_port(i)
             if out.get_name() == port:
-                spoils = builder.AddSystem(Spoils(out.size(), number, after_s))
-                builder.Connect(out, spoils.get_input_port())
-                end = spoils.get_output_port()
+                corruption = builder.AddSystem(Corruption(out.size(), number, after_s))
+                builder.Connect(out, corruption.get_input_port())
+                end = corruption.get_output_port()
             builder.ExportOutput(end, out.get_name())
         return builder.Build()
 
@@ -65,52 +65,52 @@ def spoilt(port: str, number: float, after_s: float):
 @pytest.mark.parametrize(
     ("name", "port", "path"),
     [
-        ("flight_controller", "thrust_command", "station::flight_controller::spoils"),
-        ("arm_controller", "joint_torque", "station::arm_controller::spoils"),
-        ("wind", "generalized_force", "station::wind::spoils"),
-        ("sensors", "state", "station::sensors::spoils"),
-        ("mpc", "u", "coordinator::mpc::spoils"),
-        ("supervisor", "mode", "coordinator::supervisor::spoils"),
+        ("flight_controller", "thrust_command", "station::flight_controller::corruption"),
+        ("arm_controller", "joint_torque", "station::arm_controller::corruption"),
+        ("wind", "generalized_force", "station::wind::corruption"),
+        ("sensors", "state", "station::sensors::corruption"),
+        ("mpc", "u", "coordinator::mpc::corruption"),
+        ("supervisor", "mode", "coordinator::supervisor::corruption"),
     ],
 )
 def test_the_port_is_named(name, port, path):
-    flight = FlightSimulation(SHORT, Replacements({name: spoilt(port, np.nan, after_s=0.35)}))
+    flight = FlightSimulation(SHORT, Replacements({name: corrupted(port, np.nan, after_s=0.35)}))
     log = flight.fly()
     assert log.exit_reason == "lost"
-    assert log.exit_cause.startswith(f"{path}: passed not finite at 0.")
-    assert "Failure at" not in log.exit_cause  # Where Drake was built.
+    assert log.exit_cause.startswith(f"{path}: corrupted not finite at 0.")
+    assert "Failure at" not in log.exit_cause  # The path of Drake's source file.
     assert 0.23 <= log.time_s[-1] <= 0.31
     assert to_json(summarize(SHORT, log))
 
 
 def test_from_the_first_instant_on():
-    log = FlightSimulation(SHORT, Replacements({"mpc": spoilt("u", np.nan, after_s=0.0)})).fly()
-    assert "mpc::spoils: passed not finite at -0.10 s" in log.exit_cause
+    log = FlightSimulation(SHORT, Replacements({"mpc": corrupted("u", np.nan, after_s=0.0)})).fly()
+    assert "mpc::corruption: corrupted not finite at -0.10 s" in log.exit_cause
     assert log.time_s.tolist() == [-0.1]
 
 
 def test_values_that_are_too_large_for_the_plant():
-    force = spoilt("generalized_force", np.inf, after_s=0.35)
+    force = corrupted("generalized_force", np.inf, after_s=0.35)
     log = FlightSimulation(SHORT, Replacements({"wind": force})).fly()
-    assert log.exit_reason == "lost" and "station::wind::spoils: passed" in log.exit_cause
+    assert log.exit_reason == "lost" and "station::wind::corruption: corrupted" in log.exit_cause
 
 
 @pytest.mark.parametrize("error", [BadInput("/tmp", "", "full"), OSError("full"), MemoryError()])
 def test_errors_of_the_machine_are_raised_even_if_a_port_is_not_finite(error):
-    """Such as samples, by a fault."""
+    """Here the samples, by a fault."""
 
     def progress(time_s: float) -> None:
         if time_s > 0.25:
             raise error
 
-    struck = replace(SHORT, faults=(SampleNan(start_s=0.05),))
+    faulty = replace(SHORT, faults=(SampleNan(start_s=0.05),))
     with pytest.raises(type(error)):
-        FlightSimulation(struck).fly(progress)
+        FlightSimulation(faulty).fly(progress)
 
 
 @pytest.mark.parametrize("name", ["clover", "moving_target"])
-def test_nothing_of_ours_is_to_blame(name):
-    """Not even the distance to go to a target that moves, which is infinite."""
+def test_packaged_scenarios_have_finite_signals(name):
+    """Except d_g, which is infinite for a moving target."""
     scenario = load_scenario(name)
     closed_loop = make_closed_loop(scenario)
     assert not_finite(closed_loop, make_context(closed_loop, scenario.seed)) == []

@@ -63,9 +63,9 @@ def test_after_its_end_a_motion_stays(scenario, motions):
 def test_it_flies_like_the_station_with_the_same_setpoints(scenario, vehicle):
     """Setpoints that are constant over each period are set by hand; equal bit for bit."""
     breaks = PERIOD_S * np.arange(round(FLOWN_S / PERIOD_S) + 1)
-    way = 0.2 * (1 - np.cos(np.pi * breaks / FLOWN_S))
-    p_d = vehicle.p_B + np.outer(way, [1.0, -0.5, 0.7])
-    q_d = vehicle.working + np.outer(way, np.ones(vehicle.joints))
+    offset = 0.2 * (1 - np.cos(np.pi * breaks / FLOWN_S))
+    p_d = vehicle.p_B + np.outer(offset, [1.0, -0.5, 0.7])
+    q_d = vehicle.working + np.outer(offset, np.ones(vehicle.joints))
     base, joints = (PiecewisePolynomial.ZeroOrderHold(breaks, rows.T) for rows in (p_d, q_d))
 
     diagram = make_open_loop(scenario, base, joints)

@@ -1,4 +1,4 @@
-"""Signals in a file: what goes in comes out."""
+"""Signals in a file are read as they were written."""
 
 import gc
 import warnings
@@ -20,7 +20,7 @@ def test_signals_are_the_columns_of_all_samples(lengths, seed):
     recording, times = Recording(COLUMNS), np.arange(sum(lengths)) / 100
     for start, length in zip(np.cumsum([0, *lengths]), lengths, strict=False):
         part = slice(start, start + length)
-        # As Drake's logs have them: one sample after another.
+        # Column-major, as Drake's logs.
         recording.append(times[part], np.asfortranarray(samples)[:, part])
     np.testing.assert_array_equal(recording.times, times)
     for key, columns in COLUMNS.items():
@@ -36,7 +36,7 @@ def test_later_samples_do_not_change_earlier_signals():
     assert recording.times == [0] and recording["mode"] == [1]
 
 
-def test_signals_in_memory_stand_beside_them():
+def test_signals_in_memory_are_added():
     recording = Recording(COLUMNS)
     recording.append(np.zeros(2), np.zeros((7, 2)))
     tick_ms = np.array([1.0, 2.0, 3.0])
@@ -47,32 +47,31 @@ def test_signals_in_memory_stand_beside_them():
         recording["p_E_m"]
 
 
-def test_a_disk_takes_less_than_it_is_given(monkeypatch):
-    """Incomplete writes are continued, and a full disk is an error."""
+def test_incomplete_writes_are_continued_and_a_full_disk_is_an_error(monkeypatch):
     recording = Recording(COLUMNS)
     samples = np.arange(70.0).reshape(7, 10)
     file = recording._file
 
-    class Reluctant:
+    class ShortWrites:
         def write(self, content):
             return file.write(content[:33])
 
         def __getattr__(self, name):
             return getattr(file, name)
 
-    recording._file = Reluctant()
+    recording._file = ShortWrites()
     recording.append(np.arange(10.0), samples)
     np.testing.assert_array_equal(recording["p_B_m"], samples[1:4].T)
 
     def full(content):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Reluctant, "write", staticmethod(full), raising=True)
+    monkeypatch.setattr(ShortWrites, "write", staticmethod(full), raising=True)
     with pytest.raises(BadInput, match="during the flight: No space left on device"):
         recording.append(np.arange(10.0), samples)
 
 
-def test_its_file_goes_with_it():
+def test_its_file_is_closed_with_it():
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         file = Recording(COLUMNS)._file

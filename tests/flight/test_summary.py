@@ -100,7 +100,7 @@ def test_errors_over_the_windows_of_the_paper(which):
     assert error["approach_s"] == 0
 
 
-def test_the_other_error_is_another():
+def test_errors_of_end_effector_and_base_are_independent():
     both = figures(made(error=steps))
     assert both["base_error"]["max_m"] == 0 and both["error"]["max_m"] > 0
 
@@ -113,7 +113,7 @@ def test_approach_is_the_first_time_within_d_h():
     assert figures(made(error), scenario)["error"]["approach_s"] == pytest.approx(2.2)
 
 
-def test_being_near_in_the_initial_hover_is_no_approach():
+def test_the_approach_does_not_count_in_the_initial_hover():
     error = figures(made(lambda t: np.where(t < 0, 0.0, 1.0)))["error"]
     assert error["approach_s"] is None
 
@@ -216,7 +216,7 @@ def test_facts_of_the_flight():
 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf])
-def test_strict_json_whatever_was_flown(number):
+def test_json_is_strict_with_nan_and_infinity(number):
     log = made(error=lambda t: np.where(t < 20, 0.001, number))
     log.signals["prediction_error_m_s"][-1] = number
     text = to_json(summarize(CLOVER, log))
@@ -234,9 +234,9 @@ def test_the_same_flight_gives_the_same_text():
 
 
 def test_workspace_use_of_the_arm(vehicle):
-    """1.2 s at 0.1 m from the centre of the learning space, 0.01 s at 0.2 m; a joint by its limit.
+    """1.2 s at 0.1 m from the centre of the learning space, 0.01 s at 0.2 m; a joint near a limit.
 
-    Nothing of the initial hover counts, nor is the last sample any time.
+    The initial hover and the last sample do not count.
     """
     log = made(until_s=5.0)
     offset = np.select([log.time_s < 0, log.time_s < 1.2 - 1e-9], [0.3, 0.1], 0.0)
@@ -257,9 +257,9 @@ def test_modes_and_events_of_the_supervisor():
     t = made().time_s
     names = [condition.name for condition in conditions(Supervisor())]
     active = np.zeros((len(t), len(names)))
-    is_held = (t > 2 - 1e-9) & (t < 5 - 1e-9)
-    active[is_held, names.index("plan_outage")] = 1
-    log = made(conditions=active, supervisor_mode=is_held.astype(float))
+    in_hold = (t > 2 - 1e-9) & (t < 5 - 1e-9)
+    active[in_hold, names.index("plan_outage")] = 1
+    log = made(conditions=active, supervisor_mode=in_hold.astype(float))
     figures = summarize(Scenario(), log)
     assert figures["safe_modes"] == {"nominal": 28.0, "hold": 3.0, "descend": 0.0, "stop": 0.0}
     assert [(e["time_s"], e["cause"], e["event"]) for e in figures["events"]] == [
@@ -281,7 +281,7 @@ def test_flights_are_compared_by_the_first_figure_that_any_has():
     assert headline(flights) == "lap_mean_m"
 
 
-def test_lengths_have_the_digits_that_are_read():
+def test_millimetres_have_two_digits_and_three_below_1_mm():
     assert millimetres(0.0122) == "12.20"
     assert millimetres(0.00099999) == "1.00"
     assert millimetres(0.0000203) == "0.020"

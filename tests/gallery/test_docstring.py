@@ -1,17 +1,17 @@
-"""Docstrings, taken apart."""
+"""The parser of docstrings."""
 
 from aerodrake.gallery.docstring import Docstring
 
 
-class Said:
-    """What it is.
+class Example:
+    """An example.
 
     And more
     of it.
 
     Ports:
         in `a` (3), `b` (2 n): m, of something
-            that goes on.
+            on a second line.
         in `c` (abstract): a `Thing (of sorts)`: with a colon.
         out `d` (nx). It feeds through.
         `a` may be left unconnected.
@@ -25,21 +25,21 @@ class Said:
 
 
 def test_paragraphs_are_outside_of_sections():
-    parsed = Docstring.of(Said)
-    assert parsed.text == "What it is.\n\nAnd more\nof it.\n\nAfter all sections."
+    parsed = Docstring.of(Example)
+    assert parsed.text == "An example.\n\nAnd more\nof it.\n\nAfter all sections."
     assert parsed.sections["State, rate"] == "none."
     assert parsed.sections["Args"] == "a: Not a port."
-    assert parsed.sections["Ports"].startswith("in `a` (3), `b` (2 n): m, of something\n    that")
+    assert parsed.sections["Ports"].startswith("in `a` (3), `b` (2 n): m, of something\n    on")
 
 
 def test_each_port_has_its_meaning():
-    assert Docstring.of(Said).ports == {
-        ("in", "a"): "m, of something that goes on.",
-        ("in", "b"): "m, of something that goes on.",
+    assert Docstring.of(Example).ports == {
+        ("in", "a"): "m, of something on a second line.",
+        ("in", "b"): "m, of something on a second line.",
         ("in", "c"): "a `Thing (of sorts)`: with a colon.",
         ("out", "d"): "It feeds through.",
     }
 
 
-def test_nothing_is_said():
+def test_a_missing_docstring_is_empty():
     assert Docstring.of(None).ports == Docstring.of(type("Silent", (), {})).ports == {}

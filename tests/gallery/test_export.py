@@ -1,4 +1,4 @@
-"""Pages and graphs as files: whole, and those committed up to date."""
+"""Files of pages and graphs: complete, and the committed ones up to date."""
 
 import shutil
 from pathlib import Path
@@ -42,7 +42,7 @@ def test_unknown_name(systems, tmp_path):
 @pytest.mark.parametrize(
     ("names", "loops"), [(["mpc"], 1), (["mpc", "pointing"], 2), (["clik"], 3), (["staton"], 3)]
 )
-def test_no_more_is_built_than_it_takes(names, loops, monkeypatch):
+def test_no_more_is_built_than_needed(names, loops, monkeypatch):
     built = []
 
     def make(scenario):
@@ -112,7 +112,7 @@ def test_committed_pages_and_graphs_are_up_to_date(systems):
 
 
 def test_every_system_of_ours_has_a_page(systems):
-    """But those of a wire between two processes, which no single scenario has."""
+    """Except those of the link between two processes, which no scenario has."""
     kinds = {type(system).__name__ for system in systems.values()}
     ours = {kind.__name__ for kind in SYSTEMS}
     abstract = {"KinematicController"}

@@ -51,7 +51,7 @@ def exported(mermaid):
     return set(re.findall(r"^  (\w+)\(\[", mermaid, re.MULTILINE))
 
 
-def test_names_are_those_of_the_wiring_page(closed_loop, systems):
+def test_every_system_has_its_name(closed_loop, systems):
     sides = [closed_loop.GetSubsystemByName(name) for name in ("station", "coordinator")]
     inner = [system.get_name() for side in sides for system in side.GetSystems()]
     in_wind = ["gust_noise", "air", "wind_force"]
@@ -155,7 +155,7 @@ def test_mermaid_depth(closed_loop):
 
 
 def test_mermaid_exported_ports(closed_loop, systems):
-    assert not exported(to_mermaid(closed_loop, DEPTH)), "outputs of a closed loop are taps"
+    assert not exported(to_mermaid(closed_loop, DEPTH)), "outputs of a closed loop are left out"
     for name in ("coordinator", "mpc", "reference"):
         system = systems[name]
         inputs = map(system.get_input_port, range(system.num_input_ports()))

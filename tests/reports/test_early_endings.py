@@ -1,4 +1,4 @@
-"""Flights that end before reference time 0, or at once, are shown as far as they came."""
+"""Reports of flights that end before reference time 0, or at once."""
 
 import re
 from dataclasses import replace
@@ -41,7 +41,7 @@ def test_the_flown_part_is_drawn(samples, short_flight):
         assert axes.lines and all(len(line.get_xdata()) == samples for line in axes.lines)
 
 
-def test_from_reference_time_0_on_the_hover_before_it_is_not(short_flight):
+def test_is_flown_begins_at_reference_time_0(short_flight):
     _, log = short_flight
     assert log.time_s[0] < 0 < log.time_s[-1]
     np.testing.assert_array_equal(log.is_flown, log.time_s >= 0)
@@ -55,7 +55,7 @@ def test_the_residual_begins_with_the_flight(short_flight):
 
 
 @pytest.mark.parametrize("times", [[-3.0], [-3.0, -2.0], [0.0, 9.0]])
-def test_time_runs_to_the_right(times):
+def test_the_time_axis_covers_the_times(times):
     axes = Figure().add_subplot()
     cover(axes, np.array(times))
     low, high = axes.get_xlim()
@@ -64,7 +64,7 @@ def test_time_runs_to_the_right(times):
 
 @pytest.mark.parametrize("samples", [1, 12])
 @pytest.mark.filterwarnings("error")
-def test_all_pictures_are_drawn_in_silence(samples, short_flight, tmp_path):
+def test_all_pictures_are_drawn_without_warnings(samples, short_flight, tmp_path):
     scenario, log = short_flight
     log = early(log, samples)
     for picture in flight_pictures(log, scenario):

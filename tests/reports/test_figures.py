@@ -22,7 +22,7 @@ def draw(name: str, samples: int = 50) -> str:
         return to_svg(figure, name)
 
 
-def test_it_is_an_element_that_is_as_wide_as_the_page_lets_it_be():
+def test_it_is_an_element_that_fills_the_width_of_its_parent():
     svg = draw("a")
     assert svg.startswith("<svg") and svg.rstrip().endswith("</svg>")
     tag = svg[: svg.index(">")]
@@ -30,7 +30,7 @@ def test_it_is_an_element_that_is_as_wide_as_the_page_lets_it_be():
     assert "<style" not in svg
 
 
-def test_text_is_text_as_it_was_written():
+def test_text_stays_text():
     texts = re.findall(r"<text[^>]*>([^<]*)</text>", draw("a"))
     for tick in ("0.0025", "1.23456789", "&lt;b&gt;&amp;"):
         assert tick in texts
@@ -38,7 +38,7 @@ def test_text_is_text_as_it_was_written():
 
 @pytest.mark.filterwarnings("error")
 def test_names_may_be_of_any_script(tmp_path):
-    """The font has none of these; a browser may."""
+    """The font lacks these glyphs; a browser may have them."""
     name = "悬停 مرحبا 🚁"
     figure = Figure()
     figure.suptitle(name, parse_math=False)

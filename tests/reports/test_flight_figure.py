@@ -18,7 +18,7 @@ def figure(short_flight, tmp_path_factory) -> Path:
     return path
 
 
-def test_the_tools_angle_has_a_panel_where_there_is_one(figure, short_flight, tmp_path):
+def test_the_tools_angle_has_a_panel_with_the_orientation_task(figure, short_flight, tmp_path):
     scenario, log = short_flight
     assert log.tool_angle_rad is None
     pointed = replace(log, signals={**log.signals, "tool_axis_d": log["tool_axis"]})
@@ -53,7 +53,7 @@ def test_titles_are_plain_text(title, short_flight, tmp_path):
 @pytest.mark.parametrize("samples", [2, 12])
 @pytest.mark.filterwarnings("error")
 def test_flights_that_ended_early_are_drawn(samples, short_flight, tmp_path):
-    """Before and just after reference time 0; and to numbers that are none."""
+    """Before and just after reference time 0, with NaN in the last sample."""
     _, log = short_flight
     plot_tracking(lost_early(log, samples), short_flight[0], "early", tmp_path / "a.png")
     assert (tmp_path / "a.png").stat().st_size > 10_000

@@ -1,4 +1,4 @@
-"""`report.html` of a flight, as a person opens it."""
+"""`report.html` of a flight in a browser."""
 
 import json
 import re
@@ -22,7 +22,7 @@ from tests.browser import (
 from tests.flights import lost_early
 
 NAME = "<img src=x onerror=boom()> & \"'{{ 7 * 7 }}"
-"""Whatever it may be to HTML, scripts and templates, it is a name."""
+"""A name with special characters of HTML, scripts and templates."""
 
 SCENARIO = {
     "name": NAME,
@@ -63,7 +63,7 @@ def test_the_replay_draws(desktop):
 
 
 def test_the_camera_is_taken_on_request(desktop):
-    """Until then, whoever scrolls past the replay goes on to do so."""
+    """Until then, scrolling over the replay scrolls the page."""
     frame, button = desktop.page.locator("#replay"), desktop.page.locator("#take")
     assert frame.evaluate("element => getComputedStyle(element).pointerEvents") == "none"
     button.click()
@@ -120,11 +120,11 @@ def test_there_is_a_picture_of_each_subject(desktop):
         assert figure.locator("svg path").count() > 10
 
 
-def test_ids_are_unique_and_what_refers_to_them_finds_them(desktop, path):
+def test_ids_are_unique_and_references_to_them_valid(desktop, path):
     assert_ids_are_found(desktop.page, path)
 
 
-def test_the_chart_is_of_what_flew(desktop):
+def test_the_chart_shows_the_systems_that_flew(desktop):
     texts = desktop.page.locator(".chart text").all_text_contents()
     for name in ("station", "coordinator", "mpc", "pointing", "sample_nan_0", "x_0"):
         assert name in texts
@@ -152,7 +152,7 @@ def test_the_same_flight_gives_the_same_page(folder, summary, vehicle):
 @pytest.mark.parametrize("samples", [2, 12])
 @pytest.mark.filterwarnings("error")
 def test_flights_that_ended_early_have_one(samples, folder, summary, vehicle):
-    """Before and just after reference time 0; and to numbers that are none."""
+    """Before and just after reference time 0, with NaN in the last sample."""
     log = FlightLog.read(folder / "log.npz", summary, vehicle)
     lost = lost_early(log, samples, "tilt & <b>")
     ended = summary | {"exit_reason": "lost", "exit_cause": "tilt & <b>"}

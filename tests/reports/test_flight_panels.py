@@ -28,8 +28,8 @@ def lines(axes) -> dict[str, np.ndarray]:
     return {line.get_label(): line.get_xydata() for line in axes.lines}
 
 
-def test_rounding_errors_in_space_look_like_rest(short_flight):
-    """Once it is drawn, which is when axes are scaled."""
+def test_rounding_errors_in_space_do_not_fill_the_panel(short_flight):
+    """After drawing, which scales the axes."""
     _, log = short_flight
     noise = 1e-9 * np.sin(np.arange(3 * len(log.time_s))).reshape(-1, 3)
     still = {key: log[key][:1] + noise for key in ("p_E_m", "p_Ed_m", "p_B_m")}
@@ -42,7 +42,7 @@ def test_rounding_errors_in_space_look_like_rest(short_flight):
 
 
 @pytest.mark.parametrize("ticks", [0, 1, 100, MOST_TICKS + 1, 20 * MOST_TICKS + 7])
-def test_the_slowest_ticks_are_seen_however_many_there_are(ticks, axes, short_flight):
+def test_the_slowest_tick_is_drawn_for_any_number_of_ticks(ticks, axes, short_flight):
     scenario, log = short_flight
     times = 1.0 + np.arange(ticks) % 7 / 10
     times[ticks // 2 : ticks // 2 + 1] = 55.0
@@ -55,7 +55,7 @@ def test_the_slowest_ticks_are_seen_however_many_there_are(ticks, axes, short_fl
     assert np.all(lines(axes)["period"][:, 1] == 20.0)
 
 
-def test_inputs_are_seen_by_their_bounds(axes, short_flight, vehicle):
+def test_inputs_are_relative_to_their_bounds(axes, short_flight, vehicle):
     """One joint at half of its own acceleration, base at its bound along z."""
     scenario, log = short_flight
     qddot = np.zeros_like(log["qddot_d_rad_s2"])
@@ -81,7 +81,7 @@ def test_distances_and_their_boundaries_are_all_within_the_panel(axes, short_fli
     assert heights == [scenario.allocation.d_h_m, scenario.allocation.d_edge_m]
 
 
-def test_small_errors_leave_the_axis_upright(axes, short_flight):
+def test_the_error_axis_increases_for_small_errors(axes, short_flight):
     _, log = short_flight
     still = replace(log, signals={**log.signals, "p_E_m": log["p_Ed_m"] + 1e-9})
     draw_error(axes, still)

@@ -24,7 +24,7 @@ def cell(text: str, label: str) -> list[str]:
     return [cell.strip() for cell in lines(text)[label] if cell.strip()]
 
 
-def test_the_papers_figures_stand_beside_ours(summary):
+def test_the_papers_figures_are_beside_ours(summary):
     """The paper, section V: 12.2 mm on the clover; 19.7 mm from 15 s, within 5 s."""
     summary["error"] |= {"lap_mean_m": 0.00125, "settled_mean_m": 0.0002, "approach_s": 2.2}
     clover = table(summary, "clover")
@@ -57,7 +57,7 @@ def test_the_ending_of_the_flight_is_shown(summary):
     assert table(summary, "clover").startswith("short: lost (tilt of 61 deg at 2.00 s)\n")
 
 
-def test_table_of_a_flight_that_never_came_to_reference_time(short_flight):
+def test_table_of_a_flight_that_ends_before_reference_time_0(short_flight):
     scenario, log = short_flight
     early = replace(
         log,
@@ -69,7 +69,7 @@ def test_table_of_a_flight_that_never_came_to_reference_time(short_flight):
     assert "None" not in text and "nan" not in text
 
 
-def test_the_tools_angle_is_shown_where_there_is_one(summary):
+def test_the_tools_angle_is_shown_with_the_orientation_task(summary):
     assert "tool's angle" not in table(summary, "clover")
     summary["orientation"] |= {"mean_rad": np.deg2rad(0.5), "max_rad": np.deg2rad(2)}
     text = table(summary, "clover")

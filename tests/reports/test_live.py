@@ -45,8 +45,8 @@ def test_all_is_drawn(watched):
     assert meshcat.HasPath("visualizer/quadrotor_arm6/base")
 
 
-def test_the_learning_space_goes_with_the_base(watched, short_flight):
-    """At the last frame, which is less than one before the end."""
+def test_the_learning_space_moves_with_the_base(watched, short_flight):
+    """The last frame is less than one period before the end."""
     view, _, log = watched
     placed = numbers(view._scene.meshcat._GetPackedTransform("/learning_space"))
     p_O = VehicleModel.load(short_flight[0]).p_O

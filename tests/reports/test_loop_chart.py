@@ -1,4 +1,4 @@
-"""The chart of a closed loop: complete, and nothing upon anything else."""
+"""The chart of a closed loop: complete, without overlaps."""
 
 import re
 from itertools import combinations
@@ -49,7 +49,7 @@ def test_each_system_is_on_the_diagonal(loop, chart):
 
 
 def test_each_signal_is_in_the_row_of_its_source_and_the_column_of_its_target(loop, chart):
-    """The same ends as the flowchart, which finds its arrows by its own account."""
+    """The same ends as the arrows of the Mermaid flowchart, which is made separately."""
     shown = {
         (name(at(chart.systems, "y", box.y)), name(at(chart.systems, "x", box.x)))
         for box in chart.signals
@@ -61,7 +61,7 @@ def test_each_signal_is_in_the_row_of_its_source_and_the_column_of_its_target(lo
         assert (line.x, line.to_y) == (source.x, target.y)
 
 
-def test_nothing_covers_anything(chart):
+def test_boxes_do_not_overlap(chart):
     for a, b in combinations(chart.systems + chart.signals, 2):
         apart_x = abs(a.x - b.x) - (a.width + b.width) / 2
         apart_y = abs(a.y - b.y) - (a.height + b.height) / 2
@@ -90,6 +90,6 @@ def test_systems_inside_a_system_are_named(scenario, system, inside):
 @pytest.mark.parametrize(
     ("scenario", "there", "not_there"), [("clik", "clik", "mpc"), ("pointing", "pointing", "clik")]
 )
-def test_it_is_of_the_scenario(scenario, there, not_there):
+def test_it_shows_the_systems_of_the_scenario(scenario, there, not_there):
     names = {name(box) for box in loop_chart(make_closed_loop(SCENARIOS[scenario])).systems}
     assert there in names and not_there not in names

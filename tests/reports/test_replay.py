@@ -29,7 +29,7 @@ def test_it_is_a_page(page):
     assert page.rstrip().endswith("</html>")
 
 
-def test_it_needs_nothing_from_anywhere(page):
+def test_it_loads_nothing(page):
     tags = re.findall(r"<(?:script|link|img|iframe)\b[^>]*>", page)
     assert tags
     for tag in tags:
@@ -60,8 +60,7 @@ def test_a_path_may_end_a_rounding_error_before_a_dot(short_flight):
     assert replay_page(ending, scenario)
 
 
-def test_it_has_the_motion(page):
-    """Keyframes of the recording: 30 a second, of reference time alone."""
+def test_it_has_an_animation(page):
     recorded = messages(page)
     assert b"set_animation" in recorded or b"animations" in recorded
 
@@ -81,7 +80,7 @@ def test_flights_that_ended_early_are_shown(samples, short_flight):
     assert b"/paths/end_effector" in messages(replay_page(early, scenario))
 
 
-def test_a_flight_that_was_lost_to_numbers_is_shown_up_to_there(short_flight):
+def test_a_flight_that_ends_with_nan_is_shown_up_to_there(short_flight):
     scenario, log = short_flight
     signals = {key: rows.copy() for key, rows in log.signals.items()}
     for key in ("quaternion", "p_B_m", "q_rad", "p_E_m"):
@@ -97,7 +96,7 @@ def test_it_prints_nothing(short_flight, capfd):
 
 
 def test_a_page_does_not_grow_with_the_flight(short_flight):
-    """The same samples over 100 s and over 800 s: as many frames."""
+    """The same samples over 100 s and over 800 s give the same number of frames."""
     scenario, log = short_flight
     sizes = []
     for stretch in (200, 1600):

@@ -1,4 +1,4 @@
-"""Delta as it was estimated, and as it should have been."""
+"""Estimated and true Delta of a flight."""
 
 import numpy as np
 
@@ -10,13 +10,12 @@ from aerodrake.reports.residual_panels import residuals
 STATE = ("quaternion", "p_B_m", "q_rad", "omega_W_rad_s", "v_B_m_s", "qdot_rad_s")
 
 
-def test_true_delta_is_what_the_model_lacked(short_flight):
-    """With it, the model predicts the velocity that came; the estimate is what was inferred."""
+def test_with_the_true_delta_the_model_predicts_the_next_velocity(short_flight):
     scenario, log = short_flight
     times, estimated, true = residuals(log, scenario)
     model = EquivalentModel.of(scenario, log["q_rad"].shape[1])
     assert len(times) > 15 and np.abs(true).max() > 1e-5 and estimated.any()
-    # Logs see the state before an update: the filter's and u show one log later.
+    # Rows have the values before the updates of their time; filter and MPC are one row late.
     x, starts = None, {}
     for i in range(0, len(log.time_s) - 1, 2):  # At the ticks, from the flight's first.
         state = np.hstack([log[part][i] for part in STATE])

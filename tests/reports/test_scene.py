@@ -1,4 +1,4 @@
-"""The scene ends with its `with` statement, wherever garbage is collected later."""
+"""The server of a scene ends with its `with` statement."""
 
 import socket
 
