@@ -170,6 +170,16 @@ def test_default_folder_and_output(tmp_path, monkeypatch, capfd):
 
 
 @pytest.mark.usefixtures("undrawn")
+def test_the_folder_is_checked_before_the_flight_is_built(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(
+        "aerodrake.flight.simulate.FlightSimulation", lambda *_, **__: pytest.fail()
+    )
+    (tmp_path / "file").touch()
+    assert main(["run", "hover", "--out", str(tmp_path / "file")]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and "--out: expected a folder" in err
+
+
 def test_two_runs_in_one_second_have_two_folders(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("time.strftime", lambda format: "now")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from aerodrake.support.errors import BadInput
-from aerodrake.support.run_folder import run_folder
+from aerodrake.support.run_folder import check_target, run_folder
 
 NAMES = ("summary.json", "log.npz", "scenario.yaml")
 
@@ -43,6 +43,12 @@ def test_the_folder_appears_when_it_is_complete(tmp_path):
 def test_parents_are_created(tmp_path):
     write(tmp_path / "a" / "b" / "run")
     assert texts(tmp_path) == run("new", "a/b/run")
+
+
+def test_a_check_of_the_target_creates_nothing(tmp_path):
+    (tmp_path / "link").symlink_to("a")
+    assert check_target(tmp_path / "link" / "b") == tmp_path / "a" / "b"
+    assert [path.name for path in tmp_path.iterdir()] == ["link"]
 
 
 def test_an_empty_folder_is_filled(tmp_path):
