@@ -39,9 +39,9 @@ def main(arguments: argparse.Namespace) -> int:
     say = options.printer(arguments)
     settings = [f"--set={assignment}" for assignment in arguments.set]
     command = shlex.join(["aerodrake", "identify", arguments.scenario, *settings])
-    bar = options.flight_bar(arguments, f"identify {scenario.name}", FLIGHTS * DURATION_S)
     with frozen(scenario) as copied, run_folder(target, report.FILES) as folder:
-        with bar:
+        name = f"identify {scenario.name}"
+        with options.flight_bar(arguments, name, FLIGHTS * DURATION_S) as bar:
             identification = identify(copied, arguments.jobs, progress=bar.update)
         with deferred_interrupts():
             report.write(identification, command, folder)
