@@ -17,7 +17,7 @@ from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.threads import single_thread
-from aerodrake.support.wall_time import time_ticks
+from aerodrake.support.tick_times import time_ticks
 
 SCENARIO = "clover"
 MPC = "mpc"

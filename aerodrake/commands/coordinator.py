@@ -5,8 +5,8 @@ import argparse
 from aerodrake.commands import options
 from aerodrake.scenario.inputs import frozen
 from aerodrake.support.errors import ProcessDied
+from aerodrake.support.garbage import frozen_garbage
 from aerodrake.support.interrupts import deferred_interrupts
-from aerodrake.support.wall_time import frozen_garbage
 
 HELP = "run the coordinator for a station in another process, over LCM"
 

@@ -13,9 +13,9 @@ from aerodrake.commands import options
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.inputs import frozen
 from aerodrake.support.errors import BadInput
+from aerodrake.support.garbage import frozen_garbage
 from aerodrake.support.interrupts import deferred_interrupts
 from aerodrake.support.run_folder import check_target, run_folder
-from aerodrake.support.wall_time import frozen_garbage
 
 if TYPE_CHECKING:
     from aerodrake.flight.log import FlightLog

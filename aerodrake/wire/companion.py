@@ -16,7 +16,7 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_context
 from aerodrake.support.threads import single_thread
-from aerodrake.support.wall_time import time_ticks
+from aerodrake.support.tick_times import time_ticks
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Message, Phase
 from aerodrake.wire.remote_coordinator import make_layouts

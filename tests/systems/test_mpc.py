@@ -14,7 +14,7 @@ from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Flight, Lissajous, Model, Mpc
-from aerodrake.support.wall_time import time_ticks
+from aerodrake.support.tick_times import time_ticks
 from aerodrake.systems.mpc import MpcSystem
 
 N, DT = 6, 0.02

@@ -18,7 +18,7 @@ from aerodrake.scenario import (
     MpcStarved,
     Push,
 )
-from aerodrake.support.wall_time import time_ticks
+from aerodrake.support.tick_times import time_ticks
 from aerodrake.systems.faults.mpc import FaultyMpc, make_mpc
 from aerodrake.systems.mpc import MpcSystem
 

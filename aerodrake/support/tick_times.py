@@ -1,25 +1,7 @@
-"""Flights in wall time: measurement of ticks, and no delays by Python's garbage collector."""
+"""Wall times of a controller's ticks, measured from outside."""
 
-import gc
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
-
-
-@contextmanager
-def frozen_garbage() -> Iterator[None]:
-    """Exempts all current objects from garbage collection.
-
-    Traversing the modules and diagrams of a flight takes 0.1 to 0.2 s, which is five to ten
-    ticks. New objects are collected as usual.
-    """
-    gc.collect()
-    gc.freeze()
-    try:
-        yield
-    finally:
-        gc.unfreeze()
 
 
 def time_ticks(controller: Any) -> list[float]:

@@ -1,10 +1,8 @@
-"""Measured ticks, and objects that are not collected."""
+"""Measured ticks of one controller."""
 
-import gc
 import time
-import weakref
 
-from aerodrake.support.wall_time import frozen_garbage, time_ticks
+from aerodrake.support.tick_times import time_ticks
 
 
 class Controller:
@@ -28,23 +26,3 @@ def test_other_controllers_of_the_class_are_not_timed():
 
 def test_a_controller_without_the_method_is_not_timed():
     assert time_ticks(object()) == []
-
-
-class Loop:
-    """A reference cycle, which only the garbage collector frees."""
-
-    def __init__(self):
-        self.itself = self
-
-
-def test_only_new_objects_are_collected():
-    old = Loop()
-    old_reference = weakref.ref(old)
-    with frozen_garbage():
-        new = Loop()
-        new_reference = weakref.ref(new)
-        del old, new
-        gc.collect()
-        assert old_reference() is not None and new_reference() is None
-    gc.collect()
-    assert old_reference() is None
