@@ -15,7 +15,7 @@ class StateFilterSystem(LeafSystem):
     Groups of a sample that `state_filter.check` rejects are predicted.
 
     Ports:
-        in `sample` (13 + 2 n): the last sample; its base is delayed by `filter.steps` samples.
+        in `sample` (13 + 2 n): the last sample; its base is `state_filter.steps` samples late.
         in `stamps` (3): s, when its groups were taken: position, attitude, joints.
         in `acceleration` (6): of the flight controller, the base's modelled acceleration
             since the last sample.
@@ -31,9 +31,8 @@ class StateFilterSystem(LeafSystem):
         time stamps, accepted values, travel and health; of the estimate disturbance and
         state; the accelerations since the base's last sample. And the other two outputs.
     Rate:
-        `period`, by an *unrestricted* update: these run before the discrete
-        updates of the same instant, so that a controller that ticks together
-        with the sensors sees the new state, not the previous one.
+        `state_filter.dt`, by an *unrestricted* update: these run before the discrete updates of
+        the same instant, so that a controller that ticks with the sensors sees the new state.
 
     Args:
         state_filter: The equations.
@@ -57,9 +56,8 @@ class StateFilterSystem(LeafSystem):
         self._reaction = self.DeclareVectorInputPort("reaction", 3)
         joints = len(split_state(initial).q)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * joints)
-        self._state = NamedState(
-            self, FilterState.at_rest(state_filter, initial, trim_acceleration)
-        )
+        at_rest = FilterState.at_rest(state_filter, initial, trim_acceleration)
+        self._state = NamedState(self, at_rest)
         self._outputs = {
             "state": self.DeclareDiscreteState(initial),
             "external_acceleration": self.DeclareDiscreteState(3),
@@ -72,13 +70,9 @@ class StateFilterSystem(LeafSystem):
     def _update(self, context: Context, state: State) -> None:
         discrete = state.get_mutable_discrete_state()
         sample = Sample(self._sample.Eval(context), self._stamps.Eval(context))
-        now, estimate = update(
-            self._filter,
-            self._state.read(context),
-            sample,
-            self._acceleration.Eval(context),
-            self._joint_setpoint.Eval(context),
-        )
+        last, setpoint = self._state.read(context), self._joint_setpoint.Eval(context)
+        acceleration = self._acceleration.Eval(context)
+        now, estimate = update(self._filter, last, sample, acceleration, setpoint)
         output = estimate.state
         if self._passes:
             output = replace_rejected(sample.state, estimate.state, now.check.health)

@@ -22,7 +22,7 @@ HEALTHY, EFFECTIVE, GATE_OPEN = np.zeros(6), np.ones(1), np.zeros(2)
 
 
 class SupervisorSystem(LeafSystem):
-    """Monitors the flight, and enters the worst safe mode that an active condition asks for.
+    """Monitors the flight, and enters the worst safe mode that an active condition requests.
 
     Ports:
         in `state` (13 + 2 n): measured state.
@@ -37,7 +37,7 @@ class SupervisorSystem(LeafSystem):
         `sample_health`, `rotor_effectiveness` and `learner_health` may be left unconnected,
         which means healthy.
         out `mode` (1): a `SafeMode`.
-        out `cause` (1): the index of the condition that asks for it, -1 for none.
+        out `cause` (1): the index of the condition that requests it, -1 for none.
         out `conditions` (K): 1 for active conditions.
     State:
         the fields of `SupervisorState`, a group each.

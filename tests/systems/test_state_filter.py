@@ -147,10 +147,10 @@ def test_a_consumer_of_the_same_instant_sees_the_new_state():
             [s.get_output_port(0).Eval(s.GetMyContextFromRoot(context)) for s in (system, first)]
             + [second.get_output_port().Eval(second.GetMyContextFromRoot(context))]
         )
-    states, held, held_again = np.swapaxes(rows, 0, 1)
+    states, sampled, sampled_again = np.swapaxes(rows, 0, 1)
     assert len(np.unique(states, axis=0)) == len(states)
-    np.testing.assert_array_equal(held, states)
-    np.testing.assert_array_equal(held_again[1:], states[:-1])
+    np.testing.assert_array_equal(sampled, states)
+    np.testing.assert_array_equal(sampled_again[1:], states[:-1])
 
 
 @pytest.mark.parametrize("config", [Filter(), Filter(kind="none"), Filter(delay_s=0.01)])

@@ -9,7 +9,7 @@ from aerodrake.scenario import AnyFault, ReferenceDrift, ReferenceJump, Referenc
 
 
 def with_faults(
-    faults: Sequence[AnyFault], now: float | np.ndarray, times: np.ndarray, motion: Motion
+    faults: Sequence[AnyFault], now: float, times: np.ndarray, motion: Motion
 ) -> Motion:
     """Returns a reference with faults applied, one after the other.
 
@@ -17,18 +17,19 @@ def with_faults(
 
     Args:
         faults: Any faults; only those of the reference are applied.
-        now: s, reference time at which the reference is read; for all rows, or (T,) for each.
+        now: s, reference time at which the reference is read.
         times: (T,) s, reference times of the rows.
         motion: (T, 3) m and (T, 3) m/s at these times.
     """
     p, v = motion[0].copy(), motion[1].copy()
     for fault in faults:
-        active = np.broadcast_to(fault.is_active(now), times.shape)
+        if not fault.is_active(now):
+            continue
         if isinstance(fault, ReferenceJump):
-            p[active] += fault.offset_m
+            p += fault.offset_m
         elif isinstance(fault, ReferenceDrift):
-            p[active] += np.outer(times[active] - fault.start_s, fault.velocity_m_s)
-            v[active] += fault.velocity_m_s
+            p += np.outer(times - fault.start_s, fault.velocity_m_s)
+            v += fault.velocity_m_s
         elif isinstance(fault, ReferenceNan):
-            p[active] = v[active] = np.nan
+            p[:] = v[:] = np.nan
     return p, v

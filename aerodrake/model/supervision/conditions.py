@@ -53,12 +53,12 @@ SIGNALS = len(Signal)
 
 
 class Condition(NamedTuple):
-    """Asks for a safe mode from when its signal triggers until it clears.
+    """Requests a safe mode from when its signal triggers until it clears.
 
     Attributes:
         name: Name in events, summaries and reports.
         signal: The signal that is compared; NaN triggers.
-        mode: The mode that is asked for; NOMINAL only reports the condition.
+        mode: The requested mode; NOMINAL only reports the condition.
         trigger: It triggers while the signal is at or above this value, in its unit,
         trigger_s: for this long.
         clear: It clears while the signal is at or below this value
@@ -136,8 +136,8 @@ class SupervisorState(NamedTuple):
     """State of the supervisor after a sample.
 
     Attributes:
-        mode: The `SafeMode`, the worst that an active condition asks for.
-        cause: Index of the first condition that asks for it, or `NO_CAUSE`.
+        mode: The worst `SafeMode` that an active condition requests.
+        cause: Index of the first condition that requests it, or `NO_CAUSE`.
         active: (K,) 1 for active conditions.
         pending_s: (K,) s, time for which each signal has met the threshold that changes
             its condition.
