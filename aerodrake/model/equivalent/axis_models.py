@@ -22,7 +22,7 @@ THRUST_STATES = ("b", "d", "h", "r", "alpha", "w")
 HIDDEN_STATES = ("alpha", "w")
 """States that are not measured; the model predicts them from tick to tick."""
 
-UPRIGHT_AXES = (1, 0)
+TILT_AXES = (1, 0)
 """Axes about which the base tilts to accelerate along x and along y."""
 
 
@@ -87,7 +87,7 @@ def velocity_aware_axis(k: float, dt: float) -> AxisModel:
     setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
     p = setpoint[0] + np.array([E, 0, -E, 0])
     A = np.vstack([p, setpoint[1] + k * (setpoint[0] - p), setpoint])
-    B = np.array([input_[0], input_[1], *input_])
+    B = np.array([*input_, *input_])
     return AxisModel(A, B, np.array([(1 - E) / k, E, 0, 0]), STATES, np.zeros(4))
 
 
@@ -96,6 +96,11 @@ def integral_axis(k: float, dt: float) -> AxisModel:
     setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])
     A, B = np.vstack([setpoint, setpoint]), np.array([*input_, *input_])
     return AxisModel(A, B, np.zeros(4), STATES, np.zeros(4))
+
+
+def _first_order(k: float, A: np.ndarray, B: np.ndarray, C: np.ndarray) -> AxisModel:
+    """Returns the axis with its own acceleration, p'' = k (p_d' - p')."""
+    return AxisModel(A, B, C, STATES, np.array([0, -k, 0, k]))
 
 
 def flight_axis(axis: int, flight: Flight, rotor: Rotor, period: float, dt: float) -> AxisModel:
@@ -137,8 +142,8 @@ def flight_axis(axis: int, flight: Flight, rotor: Rotor, period: float, dt: floa
         a_c = a_c + k_v * v_d + u
     h_rate = flight.position_eso_rad_s / 3 * (d - h)
     zero = np.zeros(len(names))
-    if axis < len(UPRIGHT_AXES):
-        about = UPRIGHT_AXES[axis]
+    if axis < len(TILT_AXES):
+        about = TILT_AXES[axis]
         k_R, k_omega = flight.attitude_gain[about], flight.rate_gain[about]
         command = k_R * (a_c - b) + k_omega * (w + a_c / T_f - r)
         thrust = (r, zero, h_rate, alpha, (command - alpha) / tau, -(w + a_c / T_f) / T_f)
@@ -149,11 +154,6 @@ def flight_axis(axis: int, flight: Flight, rotor: Rotor, period: float, dt: floa
     C = np.zeros(len(states))
     C[:2] = dt / 2, 1
     return AxisModel(transition[:, :-1], transition[:, -1], C, states, b[:-1])
-
-
-def _first_order(k: float, A: np.ndarray, B: np.ndarray, C: np.ndarray) -> AxisModel:
-    """Returns the axis with its own acceleration, p'' = k (p_d' - p')."""
-    return AxisModel(A, B, C, STATES, np.array([0, -k, 0, k]))
 
 
 AXIS_MODELS: dict[str, Callable[[float, float], AxisModel]] = {

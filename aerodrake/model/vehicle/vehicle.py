@@ -117,11 +117,8 @@ class VehicleModel:
             ScenarioError: if the list has another length.
         """
         if len(values) not in (1, self.joints):
-            raise ScenarioError(
-                self.source,
-                key,
-                f"expected 1 value, or {self.joints}, one for each joint, got {len(values)}",
-            )
+            problem = f"expected 1 value, or {self.joints}, one for each joint, got {len(values)}"
+            raise ScenarioError(self.source, key, problem)
         return np.broadcast_to(np.array(values, dtype=float), self.joints)
 
     @classmethod
@@ -152,10 +149,8 @@ class VehicleModel:
         gravity = plant.CalcGravityGeneralizedForces(context)
         joint_inertia = _joint_inertia(plant.CalcMassMatrix(context))
         if not np.all(joint_inertia > LIGHTEST):
-            problem = (
-                f"{description.robot}: expected links of masses and inertias that can be moved"
-            )
-            raise ScenarioError(scenario.source, "vehicle.robot", problem)
+            problem = "expected links of masses and inertias that can be moved"
+            raise ScenarioError(scenario.source, "vehicle.robot", f"{description.robot}: {problem}")
         vehicle = cls(
             source=scenario.source,
             description=description,
