@@ -30,7 +30,7 @@ class InnerLoop(NamedTuple):
     """Constants of the inner loop.
 
     Attributes:
-        gains: Of the attitude law.
+        gains: Of the flight laws.
         eso: Attitude observer.
         rotors: Allocation of a wrench to the rotors.
         lag: Of the rotors' thrust.

@@ -18,7 +18,7 @@ class OuterLoop(NamedTuple):
     """Constants of the outer loop.
 
     Attributes:
-        gains: Of the position law.
+        gains: Of the flight laws.
         eso: Position observer.
         is_trajectory: True if v_d and a_d are used, not p_d alone.
         max_tilt: rad.
