@@ -3,6 +3,8 @@
 import ast
 import inspect
 import re
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -126,6 +128,35 @@ def test_imports_name_exact_modules(path):
 def test_one_noun_per_file(path):
     lines = len(path.read_text().splitlines())
     assert lines <= MOST_LINES
+
+
+def definitions(path: Path) -> Iterator[ast.ClassDef | ast.FunctionDef]:
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            yield node
+
+
+def test_no_class_name_twice():
+    names = [n.name for path in MODULES for n in definitions(path) if isinstance(n, ast.ClassDef)]
+    assert len(names) > 100
+    assert not [name for name, count in Counter(names).items() if count > 1]
+
+
+@everywhere
+def test_functions_can_be_held_in_mind(path):
+    for node in definitions(path):
+        if isinstance(node, ast.FunctionDef):
+            arguments = [a.arg for a in (*node.args.posonlyargs, *node.args.args)]
+            assert len([a for a in arguments if a not in ("self", "cls")]) <= 6, node.name
+            body = node.body[1:] if ast.get_docstring(node) and node.body[1:] else node.body
+            assert body[-1].end_lineno - body[0].lineno < 60, node.name
+
+
+@everywhere
+def test_docstrings_are_sentences_about_their_subject(path):
+    oblique = re.compile(r"(What|Whether|Where|How|Of|That|Those)\b")
+    for node in (ast.parse(path.read_text()), *definitions(path)):
+        assert not oblique.match(ast.get_docstring(node) or ""), getattr(node, "name", path)
 
 
 @pytest.mark.parametrize("kind", SYSTEMS, ids=lambda kind: kind.__name__)

@@ -7,6 +7,7 @@ import pytest
 from pydrake.systems.primitives import Gain
 
 from aerodrake.gallery import export as gallery
+from aerodrake.gallery.docstring import Docstring
 from aerodrake.gallery.export import export, export_all
 from aerodrake.gallery.graph import to_dot, to_mermaid
 from aerodrake.gallery.system_page import system_page
@@ -119,3 +120,17 @@ def test_every_system_of_ours_has_a_page(systems):
     # Named as the systems that they replace.
     faulty = {"FaultyMpc", "FaultyResidualEstimator"}
     assert ours - kinds == {"WireReceiver", "WireSender"} | abstract | faulty
+
+
+def test_every_port_of_a_system_is_documented(systems):
+    ours = [system for system in systems.values() if type(system) in SYSTEMS]
+    assert len(ours) > 15
+    for system in ours:
+        documented = {key for kind in type(system).__mro__ for key in Docstring.of(kind).ports}
+        ports = {
+            ("in", system.get_input_port(i).get_name()) for i in range(system.num_input_ports())
+        }
+        ports |= {
+            ("out", system.get_output_port(i).get_name()) for i in range(system.num_output_ports())
+        }
+        assert ports <= documented, type(system).__name__
