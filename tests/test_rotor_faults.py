@@ -7,7 +7,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 from pydrake.trajectories import PiecewisePolynomial
 
-from aerodrake.flight.open_loop import make_open_loop
+from aerodrake.flight.excitation import make_open_loop
 from aerodrake.model.vehicle.rotation import rotation_matrix
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Clover, JointDegraded, Push, RotorDegraded, Scenario

@@ -8,7 +8,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 from pydrake.trajectories import Trajectory
 
-from aerodrake.flight.open_loop import make_open_loop
+from aerodrake.flight.excitation import make_open_loop
 from aerodrake.model.setpoint.motion import held_acceleration_motion
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel

@@ -14,9 +14,8 @@ from pydrake.trajectories import PiecewisePolynomial, Trajectory
 from scipy.interpolate import PPoly
 from scipy.spatial.transform import Rotation
 
-from aerodrake.flight.excitation import excite
+from aerodrake.flight.excitation import excite, make_open_loop
 from aerodrake.flight.log import FlightLog
-from aerodrake.flight.open_loop import make_open_loop
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.sensing.sample import GROUPS, group_columns
 from aerodrake.model.sensing.sample_check import Verdict, split_health
