@@ -158,7 +158,7 @@ class Companion:
 
         The coordinator has no sample check: Drake raises on absurd values.
         """
-        quaternion_error = abs(np.linalg.norm(message.signals["state"][:4]) - 1)
+        quaternion_error = abs(math.hypot(*message.signals["state"][:4]) - 1)
         is_bounded = (np.abs(np.concatenate([*message.signals.values()])) < MAX_MAGNITUDE).all()
         # A longer silence would have ended the flight.
         latest = self._time + self.scenario.supervisor.plan_lost_s

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -77,6 +77,7 @@ def test_rests_before_the_first_stage_outside_the_envelope():
 
 @given(st.floats(-0.5, 0.5), st.floats(-1.0, 1.0))
 def test_a_jump_is_a_displacement_that_velocity_does_not_explain(offset, speed):
+    assume(abs(abs(offset) - JUMP_M) > 1e-9)  # The displacement is that up to rounding.
     rows, requested = ramp([speed, 0.0, 0.0]), np.array([*START, speed, 0.0, 0.0])
     rows[:, 1] += offset
     accepted, verdict = guard_reference(ENVELOPE, rows, GuardState(LAST, requested, 0), DT)
