@@ -1,8 +1,8 @@
 """Top-level wiring of the coordinator, which runs on a companion computer.
 
-It turns the measured state and the reference into setpoints of base and arm. Rates of its
-systems are in `aerodrake.station`, its signals from and to the station in `STATION_INTERFACE` and
-`SETPOINTS` there. Guidance is wired in `aerodrake.wiring.guidance`.
+It computes setpoints of base and arm from the measured state and the reference.
+`aerodrake.station` lists the rates of its systems (`RATES`) and its signals from and to the
+station (`STATION_INTERFACE` and `SETPOINTS`). Guidance is wired in `aerodrake.wiring.guidance`.
 """
 
 import numpy as np
@@ -98,12 +98,12 @@ def make_coordinator(
     Inputs: those of `STATION_INTERFACE`; `followed` (3 (3 + n) + 1), the segment that the vehicle
     follows, if the station has a setpoint integrator of its own; unconnected otherwise.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment` (3 (3 + n) + 1), the
-    polynomials of both until the next tick; `reference` (6) and `horizon` (6 (N + 1)), as they are
-    followed, and `reference_verdict` (1); `weights` (5), `u` (3 + n) and `plan` (P (3 + n)), the
-    inputs from the last tick on; `prediction` (3 (N + 1)), `status` (3), `delta` (3),
-    `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2); `mode` (1),
-    `cause` (1) and `conditions` (K), of the supervisor; with an orientation task `tool_axis_d` (3)
-    and `tool_axis_horizon` (6 (N + 1)), the desired direction of the tool's axis.
+    polynomials of both until the next tick; `reference` (6) and `horizon` (6 (N + 1)), as the guard
+    passes them on, and its `reference_verdict` (1); `weights` (5), `u` (3 + n) and `plan`
+    (P (3 + n)), the inputs from the last tick on; `prediction` (3 (N + 1)), `status` (3);
+    `delta` (3), `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2);
+    `mode` (1), `cause` (1) and `conditions` (K), of the supervisor; with an orientation task
+    `tool_axis_d` (3) and `tool_axis_horizon` (6 (N + 1)), the desired direction of the tool's axis.
 
     Args:
         scenario: The scenario to fly.
@@ -145,7 +145,7 @@ def make_coordinator(
 def make_controller(
     scenario: Scenario, model: EquivalentModel, vehicle: VehicleModel
 ) -> MpcSystem | ClikSystem:
-    """Makes the scenario's controller."""
+    """Makes the scenario's controller; `KinematicController` describes how to add another."""
     if scenario.controller == "mpc":
         formulation = MpcFormulation(scenario.mpc, model, vehicle)
         return make_mpc(formulation, scenario.faults, scenario.settle_s)

@@ -6,12 +6,12 @@ residual estimator, MPC, setpoint integrator and supervisor. The closed loop con
 by the signals in `STATION_INTERFACE` and `SETPOINTS`. The coordinator is wired in
 `aerodrake.coordinator`, each sub-diagram in a module of `aerodrake.wiring`.
 
-`RATES` has the periodic events of both. The sensors sample the plant a quarter of its step before
-each instant, when the plant's state is already that of the instant, so that every event there
-sees the sample. The low-level controllers run half a step after: they see the MPC's new
-setpoints, and the plant's next step sees their commands. These offsets make the order of events
-independent of rounding. The coordinator sees outputs of the low-level controllers one
-sample late.
+`RATES` lists the periodic events of both. The sensors run a quarter of a plant step before each
+multiple of their period. A discrete plant then already has its state of that instant, so that all
+events at the instant use the new sample. The low-level controllers run half a plant step after
+the instant: they use the MPC's new setpoints, and the next plant step uses their commands. These
+offsets make the order of events independent of rounding. The coordinator therefore sees the
+outputs of the low-level controllers one sample late.
 """
 
 from collections.abc import Iterator
@@ -45,7 +45,8 @@ RATES = (
     Rate(("flight_controller",), "flight_period_s", offset_steps=1 / 2),
     Rate(("arm_controller",), "arm_period_s", offset_steps=1 / 2),
 )
-"""Periodic updates of all systems; in still air the wind has none."""
+"""Periodic updates of all systems; values are in the section `rates` of a scenario, for example
+`mpc_period_s`, 20 ms by default. In still air the wind has no updates."""
 
 WIRING = Wiring(
     connections=(

@@ -187,7 +187,7 @@ class Residual:
 
 @dataclass(frozen=True)
 class Weights:
-    """K_e and the diagonals of W_1, W_2,0, W_3 and W_4,0; of joints one value, or one per joint."""
+    """K_e and the diagonals of W_1 ... W_4; for the joints one value, or one per joint."""
 
     # Gain K_e of the desired end-effector velocity.
     k_e: tuple[float, ...] = quantity((16.0, 16.0, 16.0), "1/s", 0.0, 50.0, length=3)

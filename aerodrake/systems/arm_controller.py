@@ -33,13 +33,13 @@ class ArmController(LeafSystem):
     State:
         `integral` (n) N m, `joint_torque` (n) N m.
     Rate:
-        `period`, after `offset`, so that it sees what the MPC commanded at
-        the same sample.
+        the period of `pid`, after `offset`, so that it uses the MPC's command of the same
+        instant.
 
     Args:
         pid: Gains and limits; its dt is the period.
-        vehicle: Trim.
-        offset: s.
+        vehicle: Gives the trim.
+        offset: s, time of the first update.
     """
 
     def __init__(self, pid: JointPid, vehicle: VehicleModel, offset: float):

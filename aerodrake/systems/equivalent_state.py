@@ -29,8 +29,8 @@ class EquivalentState(LeafSystem):
     Ports:
         in `state` (13 + 2 n): measured `VehicleState`.
         in `base_setpoint` (9): [p_d, v_d, a_d] in m, m/s, m/s^2, world frame.
-        in `joint_setpoint` (3 n): [q_d, q_d', q_d''] in rad, rad/s, rad/s^2. The
-            accelerations of both are those up to the tick.
+        in `joint_setpoint` (3 n): [q_d, q_d', q_d''] in rad, rad/s, rad/s^2. In both setpoints
+            the accelerations are those applied until the tick.
         in `external_acceleration` (3): m/s^2, of the sensors.
         in `disturbance` (6): of the flight controller, m/s^2 first.
         in `specific_thrust` (1): m/s^2, of the flight controller.

@@ -33,9 +33,8 @@ class FlightController(LeafSystem):
         out `disturbance` (6): estimated acceleration by other forces than thrust and gravity,
             m/s^2 in the world: h of the position ESO, less `reaction`. And h of the
             attitude ESO, rad/s^2 in the base frame.
-        out `saturated` (1): 1 if `thrust_command` is less than the control laws demand,
-            by the limit of tilt or those of the rotors (thrust, or torque about
-            any axis), else 0.
+        out `saturated` (1): 1 if the limit of tilt or those of the rotors (thrust, or torque
+            about any axis) prevent the wrench that the control laws demand, else 0.
 
         At the instant of a sample, these outputs are still those of the previous sample,
         since the update for this sample follows after `offset`.
@@ -45,13 +44,12 @@ class FlightController(LeafSystem):
         filtered rate (3), modelled rotor thrust (k) and acceleration (6). And a group
         for each other output.
     Rate:
-        `period`, after `offset`, so that it sees what the MPC commanded at
-        the same sample.
+        `period`, after `offset`, so that it uses the MPC's command of the same instant.
 
     The observers receive the saturated thrust, which prevents windup. The attitude
-    observer receives the thrust of lagging rotors. The slower position observer receives
-    the command: rotors that rise faster than they fall give more than that on average,
-    and this is a disturbance to reject.
+    observer receives the modelled thrust of lagging rotors. The slower position observer
+    receives the commanded thrust: rotors that rise faster than they fall give more on average,
+    which it estimates as a disturbance.
 
     With `feedforward` whole_body, the inverse dynamics of base and arm give the force and
     torque of the arm's commanded motion. Without it the controller's model is a rigid body
@@ -66,7 +64,7 @@ class FlightController(LeafSystem):
         rotor: Limits and lag of a rotor.
         vehicle: Inertia and trim.
         period: s.
-        offset: s.
+        offset: s, time of the first update.
     """
 
     def __init__(

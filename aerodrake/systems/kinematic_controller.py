@@ -27,7 +27,11 @@ class ControllerState(NamedTuple):
 class KinematicController(LeafSystem):
     """Computes accelerations of the setpoints from measurement, reference and weights.
 
-    A subclass implements `solve_tick` and `_apply`.
+    A subclass implements `solve_tick` and `_apply`, and declares the port `plan`; `ClikSystem` is
+    an example. A new baseline flies as a replacement of `mpc` (`aerodrake.wiring.replacements`),
+    with `plan` and an input `pointing` as `MpcSystem` has them. To add it to the package, extend
+    `Scenario.controller`, `make_controller` in `aerodrake.coordinator`, and `RATES` in
+    `aerodrake.station`.
 
     Ports:
         in `state` (13 + 2 n): measured state.
@@ -42,11 +46,11 @@ class KinematicController(LeafSystem):
         out `status` (3): `TickStatus`.
         out `weights` (5), `delta` (3): inputs of the last tick.
         out `plan` (P (3 + n)): u at the last tick and at the next ticks, as far as it is
-            planned. A subclass declares it.
+            planned.
     State:
         `u`, `prediction`, `status`, `weights` and `delta`, of the last tick.
     Rate:
-        period of the equivalent model.
+        period of the equivalent model, `rates.mpc_period_s` of a scenario.
 
     Args:
         model: The equivalent model.

@@ -1,4 +1,4 @@
-"""Kinematics of the end-effector as a system, evaluated once for all its consumers."""
+"""Kinematics of the end-effector, d_e and d_o as a system, evaluated once for all consumers."""
 
 import numpy as np
 from pydrake.common.value import AbstractValue, Value

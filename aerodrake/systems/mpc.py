@@ -40,7 +40,7 @@ class MpcSystem(KinematicController):
         at the T ticks of the horizon), and `active` (nz + rows), the last active set as in
         `QpResult`, from which the solver starts at the next tick.
     Rate:
-        period of the equivalent model.
+        period of the equivalent model, `rates.mpc_period_s` of a scenario, 20 ms by default.
 
     If a program is not solved, the last plan is followed, shifted by one tick and extended
     with zero acceleration.

@@ -27,7 +27,7 @@ class NamedState(Generic[State]):
     def __init__(self, system: LeafSystem, initial: State):
         self._initial = initial
         self.groups: dict[str, DiscreteStateIndex] = {}
-        # Indices as plain integers: half the time of an access, of which each tick has many.
+        # Plain integers as indices halve the time of an access; each tick makes many.
         self._fields: list[tuple[int, tuple[int, ...], type]] = []
         for name, value in _leaves(initial):
             group = system.DeclareDiscreteState(np.ravel(value).astype(float))

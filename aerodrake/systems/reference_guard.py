@@ -20,13 +20,13 @@ from aerodrake.systems.named_state import NamedState
 
 
 class ReferenceGuard(LeafSystem):
-    """Passes a reference on while it is within its envelope, and rests where it leaves it.
+    """Passes the reference on within its envelope; outside, rests at the last accepted position.
 
     Ports:
         in `horizon` (6 (N + 1)): p_Ed, p_Ed' in m and m/s, now and at each stage.
-        out `horizon` (6 (N + 1)): the same, always finite and within the envelope. It feeds
-            through: a tick reads what is requested now. A refused reference rests at the
-            position that was passed on at the last tick.
+        out `horizon` (6 (N + 1)): the same, always finite and within the envelope. Direct
+            feedthrough, so that a tick samples the present request. A refused reference rests
+            at the position that was passed on at the last tick.
         out `reference` (6): the same, now.
         out `reference_verdict` (1): a `ReferenceVerdict` on the reference at the last tick.
     State:

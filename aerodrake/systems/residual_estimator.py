@@ -29,14 +29,14 @@ if TYPE_CHECKING:  # torch takes a second to import.
 class ResidualEstimator(LeafSystem):
     """Estimates Delta of the equivalent model, and learns the network's last layer online.
 
-    Without Delta, in m/s, the model x+ = A x + B u + C Delta lacks its last term. In the models
-    with K_B alone Delta is the paper's residual velocity, p_B' = K_B (p_d - p_B) + Delta. In the
-    model `flight`, whose state includes the acceleration, it is the change of velocity in one
-    period dt under a constant residual acceleration Delta / dt.
+    Delta, in m/s, is the residual input of the model x+ = A x + B u + C Delta. In the models with
+    K_B alone it is the paper's residual velocity, p_B' = K_B (p_d - p_B) + Delta. In the model
+    `flight`, whose state includes the acceleration, it is the change of velocity in one period dt
+    under a constant residual acceleration Delta / dt.
 
-    At the tick k the state measured now completes the sample that began at k-1: the velocity
-    that the model predicted with x_{k-1}, Delta_{k-1} and the input applied since is compared
-    with the measured one. First the last layer takes its step (paper, eq. 6; `OnlineLearner`),
+    At tick k the measured state completes the sample that began at k-1: the velocity that the
+    model predicted from x_{k-1}, Delta_{k-1} and the input applied since then is compared with
+    the measured one. First the last layer takes its step (paper, eq. 6; `OnlineLearner`),
     then the network infers Delta_k. (The paper's Algorithm 1 has the reverse order, and learns
     one tick late.) The features of a sample are from t_{k-1}, with the input applied up to then,
     and therefore do not contain its label.
@@ -86,7 +86,7 @@ class ResidualEstimator(LeafSystem):
             self.DeclareVectorInputPort(name, size)
         self.groups = EstimatorState(*(NamedState(self, s) for s in self._estimation.start()))
 
-        # The output and the update share one computation a tick.
+        # The output and the update use the same computation, once a tick.
         self._tick = self.DeclareCacheEntry(
             "tick", ValueProducer(lambda: Value[object](None), self._calc_tick), self._tickets()
         )

@@ -30,8 +30,8 @@ class RotorMonitorSystem(LeafSystem):
     State:
         the fields of `RotorMonitorState`, a group each.
     Rate:
-        `period`, at its multiples: it reads the sample of its instant, and the command that
-        has acted since the one before.
+        `period`, at its multiples: it reads the sample of the instant, and the thrust command
+        that was applied since the previous sample.
 
     Args:
         monitor: The equations; its `lag.dt` is `period`.

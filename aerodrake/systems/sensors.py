@@ -20,11 +20,11 @@ class SensorSystem(LeafSystem):
     """Samples and holds the state, with the scenario's measurement noise.
 
     Ports:
-        in `true_state` (13 + 2 n): the plant's state, of which the arm's is sampled.
-        in `late_state` (13 + 2 n): the same, possibly delayed, of which the base's is sampled.
+        in `true_state` (13 + 2 n): the plant's state; its arm is sampled.
+        in `late_state` (13 + 2 n): the same, possibly delayed; its base is sampled.
         in `noise` (12 + n): standard normal draws, new at each sample.
         out `state` (13 + 2 n): the last sample.
-        out `stamps` (3): s, when its groups were taken: position, attitude, joints.
+        out `stamps` (3): s, when position, attitude and joints were sampled, without the delay.
     State:
         `state` (13 + 2 n) and `stamps` (3) of the last sample.
     Rate:

@@ -24,7 +24,7 @@ class SetpointState(NamedTuple):
         position: (3 + n,) m and rad, setpoints at the last tick.
         velocity: (3 + n,) m/s and rad/s.
         time_s: s, time of that tick.
-        mode: The `SafeMode` since then.
+        mode: The `SafeMode` since that tick.
     """
 
     position: np.ndarray
@@ -34,7 +34,7 @@ class SetpointState(NamedTuple):
 
 
 class SetpointIntegrator(LeafSystem):
-    """Exact double integrator of u within limits; in safe modes, of accelerations of its own.
+    """Integrates u twice, exactly and within limits; in safe modes, its own accelerations instead.
 
     Ports:
         in `u` (3 + n): accelerations in m/s^2 and rad/s^2, constant between ticks.

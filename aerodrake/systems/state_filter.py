@@ -16,12 +16,12 @@ class StateFilterSystem(LeafSystem):
 
     Ports:
         in `sample` (13 + 2 n): the last sample; its base is `state_filter.steps` samples late.
-        in `stamps` (3): s, when its groups were taken: position, attitude, joints.
-        in `acceleration` (6): of the flight controller, the base's modelled acceleration
+        in `stamps` (3): s, when its position, attitude and joints were sampled.
+        in `acceleration` (6): from the flight controller, the base's modelled acceleration
             since the last sample.
-        in `reaction` (3): of the flight controller, m/s^2, part of `acceleration`.
+        in `reaction` (3): m/s^2, from the flight controller, contained in `acceleration`.
         in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
-        out `state` (13 + 2 n): the estimated present state. With exact samples, the last one.
+        out `state` (13 + 2 n): the estimated present state; the last sample if samples are exact.
         out `external_acceleration` (3): m/s^2 in the world, acceleration of the base by
             other forces than thrust and gravity, the arm's reaction included.
         out `sample_health` (6): by group, s since the last accepted sample (0 if this one is
@@ -36,7 +36,7 @@ class StateFilterSystem(LeafSystem):
 
     Args:
         state_filter: The equations.
-        passes: True if `state` is the sample itself, where that is accepted.
+        passes: True if `state` has the accepted groups of the sample itself.
         initial: (13 + 2 n,) the state before the first sample, at rest.
         trim_acceleration: (6,) modelled at rest; the initial disturbances cancel it.
     """

@@ -33,7 +33,7 @@ class SupervisorSystem(LeafSystem):
         in `rotor_effectiveness` (k): fraction of its thrust that each rotor gives.
         in `saturated` (1): 1 while the flight controller is saturated.
         in `reference_verdict` (1): a `ReferenceVerdict`.
-        in `learner_health` (2): the `GateCause` for which Delta is zero, or OK; s for which it is.
+        in `learner_health` (2): the `GateCause` for which Delta is gated off, or OK; s since then.
         `sample_health`, `rotor_effectiveness` and `learner_health` may be left unconnected,
         which means healthy.
         out `mode` (1): a `SafeMode`.
@@ -42,11 +42,11 @@ class SupervisorSystem(LeafSystem):
     State:
         the fields of `SupervisorState`, a group each.
     Rate:
-        `period`, from time 0. In STOP a Simulator that steps it reaches termination, a
-        period later, with the name of the cause.
+        `period`, from time 0. One period after STOP begins, a publish event ends the
+        simulation (`ReachedTermination`) with the name of the cause.
 
     Args:
-        conditions: K of them, as `aerodrake.model.supervision.conditions.conditions` has them.
+        conditions: The K conditions of `aerodrake.model.supervision.conditions.conditions`.
         vehicle: Its feet and the numbers of its joints and rotors.
         period: s.
         mpc_period: s, between ticks of the MPC.

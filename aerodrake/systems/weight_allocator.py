@@ -7,11 +7,11 @@ from aerodrake.scenario import Allocation
 
 
 class WeightAllocator(LeafSystem):
-    """Computes gamma, mode and weights from three distances.
+    """Computes gamma, mode and weights from the distances d_e, d_o and d_g.
 
     Ports:
-        in `distances` (2): d_e, d_o in m.
-        in `d_g` (1): m.
+        in `distances` (2): d_e, d_o in m, computed by `KinematicsSystem`.
+        in `d_g` (1): m, of the reference.
         out `weights` (5): `AllocatedWeights`. Direct feedthrough, so that the MPC samples it
             without delay.
     State:

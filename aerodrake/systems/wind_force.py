@@ -15,15 +15,15 @@ class WindForce(LeafSystem):
         in `true_state` (13 + 2 n): the plant's state.
         in `air_velocity` (3): m/s, wind and gust, in the world.
         out `wind_force` (3): N, in the world, at the base's origin.
-        out `generalized_force` (6 + n): the same force for the plant's velocities
-            [omega_W, v_B, q']; at the base's origin it acts on v_B alone.
+        out `generalized_force` (6 + n): the same force for the plant's input
+            `applied_generalized_force`, whose velocities are [omega_W, v_B, q']; at the base's
+            origin it acts on v_B alone.
     State:
         the force (3) N.
     Rate:
-        `period`, by a discrete update: it samples the velocities of its instant,
-        and the force acts on the plant from its next step on. No events in still
-        air. Both outputs depend on the state alone, so that steps of the plant call
-        no Python.
+        `period`, by a discrete update that samples the velocities of its instant; the
+        force acts on the plant from its next step on. No events in still air. Both outputs
+        depend on the state alone, so that steps of the plant call no Python.
 
     Args:
         config: Drag coefficients.

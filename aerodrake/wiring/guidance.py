@@ -26,7 +26,7 @@ WIRING = Wiring(
 def make_guidance(
     scenario: Scenario, vehicle: VehicleModel, replacements: Replacements | None = None
 ) -> Diagram:
-    """Returns the diagram of a scenario's reference with its faults, guarded by the envelope.
+    """Makes guidance: the scenario's reference, its faults, and the guard that limits it.
 
     Outputs: `reference` (6) and `horizon` (6 (N + 1)), p_Ed, p_Ed' in m and m/s, now and at
     each stage, always within the envelope; `d_g` (1) m; `reference_verdict` (1).

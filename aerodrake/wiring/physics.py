@@ -48,7 +48,7 @@ def add_physics(
         add_robot(plant, vehicle.description, scenario.mismatch)
     add_payload(plant, scenario.payload.mass_kg)
     add_ground(plant)
-    plant.SetUseSampledOutputPorts(False)  # With them a step would be an unrestricted update.
+    plant.SetUseSampledOutputPorts(False)  # True would make a step an unrestricted update.
     plant.Finalize()
     plant.SetDefaultPositions(vehicle.trim_state[: plant.num_positions()])
     trim = allocate(ThrustAllocation.make(vehicle, rotor), vehicle.trim_wrench)

@@ -52,8 +52,8 @@ def make_sensors(
     """Makes the sensors: samples of the state, and an estimate of the present state.
 
     By default samples are exact and without delay. A sample is taken a quarter of a plant step
-    before each multiple of the period, when the plant's state is already that of the multiple.
-    All events at the multiple see the sample, whatever their kind.
+    before each multiple of the period, when the plant already has its state of that instant.
+    All events at the instant use the sample, discrete and unrestricted ones alike.
 
     Inputs: `true_state` (13 + 2 n); `acceleration` (6), `reaction` (3) and `joint_setpoint` (3 n)
     of the state filter.
@@ -61,10 +61,10 @@ def make_sensors(
     before the first sample, `external_acceleration` (3) and `sample_health` (6) of the filter.
 
     Args:
-        scenario: Noise, delay, filter, rates, and faults of samples, applied in their order.
+        scenario: Noise, delay, filter and rates; faults of samples, applied in the listed order.
         trim_state: (13 + 2 n,) the state before time 0.
-        trim_acceleration: (6,) that the flight controller models then.
-        replacements: Of systems in the diagram.
+        trim_acceleration: (6,) acceleration that the flight controller models in trim.
+        replacements: Replacements of its systems; None for none.
     """
     joints, config = len(split_state(trim_state).q), scenario.sensors
     period, step = scenario.rates.sensor_period_s, scenario.rates.plant_step_s

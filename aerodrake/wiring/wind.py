@@ -28,7 +28,7 @@ def make_wind(
 
     Input: `true_state` (13 + 2 n).
     Outputs: `wind_force` (3) N in the world, and `generalized_force` (6 + n), the same force
-    for a plant.
+    for the plant's input `applied_generalized_force` (connected in `aerodrake.station`).
 
     Args:
         config: Wind, gusts and drag.

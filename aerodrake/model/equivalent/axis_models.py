@@ -35,7 +35,7 @@ class AxisModel(NamedTuple):
         C: (m,), for the residual velocity.
         states: Names of the m states, `STATES` first.
         acceleration: (m,), maps the states to the acceleration that tilts the base; zero in
-            models without.
+            models that do not describe it.
     """
 
     A: np.ndarray
@@ -49,7 +49,7 @@ def paper_axis(k: float, dt: float) -> AxisModel:
     """Returns p' = k (p_d - p) + Delta by semi-implicit Euler, as printed; k in 1/s, dt in s.
 
     The paper's A_1 has `k delta^2` for k delta_t squared. The second column of A is
-    zero: measured velocity does not propagate and acts only through Delta.
+    zero: the measured velocity has no effect on the prediction except through Delta.
     """
     A = np.array(
         [
@@ -108,8 +108,8 @@ def flight_axis(axis: int, flight: Flight, rotor: Rotor, period: float, dt: floa
 
     Thrust accelerates the base by b: along x and y through tilt, along z through its magnitude.
     All other forces accelerate it by d, which is constant. The flight controller's ESO estimates
-    d as h, which follows d at a third of the observer's bandwidth w_o, the mean of its three
-    poles. With a_c the acceleration that the position law commands,
+    d as h; a first-order lag with the rate w_o / 3 has the same mean delay as the observer's
+    three poles at -w_o. With a_c the acceleration that the position law commands,
 
         p'' = b + d,    h' = (d - h) w_o / 3,
         a_c = k_p (p_d - p) + k_v (p_d' - p') + u - h

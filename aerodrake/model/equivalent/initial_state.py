@@ -55,7 +55,7 @@ class Signals(NamedTuple):
 
     Attributes:
         p_B, v_B: (3,) m and m/s, measured.
-        base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2; a_d is that since the last tick.
+        base_setpoint: (9,) [p_d, v_d, a_d] in m, m/s, m/s^2; a_d was applied since the last tick.
         joint_setpoint: (3 n,) [q_d, q_d', q_d''] in rad, rad/s, rad/s^2; q_d'' likewise.
         thrust: Accelerations of the base.
     """
@@ -72,7 +72,7 @@ class StateLayout(NamedTuple):
 
     Attributes:
         base: (4, 3), indices of p_B, p_B', p_B,d and p_B,d'.
-        thrust: (4, 3), indices of the fields of a `Thrust`; (0, 3) in models without.
+        thrust: (4, 3), indices of the fields of a `Thrust`; (0, 3) in models without thrust states.
         joints: (2, n), indices of q and q'.
         hidden: (k,), indices of the states that are not measured.
         A, B: (k, nx) and (k, 3 + n), rows of the model for the hidden states.

@@ -1,6 +1,6 @@
 """Equivalent kinematic models of the base under its flight controller, and of the arm.
 
-One linear, time-invariant model x+ = A x + B u + C Delta (paper, eq. 5), with
+The model is linear and time-invariant, x+ = A x + B u + C Delta (paper, eq. 5), with
 
     x = [p_Bx, p_Bx', p_Bx,d, p_Bx,d', ..., p_By, ..., q_1, q_1', ..., q_n, q_n'],
     u = [p_Bx,d'', p_By,d'', p_Bz,d'', q_1'', ..., q_n''],

@@ -1,4 +1,7 @@
-"""Extended state observer (ESO) of an integrator chain with an unknown constant input."""
+"""Extended state observer (ESO) of an integrator chain with an unknown constant input.
+
+The `FlightController` has two: for position (`outer_loop`) and angular velocity (`inner_loop`).
+"""
 
 import math
 from typing import NamedTuple, Self

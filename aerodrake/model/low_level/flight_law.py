@@ -16,7 +16,7 @@ from aerodrake.support.compiled import compiled
 
 
 class FlightGains(NamedTuple):
-    """Gains of the position law, per axis of the world, and the attitude law, of the base.
+    """Gains of the position law, per world axis, and of the attitude law, per base axis.
 
     Attributes:
         position: (3,) 1/s^2, k_p.
@@ -49,7 +49,7 @@ def position_law(
     disturbance: np.ndarray,
     integral: np.ndarray,
 ) -> np.ndarray:
-    """u_v = a_d - k_v (v - v_d) - k_p (p - p_d) - k_i integral - h, m/s^2.
+    """Returns u_v = a_d - k_v (v - v_d) - k_p (p - p_d) - k_i integral - h, m/s^2.
 
     Args:
         gains: k_p, k_v, k_i.
@@ -95,7 +95,7 @@ def desired_attitude(thrust: np.ndarray, yaw: float = 0.0) -> np.ndarray:
 
 @compiled
 def attitude_error(R: np.ndarray, R_d: np.ndarray) -> np.ndarray:
-    """Returns e_R = vee(R_d' R - R' R_d) / 2 (3,) in the base frame, Lee et al.; R, R_d (3, 3)."""
+    """Returns e_R = vee(R_d^T R - R^T R_d) / 2 (3,) in the base frame; R and R_d (3, 3)."""
     return vee(R_d.T @ R)
 
 
@@ -103,7 +103,7 @@ def attitude_error(R: np.ndarray, R_d: np.ndarray) -> np.ndarray:
 def attitude_law(
     gains: FlightGains, error: np.ndarray, rate_error: np.ndarray, disturbance: np.ndarray
 ) -> np.ndarray:
-    """u_omega = -k_R e_R - k_omega (omega - omega_d) - h_omega, rad/s^2.
+    """Returns u_omega = -k_R e_R - k_omega (omega - omega_d) - h_omega, rad/s^2.
 
     Args:
         gains: k_R, k_omega.

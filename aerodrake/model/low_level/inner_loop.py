@@ -30,10 +30,10 @@ class InnerLoop(NamedTuple):
     """Constants of the inner loop.
 
     Attributes:
-        gains: Of the flight laws.
+        gains: Gains of the flight laws.
         eso: Attitude observer.
         rotors: Allocation of a wrench to the rotors.
-        lag: Of the rotors' thrust.
+        lag: Lag of the rotors' thrust.
         mass: kg, base and arm.
         inertia: (3, 3) kg m^2, base and arm.
         inverse_inertia: (3, 3).
@@ -79,7 +79,7 @@ def inner_loop(
     position: PositionCommand,
     effort: np.ndarray,
 ) -> tuple[FlightState, FlightOutputs]:
-    """Attitude observer, attitude law, allocation, and the acceleration modelled from them.
+    """Runs attitude observer, attitude law and allocation, and models the acceleration.
 
     Args:
         loop: Constants.

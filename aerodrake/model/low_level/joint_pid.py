@@ -15,8 +15,8 @@ class JointPid(NamedTuple):
 
     The first two terms are k_d times the error between the joint's rate and the desired rate
     q_d' + e k_p / k_d. As in a cascade, the desired rate is limited: by the joint's velocity
-    limit, and by k_p / k_d times the distance to its stop. No position error drives a joint
-    faster than its limit, or into a stop.
+    limit, and by k_p / k_d times the distance to its stop. Hence no position error drives a
+    joint faster than its limit or into a stop.
 
     Attributes:
         k_p: (n,) N m/rad.

@@ -18,7 +18,7 @@ class OuterLoop(NamedTuple):
     """Constants of the outer loop.
 
     Attributes:
-        gains: Of the flight laws.
+        gains: Gains of the flight laws.
         eso: Position observer.
         is_trajectory: True if v_d and a_d are used, not p_d alone.
         max_tilt: rad.
@@ -66,7 +66,7 @@ class PositionCommand(NamedTuple):
 def outer_loop(
     loop: OuterLoop, last: FlightState, state: np.ndarray, setpoint: np.ndarray
 ) -> PositionCommand:
-    """Position observer and position law.
+    """Runs position observer and position law.
 
     Args:
         loop: Constants.

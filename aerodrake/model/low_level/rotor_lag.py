@@ -8,7 +8,7 @@ from aerodrake.support.compiled import compiled
 
 
 class RotorLag(NamedTuple):
-    """Time constants of f' = (command - f) / tau, and a period of constant command.
+    """Time constants of f' = (command - f) / tau, and the period of constant commands.
 
     Attributes:
         up: s, tau of rising thrust.
@@ -28,7 +28,7 @@ def advance(
     """Returns the thrust at the end of a period, and its mean over it, (k,) N each.
 
     Args:
-        lag: Of the rotors.
+        lag: Lag of the rotors.
         thrust: (k,) N, at the start.
         command: (k,) N, constant over the period.
     """

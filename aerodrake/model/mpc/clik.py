@@ -34,9 +34,9 @@ class InverseKinematics:
     With s = [p_B', q'], J = J_s and W = diag(w_q, ..., w_m, ...), scaled so that its
     smallest weight is 1,
 
-        s   = s_0 + W^-1 J' (J W^-1 J' + lambda^2 I)^-1 v
+        s   = s_0 + W^-1 J^T (J W^-1 J^T + lambda^2 I)^-1 v
         v   = p_Ed' - K_e e_E - J_yaw yaw'
-        s_0 = [-R_B J_B q_0', q_0'],  q_0' = -k_c J_B' (J_B J_B' + lambda^2 I)^-1 (p_EB - p_O)
+        s_0 = [-R_B J_B q_0', q_0'],  q_0' = -k_c J_B^T (J_B J_B^T + lambda^2 I)^-1 (p_EB - p_O)
 
     s_0 is a null-space motion of J that descends the paper's J_4: it returns the arm
     to its learning space without moving the end-effector. p_Ed' is taken at the next

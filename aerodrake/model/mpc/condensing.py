@@ -23,7 +23,7 @@ class Condensing(NamedTuple):
         kind: (F,), index of each output's response.
         responses: (K, N, N), the distinct responses G.
         ticks: (N,), duration of each stage.
-        products: (K, K, N, N), G' D G of each pair of responses, with D = diag(ticks).
+        products: (K, K, N, N), G^T D G of each pair of responses, with D = diag(ticks).
         H_input: (m, N, N), cost of the inputs of each axis.
     """
 
@@ -56,10 +56,10 @@ class Condensing(NamedTuple):
 
 @compiled
 def hessian(form: Condensing, C: np.ndarray) -> np.ndarray:
-    """Returns H (m N, m N), where z' H z / 2 + g' z is half the cost up to a constant.
+    """Returns H (m N, m N), where z^T H z / 2 + g^T z is half the cost up to a constant.
 
-    The cost is the sum over stages of ticks (y' C y + 2 c_k' y), plus that of the inputs. The
-    block of axes a and b is H_ab = sum of C_fg G_f' D G_g over the outputs f of a and g of b.
+    The cost is the sum over stages of ticks (y^T C y + 2 c_k^T y), plus that of the inputs.
+    The block of axes a and b is H_ab, the sum of C_fg G_f^T D G_g over outputs f of a, g of b.
 
     Args:
         form: Constant part of the program.

@@ -27,7 +27,7 @@ SLACK = 1e-6
 
 @dataclass(frozen=True)
 class MpcProgram:
-    """min z' H z / 2 + g' z with |z| <= 1 and lower <= A z <= upper.
+    """min z^T H z / 2 + g^T z with |z| <= 1 and lower <= A z <= upper.
 
     z (m N,) stacks the scaled inputs axis by axis, the stages of the first axis first.
 
@@ -84,10 +84,10 @@ class MpcFormulation:
     paper (`config.error`). K_e is scaled down if the correction of e_E,0 would exceed
     `config.approach_speed_m_s`.
 
-    Roll and pitch are predicted by `config.tilt`. `none`: not at all. `held`: the measured
-    rates, constant over the horizon. `flatness`: the thrust axis tilts with the model's
-    acceleration a of the base, which moves the end-effector by T a, T = -[r]x [z]x / g, at
-    the mean rate T (a_k - a_{k-1}) / (t_k - t_{k-1}); no effect in models without a.
+    `config.tilt` selects the prediction of roll and pitch. `none`: they are constant. `held`:
+    their measured rates are constant over the horizon. `flatness`: the thrust axis tilts with the
+    model's acceleration a of the base, which moves the end-effector by T a, T = -[r]x [z]x / g,
+    at the mean rate T (a_k - a_{k-1}) / (t_k - t_{k-1}); in models without a, as `none`.
 
     Args:
         config: Weights, horizon and limits of the base.

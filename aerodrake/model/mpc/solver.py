@@ -10,8 +10,8 @@ from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult, QpStatus, is_
 class MpcSolver:
     """Solves the programs of one formulation.
 
-    Forms H only if constraints are active. Infeasible bounds are relaxed as far as full
-    braking requires, but not if lower bounds exceed upper ones, which is an error.
+    Forms H only if the decoupled minimiser is not the solution. Infeasible bounds are relaxed as
+    far as full braking requires, unless a lower bound exceeds its upper one, which is an error.
 
     Args:
         formulation: Forms the programs.

@@ -9,7 +9,7 @@ from aerodrake.support.compiled import compiled
 
 
 class StageCost(NamedTuple):
-    """y' C y + 2 c_k' y, the cost of the outputs y of each stage k, as in `StageOutputs`.
+    """y^T C y + 2 c_k^T y, the cost of the outputs y of each stage k, as in `StageOutputs`.
 
     Attributes:
         C: (F, F), symmetric.
@@ -80,7 +80,7 @@ def add_tracking(
         cost: Changed in place.
         task: The task vector and its reference.
         rpy_rates: (3,) rad/s, roll', pitch' and yaw', constant over the horizon.
-        tilts: True if the acceleration of the base tilts it.
+        tilts: True if the base's predicted acceleration tilts it (`tilt` is `flatness`).
         is_predicted: True if r_k - r_d,k is predicted, False if it is frozen at its current
             value.
     """

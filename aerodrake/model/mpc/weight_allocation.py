@@ -33,9 +33,9 @@ class AllocatedWeights(NamedTuple):
     Attributes:
         gamma: In [-1, 1], metric of the desired arm motion.
         mode: The motion mode, a value of `Mode`.
-        w_q: Factor on the base's part of W_2,0.
-        w_m: Factor on the joints' part of W_2,0.
-        w_d: Factor on W_4,0.
+        w_q: Factor on W_2 of the base.
+        w_m: Factor on W_2 of the joints.
+        w_d: Factor on W_4.
     """
 
     gamma: float

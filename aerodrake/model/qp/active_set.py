@@ -19,7 +19,7 @@ which it is linearly dependent on them."""
 
 
 class FactorisedQp(NamedTuple):
-    """Minimise z' H z / 2 + g' z subject to |z| <= 1, lower <= A z <= upper, with H = L L'.
+    """min z^T H z / 2 + g^T z subject to |z| <= 1 and lower <= A z <= upper, with H = L L^T.
 
     Constraint i is z_i for i < nz, and row i - nz of A after that.
 
@@ -53,7 +53,7 @@ class Constraint(NamedTuple):
 
 
 class ActiveSet(NamedTuple):
-    """Room for nz active constraints; with k of them, only the first k entries are set.
+    """Storage for up to nz active constraints; only the first k entries are in use.
 
     Attributes:
         index, side: (nz,), of each constraint.
@@ -213,7 +213,7 @@ def _drop(active: ActiveSet, k: int, j: int) -> int:
 
 @compiled
 def _factorise(S: np.ndarray, C: np.ndarray, first: int, k: int) -> bool:
-    """Computes rows `first` to k of C, with C C' = S; returns False if S is singular."""
+    """Computes rows `first` to k of C, with C C^T = S; returns False if S is singular."""
     for i in range(first, k):
         for j in range(i):
             C[i, j] = (S[i, j] - C[i, :j] @ C[j, :j]) / C[j, j]
@@ -226,7 +226,7 @@ def _factorise(S: np.ndarray, C: np.ndarray, first: int, k: int) -> bool:
 
 @compiled
 def _solve_cholesky(C: np.ndarray, b: np.ndarray, k: int) -> np.ndarray:
-    """Returns x (k,), with C C' x = b (k,)."""
+    """Returns x (k,), with C C^T x = b (k,)."""
     x = b.copy()
     for i in range(k):
         x[i] = (x[i] - C[i, :i] @ x[:i]) / C[i, i]

@@ -13,7 +13,7 @@ FEASIBILITY = 1e-6
 def is_within(A: BandedRows, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
     """Returns True if z (nz,) is in its box and A z within `lower` and `upper` (rows,).
 
-    False if a value is NaN.
+    Returns False if a value is NaN.
     """
     for x in z:
         if not abs(x) <= 1 + FEASIBILITY:

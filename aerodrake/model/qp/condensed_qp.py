@@ -83,7 +83,7 @@ class QpResult(NamedTuple):
 
 
 class CondensedQp:
-    """min z' H z / 2 + g' z  subject to  |z| <= 1,  lower <= A z <= upper.
+    """min z^T H z / 2 + g^T z  subject to  |z| <= 1,  lower <= A z <= upper.
 
     The caller scales z by the input bounds and the rows of A to unit norm. A is constant. A
     program is solved in these steps:
@@ -91,9 +91,9 @@ class CondensedQp:
     1. The unconstrained minimiser is the solution if it satisfies all bounds.
     2. Redundant constraints, which no z in the box violates, are removed.
     3. `solve_active_set` starts from the active set of a similar program, which usually
-       differs by few constraints.
-    4. If that fails, it starts from the active set of OSQP's iterate, for the cost scaled by
-       its mean diagonal.
+       differs by few constraints, or else from the bounds that the minimiser of step 1 violates.
+    4. If that fails, it starts from the active set of OSQP's iterate. OSQP receives the cost
+       divided by the mean diagonal element of H.
     5. If that fails as well, the iterate is used if its residuals are small.
 
     Args:

@@ -9,7 +9,7 @@ from aerodrake.scenario import Supervisor
 from aerodrake.support.compiled import compiled
 
 JUMP_M = 0.1
-"""Distance from where its velocity leads at which a reference has jumped."""
+"""Deviation from the extrapolated last position above which a reference has jumped."""
 
 
 class ReferenceVerdict(IntEnum):

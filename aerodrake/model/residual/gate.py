@@ -25,7 +25,7 @@ NOISE_DEVIATIONS = 5.0
 REJECTION_RATIO = 0.25
 """Ratio of the mean offset to its bound above which labels are not learned."""
 MIN_IMPROVEMENT = 0.25
-"""Mean improvement above which Delta is used; 1 if always exact, 0 if without effect."""
+"""Mean improvement above which Delta is used: 1 for an exact Delta, 0 for one without effect."""
 
 
 class GateCause(IntEnum):
@@ -93,14 +93,15 @@ class LearningGate:
     |---|---|---|---|
     | UNPROVEN | at the start | r > 1/4 | 0 |
     | UNHELPFUL | mean of e_0^2 - e_1^2 below -floor^2, or r < 0 | r > 1/4 | 0 at once |
-    | POISONED | mean offset above `max_offset_m_s` and noise | r > 1/4, ratio < 1/4 | fades out |
+    | POISONED | mean offset > bound | r > 1/4 and mean offset < bound / 4 | fades out |
     | DIVERGED | theta outside `max_drift`, or Delta > 1 m/s | r > 1/4 | fades out |
     | NOT_FINITE | theta or Delta NaN or infinite | r > 1/4 | fades out |
 
     r exceeds 1/4 after about `gate_s` at the earliest. Delta then returns by a linear ramp
-    (`FADE_IN`), and fades out by another (`FADE_OUT`). Labels whose mean offset exceeds a
-    quarter of the POISONED bound are not learned. Where e_0 is below the floor, r stays
-    near 0 and Delta is not used. With `gate_s` = 0 only NOT_FINITE gates Delta off.
+    (`FADE_IN`), and fades out by another (`FADE_OUT`). The bound of the mean offset is
+    `max_offset_m_s` plus a margin for noise; above a quarter of it, labels are not learned. Where
+    e_0 is below the floor, r stays near 0 and Delta is not used. With `gate_s` = 0 only
+    NOT_FINITE gates Delta off.
 
     Attributes:
         config: The gate uses `mode`, `gate_s`, `max_offset_m_s` and `max_drift`.
@@ -178,7 +179,7 @@ class LearningGate:
             return state._replace(gated_s=gated_s)
         ramp_s = FADE_IN * self.config.gate_s
         blend = min(1.0, state.blend + self.dt / ramp_s) if ramp_s > 0 else 1.0
-        # Harm done before the gate closed must not close it again.
+        # Errors from before Delta was gated off must not gate it off again.
         benefit = state.mean_benefit if was_used else max(state.mean_benefit, 0.0)
         return state._replace(cause=GateCause.OK, gated_s=0.0, blend=blend, mean_benefit=benefit)
 

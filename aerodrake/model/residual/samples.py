@@ -40,8 +40,8 @@ def residual_samples(model: EquivalentModel, flight: Excitation) -> Samples:
 
     The features of the sample k are from the state measured at t_k and u_{k-1}, unscaled; its
     target is the velocity measured at t_{k+1} minus the one that the model predicts from x_k
-    under u_k without Delta. The first tick has no sample since u_{k-1} is unknown, nor has the
-    last, since the next velocity is. The model's hidden states start at the first tick.
+    under u_k without Delta. The first tick has no sample, since u_{k-1} is unknown; nor has
+    the last, since the next velocity is unknown. The model's hidden states start at the first tick.
 
     Args:
         model: Equivalent model with the period of the ticks.

@@ -120,8 +120,8 @@ def correct_joints(estimate: Estimate, sample: np.ndarray, gain: float, dt: floa
 
     Args:
         estimate: Its joints are those of the sample before.
-        sample: (13 + 2 n,)
-        gain: Of a joint's angle.
+        sample: (13 + 2 n,) as measured.
+        gain: Gain of a joint's angle.
         dt: s, between samples.
     """
     _, _, q, _, _, qdot = split_state(estimate.state)

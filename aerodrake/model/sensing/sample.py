@@ -21,7 +21,7 @@ class Sample(NamedTuple):
 
     Attributes:
         state: (13 + 2 n,) as measured.
-        stamps: (3,) s, the time at which each group was measured.
+        stamps: (3,) s, the time at which each group was sampled; a sensor delay is not included.
     """
 
     state: np.ndarray

@@ -17,7 +17,7 @@ from aerodrake.support.compiled import compiled
 
 
 class Verdict(IntEnum):
-    """Verdict on one group of a sample; if several apply, STALE precedes, then in this order."""
+    """Verdict on a group of a sample: the first that applies of STALE, NOT_FINITE, FROZEN, JUMP."""
 
     # Accepted.
     OK = 0
@@ -68,10 +68,10 @@ class SampleCheck(NamedTuple):
 
     A sample is accepted if it *follows* from the last accepted one: if both differ by no more
     than the mean of their velocities and a plausible acceleration allow. This does not depend on
-    any model. After an outage of a few samples, one is accepted if it is near the *prediction*,
-    within a bound that grows with the time of the outage. A step is therefore never accepted at
-    once. A lasting step is accepted when the prediction can be as wrong: 0.5 m after 1.3 s,
-    0.5 rad after 0.7 s, in still air.
+    any model. After an outage of a few samples, a sample is accepted if it is near the
+    *prediction*, within a bound that grows with the time of the outage. A step is therefore never
+    accepted at once. A lasting step is accepted when the bound has grown to its size: 0.5 m after
+    1.3 s, 0.5 rad after 0.7 s, in still air.
 
     Attributes:
         noise: (3,) m, rad, rad: bound of the noise on a value.
@@ -143,7 +143,7 @@ def check(bounds: SampleCheck, last: CheckState, predicted: Estimate, sample: Sa
     """Accepts or rejects each group of a sample.
 
     Args:
-        bounds: Of steps and innovations.
+        bounds: Bounds on steps and innovations.
         last: State after the previous sample.
         predicted: Estimate of what the sample should be.
         sample: As it arrived.
@@ -185,7 +185,7 @@ def check(bounds: SampleCheck, last: CheckState, predicted: Estimate, sample: Sa
 def is_outage(bounds: SampleCheck, age: float) -> bool:
     """Returns True if too many samples of a group were rejected to compare with the last accepted.
 
-    `age` in s is that of the last accepted sample at the previous one.
+    `age` in s is the time from the last accepted sample to the previous sample.
     """
     return age > (OUTAGE_SAMPLES - 0.5) * bounds.dt
 

@@ -18,7 +18,7 @@ def faulty(fault: SampleFault, sample: Sample, last: Sample) -> Sample:
     base; each joint jumps by the whole angle.
 
     Args:
-        fault: Of one group, or of all.
+        fault: Fault of one group, or of all.
         sample: As measured.
         last: The last sample before the fault.
     """

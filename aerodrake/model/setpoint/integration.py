@@ -10,7 +10,7 @@ from aerodrake.support.compiled import compiled
 
 
 class SetpointLimits(NamedTuple):
-    """Limits of the setpoints of m axes; infinite for axes without.
+    """Limits of the setpoints of m axes; infinite for axes without a limit.
 
     Attributes:
         lower, upper: (m,) bounds of the position, m or rad.
@@ -125,7 +125,7 @@ def admissible(
 def braking(v: np.ndarray, most: np.ndarray, stages_s: np.ndarray) -> np.ndarray:
     """Returns the inputs (m N,) over a horizon that brake from v and then rest, axis by axis.
 
-    Each is divided by its limit.
+    Each input is divided by its limit.
 
     Args:
         v: (m,) m/s and rad/s, current velocities.

@@ -23,14 +23,14 @@ ON_GROUND_M = 0.003
 """Height of the feet at or below which they are on the ground, in NOMINAL and HOLD."""
 
 LANDED_M, LANDED_THRUST_M_S2 = 0.08, 8.8
-"""Height of the feet, and thrust over mass, at or below which a tilted vehicle has landed."""
+"""Largest height of the feet and largest thrust over mass of a landed, possibly tilted vehicle."""
 
 
 class Signal(IntEnum):
     """Signals that conditions compare with thresholds. Flags are 0 or 1."""
 
     PLAN_AGE = 0  # Ticks since the MPC's last solution.
-    PLAN_AGE_S = 1  # The same in s.
+    PLAN_AGE_S = 1  # The same time in s.
     POSITION_OUTAGE = 2  # s since the last accepted sample of each group.
     ATTITUDE_OUTAGE = 3
     JOINTS_OUTAGE = 4
@@ -43,9 +43,9 @@ class Signal(IntEnum):
     REFERENCE_JUMPED = 11
     LEARNER_GATED = 12  # Delta is zero because it, or its training samples, were harmful.
     ON_GROUND = 13  # The feet are on the ground, in NOMINAL or HOLD.
-    LANDED = 14  # In DESCEND they are near it, and it carries part of the weight.
-    GROUND_EXPECTED = 15  # In DESCEND, without position samples, they are predicted below it.
-    NOT_FINITE = 16  # The state contains NaN or infinite.
+    LANDED = 14  # In DESCEND the feet are near the ground, which bears part of the weight.
+    GROUND_EXPECTED = 15  # In DESCEND, without position samples, the feet are predicted on it.
+    NOT_FINITE = 16  # The state contains NaN or infinite values.
 
 
 SIGNALS = len(Signal)
@@ -59,10 +59,11 @@ class Condition(NamedTuple):
         name: Name in events, summaries and reports.
         signal: The signal that is compared; NaN triggers.
         mode: The requested mode; NOMINAL only reports the condition.
-        trigger: It triggers while the signal is at or above this value, in its unit,
-        trigger_s: for this long.
-        clear: It clears while the signal is at or below this value
-        clear_s: for this long; `NEVER` if the flight ends or lands.
+        trigger: The condition triggers if the signal is at or above this value, in its unit,
+            for `trigger_s`.
+        trigger_s: s.
+        clear: It clears if the signal is at or below this value for `clear_s`.
+        clear_s: s; `NEVER` if the flight ends or lands.
         exit_reason: Exit reason of a flight that it stops.
     """
 
@@ -216,7 +217,7 @@ def compute_signals(status: FlightStatus, feet: float, mpc_period: float) -> np.
     """Returns the values (S,) of all signals, by `Signal`.
 
     Args:
-        status: Now.
+        status: Quantities at this sample.
         feet: m, z of the vehicle's lowest point in the base frame.
         mpc_period: s, between ticks of the MPC.
     """

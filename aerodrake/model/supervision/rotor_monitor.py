@@ -50,7 +50,7 @@ class RotorMonitor(NamedTuple):
         mass: kg.
         lever: m, root mean square distance of the rotors from the base's z axis.
         delay_samples: Assumed delay of the base's samples.
-        filter_gains: (2, 1) weights of a new sample in the fast and slow filter.
+        filter_gains: (2, 1) weights of a new sample in the fast and in the slow filter.
     """
 
     p_B: np.ndarray
@@ -245,7 +245,7 @@ def isolate(
         size = g[:3] @ g[:3] + FORCE_WEIGHT * (g[3:] @ g[3:])
         fraction = min(max(product / size, 0.0), 1.0)
         left = own - fraction * g
-        # After a recovery nothing is left to explain: the reported loss is the scale then.
+        # After a recovery the residual is near zero; the reported loss is the scale then.
         scale = max(own @ own, loss[i] ** 2 * (g @ g))
         if left @ left < least * scale:
             rotor, best_loss, least = i, fraction, (left @ left) / scale

@@ -106,7 +106,7 @@ def rotation_vector(quaternion: np.ndarray) -> np.ndarray:
 
 @compiled
 def vee(R: np.ndarray) -> np.ndarray:
-    """Returns the vector (3,) of (R - R') / 2: the axis of R (3, 3) times the sine of its angle."""
+    """Returns the vector (3,) of (R - R^T) / 2: the axis of R (3, 3) times sin(angle)."""
     return 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
 
 

@@ -84,8 +84,8 @@ def tuck(geometry: GroundGeometry, working: np.ndarray) -> np.ndarray:
     """Returns the configuration (n,) rad nearest to the working one with the arm high enough.
 
     High enough means `CLEARANCE_M` above the feet, for the bounding boxes of its collision
-    geometry. Found by sequential quadratic programming from the working configuration, or else
-    from others spread over the joints' range. If none is high enough, returns the one whose
+    geometry. Sequential quadratic programming starts from the working configuration, or else from
+    others spread over the joints' range. If no result is high enough, returns the one whose
     lowest corner is highest.
 
     Args:

@@ -1,4 +1,4 @@
-"""Faults between actuators and plant, and pushes, as systems of Drake's own.
+"""Faults between actuators and plant, and pushes, as `SymbolicVectorSystem`s.
 
 Each function returns None for a scenario without such faults. A fault is active from
 `settle_s` plus its start until before its end.
@@ -16,7 +16,7 @@ ROUNDING_S = 1e-9
 
 
 def make_rotor_faults(scenario: Scenario, rotors: int) -> SymbolicVectorSystem | None:
-    """Makes the system that reduces the thrusts of degraded rotors, of k = `rotors`.
+    """Makes the system that reduces the thrusts of degraded rotors, with k = `rotors`.
 
     Ports:
         in `u0` (k): N, thrusts after lag and limits.
@@ -29,7 +29,7 @@ def make_rotor_faults(scenario: Scenario, rotors: int) -> SymbolicVectorSystem |
 
 
 def make_joint_faults(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
-    """Makes the system that reduces the torques of degraded motors, of n = `joints`.
+    """Makes the system that reduces the torques of degraded motors, with n = `joints`.
 
     Ports:
         in `u0` (n): N m, commanded torques.
@@ -64,7 +64,7 @@ def make_pushes(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
 def _degraded(
     scenario: Scenario, kind: type[Fault], key: str, count: int
 ) -> SymbolicVectorSystem | None:
-    """Makes a system that scales the inputs which faults of a kind name at `key`."""
+    """Makes a system that scales each input whose index is the `key` of a fault of a kind."""
     faults = {i: fault for i, fault in enumerate(scenario.faults) if isinstance(fault, kind)}
     if not faults:
         return None
