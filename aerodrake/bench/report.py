@@ -18,7 +18,7 @@ FILES = ("bench.json", "bench.png")
 """Files that a benchmark writes."""
 
 COLUMNS = ("<18", *[">9"] * 6, ">12", ">8", ">8")
-"""Alignment and width of the columns of the solvers' table."""
+"""Alignment and width of the columns of the table of solvers."""
 
 Figures = Mapping[str, Any]
 
@@ -33,7 +33,7 @@ def missing_peers() -> list[str]:
 
 
 def bench_table(figures: Figures) -> str:
-    """Returns all figures as text."""
+    """Returns all results as text."""
     sections = (_solvers, _settings, _scaling, _loop, _processes)
     return "\n\n".join("\n".join(section(figures)) for section in sections)
 

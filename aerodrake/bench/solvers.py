@@ -128,7 +128,7 @@ def spread(times_ms: np.ndarray) -> dict[str, Any]:
 
 
 def _figures(evaluations: Mapping[str, EvaluatedReplay], solver: str) -> dict[str, Any]:
-    """Returns the figures of one solver over SCENARIOS, and by scenario."""
+    """Returns the results of one solver over SCENARIOS, and by scenario."""
     figures = _pooled([evaluations[name] for name in SCENARIOS], solver)
     by_scenario = {name: _pooled([e], solver) for name, e in evaluations.items()}
     constrained = [e.replay.tick_ms(solver)[e.is_constrained] for e in evaluations.values()]
@@ -139,7 +139,7 @@ def _figures(evaluations: Mapping[str, EvaluatedReplay], solver: str) -> dict[st
 
 
 def _pooled(evaluations: list[EvaluatedReplay], solver: str) -> dict[str, Any]:
-    """Returns the figures of one solver over all ticks of some evaluations."""
+    """Returns the results of one solver over all ticks of some evaluations."""
     tick_ms = np.concatenate([e.replay.tick_ms(solver) for e in evaluations])
     forming_ms = np.concatenate([e.replay.forming_ms[solver] for e in evaluations])
     solving_ms = np.concatenate([e.replay.solving_ms[solver] for e in evaluations])

@@ -16,7 +16,7 @@ from aerodrake.flight.summary import rounded
 
 @dataclass(frozen=True)
 class Effort:
-    """Durations, in simulated time, and numbers of repetitions; by default those of `FULL`.
+    """Durations in simulated time, and numbers of repetitions; the defaults are those of `FULL`.
 
     Attributes:
         duration_s, settle_s: Reference time of the recorded flights, and hover before it.
@@ -58,9 +58,9 @@ STEPS = 15
 def bench(effort: Effort, progress: Callable[[str], None] = lambda step: None) -> dict[str, Any]:
     """Runs all benchmarks one after another on one thread.
 
-    Keys: `tick` and `peers` of `solver_figures`; `scaling`, the figures of
-    `scaling_figures`; those of `loop_figures`, with the MPC's overhead as `overhead_ms` in
-    `tick`; those of `process_figures`; and `machine`.
+    Keys: `tick` and `peers` of `solver_figures`; `scaling`, the result of `scaling_figures`;
+    the keys of `loop_figures`, with the MPC's overhead as `overhead_ms` in `tick`; the keys
+    of `process_figures`; `version`; `is_quick`; and `machine`.
 
     Args:
         effort: `FULL` or `QUICK`.

@@ -29,7 +29,7 @@ def timed_systems() -> Iterator[SystemTimes]:
     system that computes it. Time that Drake spends between callbacks is not included.
     """
     seconds: SystemTimes = defaultdict(float)
-    nested_s: list[float] = []  # Of each callback that runs, the time of others that it called.
+    nested_s: list[float] = []  # Time in nested callbacks, for each that runs.
 
     def timed(name: str, callback: Callable[..., Any]) -> Callable[..., Any]:
         """Returns the callback with timing, which adds about 0.5 us per call."""

@@ -13,15 +13,15 @@ HELP = "measure computation times and memory"
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Declares the arguments of the command."""
-    command.add_argument("--quick", action="store_true", help="fewer repetitions; takes a minute")
+    command.add_argument("--quick", action="store_true", help="shorter flights, fewer repetitions")
     command.add_argument(
-        "--json", type=Path, metavar="FILE", help="also write the figures to FILE; replaces it"
+        "--json", type=Path, metavar="FILE", help="also write bench.json to FILE; replaces it"
     )
     options.add_output(command, "runs/bench-TIME; replaces earlier results in it")
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Measures the MPC's tick and other solvers, the closed loop and its plant, and memory.
+    """Measures the MPC's tick beside other solvers, the closed loop beside its plant, and memory.
 
     Skips solvers that are not installed; pip install aerodrake[bench] installs them.
     """

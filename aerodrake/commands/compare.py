@@ -35,8 +35,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--margins",
         action="store_true",
-        help="find the delay, loop gain and payload at which the error of each variant doubles, "
-        "and at which it is lost",
+        help="find the delay, rotor thrust and payload at which the error of each variant doubles, "
+        "and at which the flight is not completed",
     )
     command.add_argument(
         "--baseline",
@@ -50,7 +50,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Flies all variants of a scenario and compares them with the paper's figures."""
+    """Flies all variants of a scenario and compares them with the paper's results."""
     original = options.load(arguments)
     target = arguments.out or options.new_folder(f"{original.name}-comparison")
 
@@ -88,7 +88,7 @@ def _fly(
     baseline: Weights,
     folder: Path,
 ) -> Comparison:
-    """Flies the variants, with --margins also to their margins, and writes figures and results."""
+    """Flies the variants, and with --margins searches their margins; writes plots and results."""
     from aerodrake.comparison.compare import OWN_VARIANT, compare, make_variant
     from aerodrake.comparison.figure import plot_comparison
     from aerodrake.comparison.margins import find_margins

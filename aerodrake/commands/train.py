@@ -12,7 +12,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Declares the arguments of the command."""
     add_scenario(command, default="clover_paper")
     command.add_argument("--seed", metavar="N", help="override the scenario's seed")
-    command.add_argument("--quick", action="store_true", help="a few short collection runs")
+    command.add_argument("--quick", action="store_true", help="fly a few short runs, as a test")
     add_jobs(command)
     add_output(command, "runs/train-SCENARIO or runs/train-quick-SCENARIO, which it resumes")
 

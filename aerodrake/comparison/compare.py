@@ -54,7 +54,7 @@ def _proposed(scenario: Scenario) -> Scenario:
 
 
 def _clik(scenario: Scenario) -> Scenario:
-    """Bounds K_e: CLIK has no model of the base's lag, and becomes unstable at a large one."""
+    """Bounds K_e: CLIK has no model of the base's lag, and is unstable with a large gain."""
     k_e = tuple(min(gain, CLIK_MAX_K_E) for gain in scenario.mpc.k_e)
     bounded = _with(residual={"mode": "off"}, mpc={"k_e": k_e})(scenario)
     return replace(bounded, controller="clik", orientation=OrientationOff())
@@ -87,7 +87,7 @@ VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
 }
 """Functions that change the scenario with the paper's method into each variant.
 
-`integral` has the integral model, for which the base is where it is commanded to be;
+`integral` has the integral model, in which the base is always at its setpoint;
 `integral_best` has it with the weights of a baseline. `modified` has the scenario's own model
 without a residual, `modified+offline` with a fixed network, `modified+online` with online
 learning. `clik` is closed-loop inverse kinematics, with K_e bounded and without orientation
@@ -106,7 +106,7 @@ def make_variant(scenario: Scenario, name: str, baseline: Weights) -> Scenario:
 
 
 def load_baseline(scenario: Scenario, file: Path | None = None) -> Weights:
-    """Reads the weights of a baseline file: those of the integral model at its own best.
+    """Reads the weights of a baseline file: the best ones of the integral model.
 
     Args:
         scenario: Its name selects the packaged file if `file` is None. If there is none of this

@@ -18,7 +18,7 @@ class Outcome:
     """Error and end of one flight.
 
     Attributes:
-        error_m: m, the figure by which flights are compared; None if it was not reached.
+        error_m: m, the error by which flights are compared; None if the flight did not last for it.
         exit_reason: As in `summary.json`; `failed` if the process raised or died.
         exit_cause: As in `summary.json`, or the reason of the failure.
     """
@@ -65,7 +65,7 @@ class Search:
 
     @property
     def doubled_m(self) -> float:
-        """m, twice the error of the undisturbed flight. Lost flights count as doubled."""
+        """m, twice the error of the undisturbed flight."""
         return 2 * max(self.outcomes[0].error_m or 0.0, LEAST_ERROR_M)
 
     def next(self) -> int | None:
@@ -81,7 +81,7 @@ class Search:
 
     @property
     def doubles(self) -> Bracket:
-        """Returns the bracket of the doubled error.
+        """Returns the bracket of the doubled error; lost flights count as doubled.
 
         It is (None, first value) if the undisturbed flight has no error to double, and
         (last value, None) if the error never doubles.
@@ -103,7 +103,7 @@ class Search:
         return before, crossed
 
     def _bracket(self, crosses: Callable[[Outcome], bool]) -> tuple[int | None, int | None]:
-        """Returns the indices of the flight before the first that crosses, and of that one."""
+        """Returns the indices of the last flight before a crossing and of the first crossing."""
         indices = sorted(self.outcomes)
         if crosses(self.outcomes[indices[0]]):
             return None, indices[0]

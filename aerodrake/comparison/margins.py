@@ -53,7 +53,7 @@ class Disturbance:
         return (self.start, *takewhile(partial(self._is_valid, scenario), outward))
 
     def apply(self, scenario: Scenario, value: float) -> Scenario:
-        """Returns the scenario with `value` added to its key, or as a factor on it."""
+        """Returns the scenario with `value` added to the key, or the key multiplied by it."""
         total = {self.key: self._total(scenario, value)}
         return replace(
             scenario, **{self.section: replace(getattr(scenario, self.section), **total)}

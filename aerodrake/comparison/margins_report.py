@@ -24,17 +24,17 @@ COLUMNS = {
     "thrust_down": ("thrust down, x", 1.0),
     "payload_kg": ("payload, kg", 1.0),
 }
-"""Columns of the table: title, and factor to its unit, by disturbance."""
+"""Title with its unit, and factor to that unit, of each disturbance in the table."""
 
 PANELS = {
     "delay added to all base measurements / ms": ("delay_s",),
-    "factor on the rotors' thrust from trim": ("thrust_down", "thrust_up"),
+    "factor on rotor thrust beyond trim": ("thrust_down", "thrust_up"),
     "payload added / kg": ("payload_kg",),
 }
 """Panels of the figure: disturbances, by label."""
 
 MEANING = (
-    "Last value that was flown before the error doubles (x 2), and before the flight is lost;",
+    "Last value flown before the error doubles (x 2), and before a flight is not completed (lost);",
     "> or < marks the end of a search in which that did not happen.",
 )
 """Legend of the table, in two lines."""
@@ -49,9 +49,10 @@ def write_margins(margins: Margins, scenario: Scenario, folder: Path) -> None:
     Keys of `margins.json`:
         scenario: Name of the scenario.
         error: Key of `summary["error"]`: the error that doubles.
-        variants: By name and disturbance: the last value before the error doubles (the flight is
-            lost) and the first at which it does, null if there is none. `flown` lists all
-            flights in order of increasing disturbance: value, error in m, and exit reason.
+        variants: By name and disturbance: `doubles` and `lost`, each with the last value before
+            and the first at which the error has doubled or the flight was not completed; null
+            if there is none. `flown` lists all flights by increasing disturbance: value, error in
+            m, and exit reason. `error_m` is the error without a disturbance.
 
     Args:
         margins: As from `find_margins`.
@@ -131,7 +132,7 @@ def plot_margins(margins: Margins, title: str, path: Path) -> None:
     """Writes the figure: error against each disturbance.
 
     A ring marks the last value before the error doubles, a cross at the top the first value at
-    which the flight is lost.
+    which the flight is not completed.
 
     Args:
         margins: As from `find_margins`.
@@ -147,9 +148,9 @@ def plot_margins(margins: Margins, title: str, path: Path) -> None:
 
 
 def draw_margins(row: Sequence[Axes], margins: Margins) -> None:
-    """Draws the error against each disturbance: one of `row` for each of `PANELS`.
+    """Draws the error against the disturbances of each of `PANELS`, in the axes of `row`.
 
-    The first panel has the entries of a legend.
+    The first axes have the entries of a legend.
     """
     for axes, (title, disturbances) in zip(row, PANELS.items(), strict=True):
         axes.set_xlabel(title)

@@ -146,7 +146,8 @@ def _margins(margins: Margins) -> dict[str, Any]:
         panels[0].legend(loc="lower center", ncols=LEGEND_COLUMNS, bbox_to_anchor=(0.5, 1.0))
     caption = (
         "Error of the end-effector against each disturbance. A ring marks the last value before "
-        "the error doubles, a cross at the top the first value at which the flight is lost."
+        "the error doubles, a cross at the top the first value at which the flight is not "
+        "completed."
     )
     return {
         "meaning": " ".join(margins_report.MEANING),

@@ -24,9 +24,9 @@ def comparison_titles(key: str) -> list[tuple[str, str, str]]:
         ("error", "against", "integral"),
         ("first", "within d_h", "s"),
         ("prediction", "error rms", "mm/s"),
-        ("farthest", "d_o", "mm"),
+        ("largest", "d_o", "mm"),
         ("d_o", "> d_h", "s"),
-        ("joint", "room", "deg"),
+        ("joint", "margin", "deg"),
     ]
 
 

@@ -34,7 +34,7 @@ def events(scenario: Scenario, log: FlightLog) -> list[dict[str, Any]]:
 
 
 def safe_modes(log: FlightLog, period: float) -> dict[str, float]:
-    """Returns the time in s in each safe mode, by its label, of samples `period` s apart."""
+    """Returns the time in s in each safe mode, by its label, from samples `period` s apart."""
     samples = np.bincount(log["supervisor_mode"][:-1].astype(int), minlength=len(SafeMode))
     return {mode.label: float(round(samples[mode] * period, 9)) for mode in SafeMode}
 

@@ -73,12 +73,12 @@ DERIVED = {
     "time_s": "(T,) reference time; negative during the initial hover",
     "p_E_m": "(T, 3) end-effector, from the true state",
     "tool_axis": "(T, 3) direction of the tool's axis in the world, from the true state",
-    "tick_ms": "(ticks,) wall time of forming and solving each program of the MPC",
+    "tick_ms": "(ticks,) wall time of each tick of the controller: forming and solving",
 }
 """Keys that are not of a port, with their meaning."""
 
 PER_TICK = ("tick_ms",)
-"""Keys with a row for each tick of the MPC; the others have one for each sample."""
+"""Keys with a row for each tick of the controller; the others have one for each sample."""
 
 ROWS_PER_WRITE = 4096
 """Number of rows that are compressed at a time."""
@@ -94,7 +94,7 @@ class FlightLog:
             from a file.
         exit_reason: `completed`; `hold` or `descend`, the safe mode at the scenario's end;
             `landed` or `stopped`, by the supervisor; `lost`; or `interrupted`.
-        exit_cause: Cause of another exit reason than `completed`, in one line; else empty.
+        exit_cause: Cause in one line; empty if `completed`.
         wall_s: Wall time of the simulation.
         vehicle: The vehicle that flew.
     """
@@ -126,11 +126,11 @@ class FlightLog:
 
     @property
     def tool_angle_rad(self) -> np.ndarray | None:
-        """(T,) angle of the tool's axis to its desired direction; None without the task."""
+        """(T,) angle of the tool's axis to its desired direction; None without orientation task."""
         t, d = self["tool_axis"], self["tool_axis_d"]
         if not d.any():
             return None
-        # Unlike the arc cosine of their product, it is accurate for small angles.
+        # Accurate for small angles, unlike the arc cosine of the inner product.
         return np.arctan2(np.linalg.norm(np.cross(t, d), axis=1), np.sum(t * d, axis=1))
 
     @property

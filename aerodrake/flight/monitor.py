@@ -1,4 +1,4 @@
-"""Ends of a flight: completed, in a safe mode, or lost."""
+"""Detection of the end of a flight: completed, in a safe mode, or lost."""
 
 import math
 import re
@@ -89,7 +89,7 @@ class Monitor:
             # Safe modes follow the setpoint, not the reference.
             self._begin_approach(p_E)
             away = math.dist(state.p_B, self._eval("base_setpoint")[:3])
-            return f"{away:.2f} m off its setpoint {when}" if away > LOST_ERROR_M else ""
+            return f"base {away:.2f} m from its setpoint {when}" if away > LOST_ERROR_M else ""
         if has_jumped:
             self._begin_approach(p_E)
         error = math.dist(p_E, self._target)
@@ -116,7 +116,7 @@ class Monitor:
         return f"{cause}; {message}"
 
     def _begin_approach(self, p_E: np.ndarray) -> None:
-        """Permits the distance to a new target until the end-effector has approached it."""
+        """Tolerates the distance to a new target until the end-effector is within d_h of it."""
         self._approached = False
         self._farthest = LOST_ERROR_M + math.dist(self._target, p_E)
 

@@ -29,7 +29,7 @@ class Recording(Mapping[str, np.ndarray]):
         weakref.finalize(self, self._file.close)
 
     def append(self, times: np.ndarray, samples: np.ndarray) -> None:
-        """Adds samples (size, T), one in each column, of times (T,) in s.
+        """Adds samples (size, T), one in each column, taken at times (T,) in s.
 
         Raises:
             BadInput: if the disk is full.

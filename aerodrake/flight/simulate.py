@@ -29,7 +29,7 @@ from aerodrake.wire.remote_coordinator import make_remote_coordinator
 from aerodrake.wiring.replacements import Replacements
 
 LOG_SAMPLES = 1000
-"""Number of samples in memory from which they are written to a file."""
+"""Number of samples in memory at which they are moved to a file."""
 
 
 class FlightSimulation:
@@ -91,7 +91,7 @@ class FlightSimulation:
     ) -> FlightLog:
         """Flies from trim to the scenario's end, or until the vehicle is lost or stops.
 
-        With a remote coordinator the flight begins when that is connected.
+        With a remote coordinator the flight begins when it is connected.
 
         Args:
             progress: Called with the simulated time in s as it advances.
@@ -142,7 +142,7 @@ class FlightSimulation:
     def _load_compiled_code(self) -> None:
         """Simulates one tick of the MPC, so that the first ticks of a flight do not wait.
 
-        Raises what the closed loop raises, unless the vehicle is lost: then a flight reports it.
+        Raises the errors of the closed loop, except those of a lost vehicle, which `fly` reports.
         """
         with single_thread():
             context = make_context(self.closed_loop, self.scenario.seed)
@@ -174,13 +174,13 @@ class FlightSimulation:
         return monitor.ending(time_is_up=True)
 
     def _log_end(self, recording: Recording, context: Context) -> None:
-        """Logs the time at which a flight stopped, unless it is a sample's."""
+        """Logs the last instant of a flight that ended between two samples."""
         last = max(recording.end, *self._sink.FindLog(context).sample_times()[-1:], -np.inf)
         if last < context.get_time() - 1e-9:
             self.closed_loop.ForcedPublish(context)
 
     def _record(self, recording: Recording, context: Context, least: int = 1) -> None:
-        """Moves the samples from the sink to the recording, if they are at least `least`."""
+        """Moves the samples from the sink to the recording, if there are `least` or more."""
         log = self._sink.FindMutableLog(context)
         # After an interrupt the sink may still have samples that the recording has, too.
         is_new = log.sample_times() > recording.end

@@ -28,7 +28,7 @@ Summaries = Mapping[str, Mapping[str, Any]]
 
 
 def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
-    """Returns the figures of a flight, null if undefined. Errors are of the true state.
+    """Returns the results of a flight, null if undefined. Errors are of the true state.
 
     Keys:
         error: m, distance of the end-effector from its reference from reference
@@ -37,10 +37,11 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             first within d_h.
         orientation: rad, angle between the tool's axis and its desired direction
             from reference time 0 on: mean, rms, max and settled mean; null without
-            the task.
+            orientation task.
         base_error: the same as `error` for the base and its setpoint.
-        mpc: wall time of a tick in ms, and numbers of ticks: all, without active
-            bounds, with a fallback, without a solution (missed), longer than the period.
+        mpc: wall time of a tick in ms, and numbers of ticks: all that were computed,
+            without active bounds, not solved (the last plan is the fallback), not
+            computed (missed), longer than the period (overruns).
         modes: s in each mode of the weight allocation.
         safe_modes: s in each mode of the supervisor, including the initial hover.
         events: Changes of the supervisor's conditions, see `aerodrake.flight.events`.
@@ -116,14 +117,14 @@ MPC_WALL_TIMES = ("median_ms", "p99_ms", "overruns")
 
 
 def repeatable(summary: dict[str, Any]) -> dict[str, Any]:
-    """Returns the figures without wall times, which are the same each time it is flown."""
+    """Returns the results without wall times, which are the same each time it is flown."""
     figures = {key: value for key, value in summary.items() if key not in WALL_TIMES}
     mpc = {key: value for key, value in summary["mpc"].items() if key not in MPC_WALL_TIMES}
     return {**figures, "mpc": mpc}
 
 
 def to_json(summary: dict[str, Any]) -> str:
-    """Returns figures as strict JSON (no NaN), with their keys in order."""
+    """Returns results as strict JSON (no NaN), with their keys in order."""
     return json.dumps(summary, indent=2, allow_nan=False) + "\n"
 
 
@@ -182,7 +183,7 @@ def _rms(values: np.ndarray) -> float | None:
 
 
 def rounded(value: float) -> float | None:
-    """Returns a figure for a JSON file: with twelve digits, null for NaN and infinity."""
+    """Returns a number for a JSON file: with twelve digits, null for NaN and infinity."""
     return float(f"{value:.12g}") if math.isfinite(value) else None
 
 

@@ -10,7 +10,7 @@ which is fitted to the samples that the MPC receives. (With v_d the derivative o
 p_d - p would be too small to fit K.)
 
 p_d is a chirp over the band in which the MPC moves it. Its speed has the same amplitude at all
-frequencies, so that the error p_d - p nearly has as well, and all octaves have equal influence.
+frequencies. The error p_d - p nearly has as well, so that all octaves have equal influence.
 Alternatives, with the gains of `clover_paper` and of `clover`: steps of 0.1 to 0.2 m excite
 frequencies far above the band, at which the base is of second order (R^2 0.7, K 1.6 and 1.2);
 a chirp with constant amplitude of position is dominated by the highest frequencies (R^2 0.96

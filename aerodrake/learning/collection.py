@@ -18,7 +18,7 @@ from aerodrake.support.errors import BadInput, ProcessDied
 from aerodrake.support.processes import run_parallel
 
 FORMAT = 2
-"""Version of the files and of the flights; in it, a collection run is called a stage."""
+"""Version of the files' format, which calls a collection run a stage, and of the flights."""
 
 
 def collect(

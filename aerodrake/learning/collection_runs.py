@@ -148,9 +148,9 @@ def quick_runs() -> list[CollectionRun]:
 
 
 def with_disturbances(calm: CollectionRun, heading_rad: float, seed: int) -> list[CollectionRun]:
-    """Returns a run in calm air, in 2 m/s of wind with and without gusts, and with 0.2 kg.
+    """Returns a calm run, and variants in gusty wind, in steady wind and with a payload of 0.2 kg.
 
-    The wind blows into the direction `heading_rad`; `seed` is that of the gusts.
+    The wind blows at 2 m/s towards `heading_rad`; `seed` is that of the gusts.
     """
     mean = (2 * math.cos(heading_rad), 2 * math.sin(heading_rad), 0.0)
     changes = {

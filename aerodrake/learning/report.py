@@ -1,4 +1,4 @@
-"""Table and figure of a training."""
+"""Table and figure of the training of a network."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -41,10 +41,10 @@ def training_table(evaluation: NetworkEvaluation) -> str:
         lines.append(f"{run.name:<{width}}{numbers}{recovered:>11}".rstrip())
     lines += [
         "",
-        f"offline removes {_percent(evaluation.removed)} or more of the residual in calm air",
-        f"online recovers {_percent(evaluation.least_recovered) or 'nothing'} or more of the "
-        "error that wind and payload add, where that is 10 % or more",
-        f"the offline network errs at most {evaluation.worst:.2f} times as much as no network",
+        f"offline network: removes {_percent(evaluation.removed)} or more of the calm-air residual",
+        f"online learning: removes {_percent(evaluation.least_recovered) or 'nothing'} or more of "
+        "the error that wind and payload add, where that is 10 % or more",
+        f"offline network: error at most {evaluation.worst:.2f} times that without a network",
     ]
     return "\n".join(lines)
 

@@ -30,7 +30,7 @@ from aerodrake.support.scratch import scratch_folder
 from aerodrake.support.threads import single_thread
 
 CHECKPOINT, LOG, FIGURE, DATA = "network.pt", "training.json", "training.png", "stages"
-"""Names in the folder of a training; `stages` contains the samples of the collection runs."""
+"""Files of a training; the folder `stages` contains the samples of the collection runs."""
 
 
 def train_scenario(

@@ -32,7 +32,8 @@ MOST_SAMPLES = 6000
 def plot_tracking(log: FlightLog, scenario: Scenario, title: str, path: Path) -> None:
     """Writes the figure of one flight: paths, errors, allocation, base and joints.
 
-    The tool's angle, and faults and conditions of the supervisor, have panels if there are any.
+    A flight with orientation task has a panel of the pointing error; one with faults or conditions
+    of the supervisor has a panel of these.
     """
     time_spans = spans(scenario, log)
     log = log.thinned(MOST_SAMPLES)

@@ -99,7 +99,7 @@ def draw_angle(axes: Axes, log: FlightLog) -> None:
     """Draws the tool's angle to its desired direction, in a flight with the orientation task."""
     axes.plot(log.time_s, np.degrees(log.tool_angle_rad), color=ACCENT)
     axes.set_ylim(bottom=0)
-    axes.set_ylabel("tool's angle / deg")
+    axes.set_ylabel("pointing error / deg")
 
 
 def draw_allocation(axes: Axes, log: FlightLog) -> None:
@@ -131,7 +131,7 @@ def draw_base(axes: Axes, log: FlightLog) -> None:
         moved = log["p_B_m"][:, axis] - log["p_B_m"][0, axis]
         axes.plot(log.time_s, moved, color=color, label=name)
     widen(axes.yaxis, 0.01)
-    axes.set_ylabel("base moved / m")
+    axes.set_ylabel("base displacement / m")
     axes.legend(loc="best", ncols=3)
 
 
@@ -158,7 +158,7 @@ def draw_boundaries(axes: Axes, scenario: Scenario) -> None:
 
 
 def draw_inputs(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
-    """Draws the largest inputs of base and joints relative to their bounds."""
+    """Draws the largest accelerations u of base and joints relative to their bounds."""
     limits = SetpointLimits.make(scenario.mpc, log.vehicle).acceleration
     u = np.abs(np.hstack([log["a_Bd_m_s2"], log["qddot_d_rad_s2"]])) / limits
     axes.plot(log.time_s, u[:, 3:].max(axis=1), color=AXIS_COLORS[1], label="joints")

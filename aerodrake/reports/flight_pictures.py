@@ -74,7 +74,7 @@ def residual_picture(log: FlightLog, thin: FlightLog, scenario: Scenario, of: st
         figure.align_ylabels()
     caption = (
         "Delta, the residual base velocity of the model: estimated and true. Below, the error of "
-        "predicting one period, with and without Delta."
+        "the base velocity predicted one period ahead, with and without Delta."
     )
     return Picture(f"Residual{of}", caption, *done)
 
@@ -91,7 +91,7 @@ def _motion(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
     yield timeline("error", "Errors", caption, log, draw_error)
     if log.tool_angle_rad is not None:
         caption = "Angle between the tool's axis and its desired direction."
-        yield timeline("angle", "Tool's angle", caption, log, draw_angle)
+        yield timeline("angle", "Pointing error", caption, log, draw_angle)
     caption = "The end-effector and its reference along each axis of the world."
     panels = [partial(draw_axis, axis=axis, name=name) for axis, name in enumerate("xyz")]
     yield timeline("position", "Position against reference", caption, log, *panels)

@@ -1,4 +1,4 @@
-"""The table of a flight's figures beside those of the paper.
+"""The table of a flight's results beside those of the paper.
 
 `summary` is the summary of the flight, see `summarize`; `kind` is the kind of its reference.
 """
@@ -14,7 +14,7 @@ PAPER = {
     "clover": {"lap_mean_m": 0.0122, "integral_lap_mean_m": 0.0302},
     "moving_target": {"settled_mean_m": 0.0197, "approach_s": 5.0},
 }
-"""Figures of the paper by kind of reference and key of `summary["error"]`.
+"""Results of the paper by kind of reference and key of `summary["error"]`.
 
 The prefix `integral_` marks those of its integral model; the others are of its method.
 """
@@ -24,7 +24,7 @@ MOST_EVENTS = 20
 
 
 def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]:
-    """Returns the label, the figure and the paper's figure, if any, of each row.
+    """Returns the label, our value and the paper's value, if any, of each row.
 
     Labels of subordinate rows begin with two blanks.
     """
@@ -42,13 +42,13 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
     approach = _unit(error["approach_s"], "s"), _unit(paper.get("approach_s"), "s")
     rows.append(("  first within d_h", *approach))
     if angle["mean_rad"] is not None:
-        rows.append(("tool's angle, mean", _deg(angle["mean_rad"]), ""))
-        rows.append(("tool's angle, max", _deg(angle["max_rad"]), ""))
+        rows.append(("pointing error, mean", _deg(angle["mean_rad"]), ""))
+        rows.append(("pointing error, max", _deg(angle["max_rad"]), ""))
     rows += [
         ("base error, mean", _mm(base["mean_m"]), ""),
         ("base error, max", _mm(base["max_m"]), ""),
         ("MPC tick, median", _unit(mpc["median_ms"], "ms"), ""),
-        ("MPC tick, 99 %", _unit(mpc["p99_ms"], "ms"), ""),
+        ("MPC tick, p99", _unit(mpc["p99_ms"], "ms"), ""),
         ("MPC fallbacks", f"{mpc['solver_fallbacks']} of {mpc['ticks']}", ""),
     ]
     if mpc["missed"]:
@@ -64,14 +64,14 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
         if seconds
     ]
     rows += [
-        ("arm's farthest reach", f"{summary['arm']['farthest_reach_m']:.2f} m", ""),
-        ("  d_edge of gamma", f"{summary['arm']['d_edge_m']:.2f} m", "0.38 m"),
+        ("largest reachable d_o", f"{summary['arm']['farthest_reach_m']:.2f} m", ""),
+        ("  d_edge of allocation", f"{summary['arm']['d_edge_m']:.2f} m", "0.38 m"),
     ]
     return rows
 
 
 def highlights(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]:
-    """Returns the label, the figure and a note of the few figures that matter most."""
+    """Returns the label, the value and a note of the few results that matter most."""
     key = headline({summary["scenario"]: summary})
     paper = PAPER.get(kind, {}).get(key)
     error, angle, mpc = summary["error"], summary["orientation"]["mean_rad"], summary["mpc"]
@@ -81,11 +81,11 @@ def highlights(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
         ("largest error", _mm(error["max_m"]), "of the end-effector"),
     ]
     if angle is not None:
-        first.append(("tool's angle, mean", _deg(angle), ""))
+        first.append(("pointing error, mean", _deg(angle), ""))
     return [
         *first,
         ("base error, mean", _mm(summary["base_error"]["mean_m"]), "from its setpoint"),
-        ("tick, 99 %", _unit(mpc["p99_ms"], "ms"), f"{mpc['ticks']} ticks"),
+        ("MPC tick, p99", _unit(mpc["p99_ms"], "ms"), f"{mpc['ticks']} ticks"),
         ("simulated", f"{summary['simulated_s']:.1f} s", pace),
     ]
 

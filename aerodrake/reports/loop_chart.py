@@ -45,7 +45,7 @@ class Rectangle(NamedTuple):
 
 
 class Line(NamedTuple):
-    """A line along the row of a system to the column of another, and along that to it."""
+    """A horizontal line from a system to the column of another, then a vertical one to that."""
 
     x: float
     y: float

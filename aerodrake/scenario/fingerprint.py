@@ -21,9 +21,10 @@ STATION_SECTIONS = ("duration", "sensors", "filter", "wind", "payload", "mismatc
 COORDINATED = tuple(
     key for key in as_mapping(Scenario()) if key not in ("name", "seed", *STATION_SECTIONS)
 )
-"""Sections that the coordinator reads; of `faults` its own. A remote station must agree on them.
+"""Sections that the coordinator reads; of `faults` only those of MPC, reference and learning.
 
-The coordinator reads `seed` only to initialise an untrained network.
+A remote station must agree on them. The coordinator reads `seed` as well, but only to initialise
+an untrained network.
 """
 
 FILES = {"vehicle": "robot", "reference": "file", "orientation": "file", "residual": "checkpoint"}

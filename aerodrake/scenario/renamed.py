@@ -1,4 +1,4 @@
-"""Scenario keys of earlier versions, which are refused with their new name."""
+"""Scenario keys of earlier versions, which are refused with their replacement."""
 
 import re
 

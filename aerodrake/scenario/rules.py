@@ -105,7 +105,7 @@ def _clik(scenario: Scenario) -> Iterator[Violation]:
 
 
 def _supervisor(scenario: Scenario) -> Iterator[Violation]:
-    """Yields durations that would end the flight before the task."""
+    """Yields durations with which the vehicle would land, or stop, before it holds."""
     config = scenario.supervisor
     for group in SAMPLE_GROUPS:
         outage, lost = getattr(config, f"{group}_outage_s"), getattr(config, f"{group}_lost_s")
@@ -130,7 +130,7 @@ RULES = (_rates, _name, _reference, _rotor, _model, _clik, _supervisor, _allocat
 
 
 def warnings(scenario: Scenario) -> list[str]:
-    """Returns notes about values that are valid but may degrade the flight."""
+    """Returns notes on values that are valid but may degrade the flight."""
     notes = []
     half_height = scenario.allocation.learning_space_m[2] / 2
     if scenario.allocation.d_h_m > half_height:

@@ -38,7 +38,7 @@ class Rotor:
 
 @dataclass(frozen=True)
 class Vehicle:
-    """Robot and initial configuration."""
+    """Robot, its rotors and initial configuration."""
 
     # A URDF.
     robot: str = file("package://aerodrake/robots/quadrotor_arm6.urdf")
@@ -84,9 +84,9 @@ class Supervisor:
     plan_ticks: int = quantity(5, "ticks", 1, 1000)
     # Time without a new plan after which the vehicle lands.
     plan_lost_s: float = quantity(5.0, "s", 0.02, 3600.0)
-    # Time since the last accepted sample of a group after which the task ends (`outage`), and
-    # after which the vehicle lands, or for attitude stops its rotors (`lost`). Until then the
-    # state is predicted.
+    # Time since the last accepted sample of a group after which the vehicle holds (`outage`), and
+    # after which it lands, or for attitude stops its rotors (`lost`). Until then the state is
+    # predicted.
     position_outage_s: float = quantity(0.3, "s", 0.02, 60.0)
     position_lost_s: float = quantity(1.5, "s", 0.02, 60.0)
     attitude_outage_s: float = quantity(0.2, "s", 0.02, 60.0)
@@ -170,18 +170,19 @@ class Residual:
     learning_rate: float = quantity(0.0015, "1", 0.0, 1.0)
     batch: int = quantity(20, "samples", 1, 1000)
     # Bounds of online learning: of one step of the last layer, of its distance from the offline
-    # layer, and of the label's error; 0 is no bound. The paper has no bounds and does not freeze:
-    # then steps are up to 0.0011, distances up to 0.03 and errors up to 0.27 m/s in the _paper
-    # scenarios, and 0.006, 0.12 and 0.27 m/s at ten times their learning rate.
+    # layer, and of the label's error; 0 is no bound. The paper has no bounds. Without them the
+    # largest step, distance and error of the _paper scenarios are 0.0011, 0.03 and 0.27 m/s, and
+    # 0.006, 0.12 and 0.27 m/s at ten times their learning rate.
     max_step: float = quantity(0.01, "m/s", 0.0, 100.0)
     max_drift: float = quantity(0.3, "m/s", 0.0, 100.0)
     max_error_m_s: float = quantity(0.5, "m/s", 0.0, 100.0)
-    # Stop learning while the flight controller saturates.
+    # Stop learning while the flight controller is saturated; the paper does not.
     freeze_saturated: bool = True
     # Averaging time of the gate, which passes Delta only while it improves the prediction; 0 always
-    # passes it. Largest mean offset between measured velocity and the derivative of measured
-    # position; above it samples are rejected as inconsistent, 0 is no bound.
+    # passes it.
     gate_s: float = quantity(1.0, "s", 0.0, 60.0)
+    # Largest mean offset between measured velocity and the derivative of measured position; above
+    # it samples are rejected as inconsistent; 0 is no bound.
     max_offset_m_s: float = quantity(0.005, "m/s", 0.0, 100.0)
 
 
@@ -204,11 +205,11 @@ class Mpc(Weights):
     """Horizon of N stages, weights and bounds of the MPC. The URDF has the joints' limits."""
 
     horizon: int = quantity(15, "stages", 2, 200)
-    # Length of the horizon. Stages last one tick at first and grow geometrically to fill it.
+    # Length of the horizon. The first stage lasts one tick; the others grow geometrically.
     span_ticks: int = quantity(100, "ticks", 1, 1000)
     # Bound of the norm of the correction K_e e_E, for targets that are far away.
     approach_speed_m_s: float = quantity(0.8, "m/s", 0.01, 100.0)
-    # e_E over the horizon: predicted with the linearised p_E, or constant as printed.
+    # e_E over the horizon: predicted with the linearised p_E, or constant as in the paper.
     error: str = choice("predicted", "frozen")
     # Diagonal of W_5, on changes of the base's acceleration from one stage to the next.
     w_5: tuple[float, ...] = quantity((3000.0, 3000.0, 3000.0), "1", 0.0, 1e6, length=3)
@@ -266,11 +267,11 @@ class Allocation:
 class Scenario:
     """All data of one flight; equal scenarios give equal flights."""
 
-    # Empty: the file's name.
+    # Name in results and messages; empty for the name of the file.
     name: str = dataclasses.field(default="")
     # Reference time to fly.
     duration: float = quantity(30.0, "s", 0.02, 3600.0)
-    # Duration of the hover before reference time 0.
+    # Duration of the initial hover, before reference time 0.
     settle_s: float = quantity(3.0, "s", 0.0, 60.0)
     seed: int = quantity(0, "1", 0, 2**31 - 1)
     rates: Rates = Rates()

@@ -39,12 +39,12 @@ class ScenarioError(BadInput):
 
 
 class ProcessDied(Exception):
-    """A process of a command was killed or ran out of memory or disk."""
+    """A process of a command, or at the other end of its link, died or lacks memory or disk."""
 
 
 @contextmanager
 def file_at(source: object, key: str) -> Iterator[None]:
-    """Converts errors in the file that a scenario names at `key` to errors of the scenario."""
+    """Converts errors in a file that a scenario names at `key` to errors of the scenario."""
     try:
         yield
     except ScenarioError:

@@ -12,7 +12,7 @@ from aerodrake.support.files import read_bounded
 SUFFIX = ".urdf"
 
 MAX_BYTES = 5_000_000
-"""Largest size of a URDF, and a tenth of that of a mesh; protects against hostile files."""
+"""Largest size of a URDF; meshes may be ten times as large. Protects against hostile files."""
 
 MAX_DEPTH = 50
 

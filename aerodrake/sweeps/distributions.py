@@ -38,7 +38,7 @@ class Distribution:
         raise NotImplementedError
 
     def draw(self, rng: np.random.Generator) -> Any:
-        """Draws one value. A grid has `value` in its place."""
+        """Draws one value; the values of a grid are those of `value(index)` instead."""
         raise NotImplementedError
 
 

@@ -22,7 +22,7 @@ MOST_IN_FLIGHT = 1000
 """Largest number of trials that are submitted to the executor at a time."""
 
 MOST_DEATHS = 3
-"""Number of processes that may die in one trial before it is recorded as failed."""
+"""Number of child processes that must die in a trial for it to be recorded as failed."""
 
 
 def sweep(
@@ -34,7 +34,7 @@ def sweep(
 
     Rows depend neither on the executor nor on the order in which trials end. Each thread or
     process of the executor flies its trials in a child process, because Drake's diagrams leak
-    memory. A trial whose child dies is flown again, `MOST_DEATHS` times in all.
+    memory. A trial whose child dies is flown again, up to `MOST_DEATHS` flights in all.
 
     Args:
         folder: As from `sweep_folder`, with the plan of the sweep.

@@ -33,7 +33,7 @@ class Service:
     """Statistics of the flight that a coordinator has served.
 
     Attributes:
-        tick_ms: Wall time of forming and solving each program.
+        tick_ms: Wall time of forming and solving each program, or of each step of CLIK.
         reply_ms: Wall time from each tick's sample to its reply.
         missed: Ticks without the sample of their instant.
         overruns: Ticks whose reply took longer than a period.
@@ -65,9 +65,8 @@ class Companion:
 
     Its time is the station's: it advances to the time of each sample, and replies at once if that
     is the time of a tick. Ticks without a sample are missed and not computed later; the supervisor
-    of the station handles them. After a pause of this process the first tick that arrives has a
-    reply. A station that is silent for `supervisor.attitude_lost_s` counts as dead. Of several
-    stations, the first one received is served.
+    of the station handles them. A station that is silent for `supervisor.attitude_lost_s` counts
+    as dead. Of several stations, the first one received is served.
 
     Args:
         scenario: Scenario of the station.
@@ -120,7 +119,7 @@ class Companion:
                             f"since {self.service.flown_s:.2f} s"
                         )
                         break
-                    self.link.station = None  # It ended before a flight: serves another one.
+                    self.link.station = None  # It ended before a flight: serve another one.
                 progress(self.service.flown_s)
         return self.service
 

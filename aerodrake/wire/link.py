@@ -70,7 +70,7 @@ class Link:
         self.rejected = 0
         self.tick_ms: list[float] = []
         self._is_station = is_station
-        # Not from the scenario's seed: it must differ between stations, and is in no result.
+        # Not from the scenario's seed: stations must differ. No result depends on it.
         self.station = secrets.randbelow(NUMBERS) if is_station else None
         layouts = (station, coordinator) if is_station else (coordinator, station)
         self.outgoing, self.incoming = layouts
@@ -103,7 +103,7 @@ class Link:
     def close(self, time: float) -> None:
         """Announces the end of the flight at `time` in s until the other end confirms it.
 
-        The announcement may be lost, so that it is repeated; after `CLOSING_S` the other end
+        It is repeated, since messages may be lost; after `CLOSING_S` the other end
         counts as dead.
         """
         self.phase = Phase.OVER
@@ -119,8 +119,8 @@ class Link:
             timeout_ms: Time to wait for a message.
 
         Raises:
-            BadInput: if this end waits, and the other end has another scenario. The other end
-                raises as well, since it is notified.
+            BadInput: if this end waits, and the other end has another scenario. It is
+                notified and raises as well.
         """
         messages = []
         for message in self._decode(timeout_ms):

@@ -49,7 +49,7 @@ class WireReceiver(LeafSystem):
         out `reference` (6), `tool_axis_d` (3) with an orientation task: the horizons of the last
             message, interpolated by cubic Hermite splines at the current time. Before the first
             message those of a hover in trim.
-        out: the other signals of the last accepted message, but `INTERNAL`; zero before the first.
+        out: the others of the last accepted message except `INTERNAL`; zero before the first.
     State:
         the signals of the last accepted message, one group each; `ticks_since_reply`, the number
         of ticks since the one it replies to; `has_reply`, 1 if that is the last tick.

@@ -87,8 +87,8 @@ def make_remote_coordinator(scenario: Scenario, vehicle: VehicleModel, link: Lin
     setpoints are continuous whatever is received, and missing messages lead to the safe modes.
     The remote setpoint integrator receives the segment of this one as `followed`.
 
-    Inputs and outputs: those of `make_coordinator`, but `followed`, `plan` and the horizons;
-    `segment` is the station's.
+    Inputs and outputs: those of `make_coordinator` except `followed`, `plan` and the horizons.
+    `segment` is that of the station's setpoint integrator.
 
     Args:
         scenario: Scenario that agrees with the coordinator's in `fingerprint.COORDINATED`.

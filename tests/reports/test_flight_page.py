@@ -111,7 +111,7 @@ def test_it_shows_how_the_flight_ended_and_each_event(desktop, summary):
 def test_there_is_a_picture_of_each_subject(desktop):
     titles = desktop.page.locator("figure h3").all_text_contents()
     assert titles == [
-        "Paths", "Plan", "Errors", "Tool's angle", "Position against reference", "Base and reach",
+        "Paths", "Plan", "Errors", "Pointing error", "Position against reference", "Base and reach",
         "Joints", "Weight allocation", "Residual", "Inputs", "Time per tick",
         "Faults and supervisor",
     ]  # fmt: skip

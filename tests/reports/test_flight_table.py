@@ -69,13 +69,13 @@ def test_table_of_a_flight_that_ends_before_reference_time_0(short_flight):
     assert "None" not in text and "nan" not in text
 
 
-def test_the_tools_angle_is_shown_with_the_orientation_task(summary):
-    assert "tool's angle" not in table(summary, "clover")
+def test_the_pointing_error_is_shown_with_the_orientation_task(summary):
+    assert "pointing error" not in table(summary, "clover")
     summary["orientation"] |= {"mean_rad": np.deg2rad(0.5), "max_rad": np.deg2rad(2)}
     text = table(summary, "clover")
-    assert cell(text, "tool's angle, mean") == ["0.500 deg"]
-    assert cell(text, "tool's angle, max") == ["2.000 deg"]
-    assert ("tool's angle, mean", "0.500 deg", "") in highlights(summary, "clover")
+    assert cell(text, "pointing error, mean") == ["0.500 deg"]
+    assert cell(text, "pointing error, max") == ["2.000 deg"]
+    assert ("pointing error, mean", "0.500 deg", "") in highlights(summary, "clover")
 
 
 def test_highlights_begin_with_the_figure_by_which_flights_are_compared(summary):
