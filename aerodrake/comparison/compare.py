@@ -131,8 +131,8 @@ def make_variants(
 
     Args:
         scenario: Any scenario.
-        names: Names of the variants; empty for all but those that lack a part which the
-            scenario does not have.
+        names: Names of the variants; empty for all, except those without a part that the
+            scenario does not have anyway.
         baseline: Weights of `integral_best`; None for those of `load_baseline`.
 
     Raises:

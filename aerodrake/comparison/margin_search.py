@@ -47,7 +47,7 @@ Bracket = tuple[float | None, float | None]
 
 @dataclass
 class Search:
-    """Search for the values at which the error first doubles and the flight is first lost.
+    """Search for the values at which the error first doubles and a flight is first not completed.
 
     Every `COARSE`-th value is flown until a flight is lost or the last value is reached. Then the
     first interval in which a flight is lost is bisected until its ends are adjacent values, and
@@ -90,7 +90,7 @@ class Search:
 
     @property
     def lost(self) -> Bracket:
-        """Returns the bracket of the lost flight, likewise."""
+        """Returns the bracket of the first lost flight, as for `doubles`."""
         return self._values(_is_lost)
 
     def _is_doubled(self, outcome: Outcome) -> bool:

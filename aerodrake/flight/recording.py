@@ -1,4 +1,4 @@
-"""Signals of a flight in a temporary file, since they may be larger than the memory."""
+"""Signals of a flight in a temporary file, since they may not fit into memory."""
 
 import tempfile
 import weakref

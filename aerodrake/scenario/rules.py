@@ -89,7 +89,7 @@ def _model(scenario: Scenario) -> Iterator[Violation]:
 
 
 def _clik(scenario: Scenario) -> Iterator[Violation]:
-    """Yields what `controller: clik`, which has no MPC, does not support."""
+    """Yields keys that `controller: clik`, which has no MPC, does not support."""
     if scenario.controller != "clik":
         return
     orientation = scenario.orientation
