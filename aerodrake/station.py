@@ -46,7 +46,8 @@ RATES = (
     Rate(("arm_controller",), "arm_period_s", offset_steps=1 / 2),
 )
 """Periodic updates of all systems; values are in the section `rates` of a scenario, for example
-`mpc_period_s`, 20 ms by default. In still air the wind has no updates."""
+`mpc_period_s`, 20 ms by default. In still air the wind has no updates; sample faults update with
+`sensor_period_s`."""
 
 WIRING = Wiring(
     connections=(

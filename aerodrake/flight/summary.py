@@ -14,11 +14,15 @@ from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.condensed_qp import QpStatus
 from aerodrake.model.reference.curves import make_reference
+from aerodrake.model.reference.reference_curve import hover_then_follow
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.scenario import Scenario
 
 SETTLED_AFTER_S = 15.0
 """Reference time in s from which errors count as settled, as in the paper's pursuit."""
+
+SAME_REFERENCE_M = 1e-6
+"""Median distance up to which a flown reference is the scenario's."""
 
 HEADLINES = {"lap_mean_m": "one lap", "settled_mean_m": "after 15 s", "mean_m": "mean"}
 """Keys of `error` to compare flights by, in the order of preference, and their labels."""
@@ -53,7 +57,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             period, with and without the network.
     """
     flown = log.time_s >= 0
-    lap = make_reference(scenario.reference, log["p_E_m"][0]).lap
+    lap = _flown_lap(scenario, log)
     period_s = scenario.rates.mpc_period_s
     ticks = log["tick_ms"]
     # The status port has the last tick, and the log several samples for each tick.
@@ -155,6 +159,17 @@ def _spread(values: np.ndarray | None, time_s: np.ndarray, unit: str) -> dict[st
         f"max_{unit}": rounded(flown.max()) if len(flown) else None,
         f"settled_mean_{unit}": _mean(values[time_s >= SETTLED_AFTER_S]),
     }
+
+
+def _flown_lap(scenario: Scenario, log: FlightLog) -> tuple[float, float] | None:
+    """Returns the lap of the scenario's reference, unless mostly another one was flown."""
+    curve = make_reference(scenario.reference, log.vehicle.p_E)
+    flown = log.time_s >= 0
+    if curve.lap is None or not flown.any():
+        return None
+    p_Ed, _ = hover_then_follow(curve, log.vehicle.p_E, log.time_s[flown])
+    deviation = np.linalg.norm(log["p_Ed_m"][flown] - p_Ed, axis=1)
+    return curve.lap if np.median(deviation) < SAME_REFERENCE_M else None
 
 
 def _errors(

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import headline, millimetres, summarize, to_json
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.reference.curves import make_reference
+from aerodrake.model.reference.reference_curve import hover_then_follow
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Clover, Hover, MovingTarget, Rates, Scenario, Supervisor
@@ -17,6 +20,9 @@ from aerodrake.scenario import Clover, Hover, MovingTarget, Rates, Scenario, Sup
 VEHICLE = VehicleModel.load(Scenario())
 PERIOD_S = 0.01
 TICK_S = 0.02
+
+
+CLOVER = Scenario(name="made", seed=5, reference=Clover(start_s=3, lap_s=24), settle_s=1)
 
 
 def made(
@@ -28,16 +34,17 @@ def made(
     until_s=30.0,
     **others,
 ) -> FlightLog:
-    """A log with the given errors in m and modes over reference time in s."""
+    """A log of `CLOVER` with the given errors in m and modes over reference time in s."""
     samples = round((settle_s + until_s) / PERIOD_S) + 1
     t = np.arange(samples) * PERIOD_S - settle_s
     t = np.round(t, 9)
-    here = np.array([0.0, 0.2, 1.2])
+    curve = make_reference(CLOVER.reference, VEHICLE.p_E)
+    p_Ed, _ = hover_then_follow(curve, VEHICLE.p_E, t)
     diagonal = np.ones(3) / math.sqrt(3)  # An error has three components.
     signals = {
         "time_s": t,
-        "p_Ed_m": np.tile(here, (samples, 1)),
-        "p_E_m": here + np.outer(error(t), diagonal),
+        "p_Ed_m": p_Ed,
+        "p_E_m": p_Ed + np.outer(error(t), diagonal),
         "p_Bd_m": np.zeros((samples, 3)),
         "p_B_m": np.outer(base_error(t), -diagonal),
         "quaternion": np.tile([1.0, 0, 0, 0], (samples, 1)),
@@ -77,9 +84,6 @@ def steps(t):
     """1 mm, then 2 mm from 3 s, 4 mm from 15 s, 8 mm after 27 s; and 1 m in the hover before."""
     levels = [t < 0, t < 3 - 1e-9, t < 15 - 1e-9, t < 27 + 1e-9]
     return np.select(levels, [1.0, 0.001, 0.002, 0.004], 0.008)
-
-
-CLOVER = Scenario(name="made", seed=5, reference=Clover(start_s=3, lap_s=24), settle_s=1)
 
 
 def figures(log: FlightLog, scenario: Scenario = CLOVER):
@@ -133,6 +137,12 @@ def test_windows_that_were_not_flown_are_null(until_s, flown):
     for which in ("error", "base_error"):
         error = figures(made(until_s=until_s))[which]
         assert {key for key, value in error.items() if value is not None} == flown
+
+
+def test_another_reference_than_the_scenarios_has_no_lap_mean():
+    faster = replace(CLOVER, reference=Clover(start_s=3, lap_s=20))
+    error = figures(made(steps), faster)["error"]
+    assert error["lap_mean_m"] is None and error["mean_m"] > 0
 
 
 def test_references_without_laps_have_no_lap_mean():
