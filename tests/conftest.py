@@ -4,7 +4,8 @@ Campaigns run a small sample by default, and completely with
 
     pytest --long
 
-or `pytest --long tests/scenario/test_fuzz.py` for one of them. The fixture `long` is True then.
+or `pytest --long tests/scenario/test_load_fuzz.py` for one of them. Then the fixture `long` is
+True.
 """
 
 import gc

@@ -52,6 +52,13 @@ LOOSE = {"__init__", "__main__", "cli", "coordinator", "station"}
 
 MOST_LINES = 300
 
+TESTS = [
+    path.relative_to(Path(__file__).parent)
+    for path in sorted(Path(__file__).parent.glob("*/**/test_*.py"))
+    if "benchmarks" not in path.parts
+]
+"""Test files below `tests/` in a folder of their own, relative to it."""
+
 
 def height(module: str) -> tuple[int, int]:
     """Position in `ROOMS`, and for a module of `model` in `MODEL_ROOMS`; -1 for a folder's own."""
@@ -206,3 +213,11 @@ def test_the_link_over_lcm_is_an_option():
     }
     users = {user for user in users if not user.startswith("wire/")}
     assert users == {"flight/simulate.py", "commands/run.py", "commands/coordinator.py"}
+
+
+@pytest.mark.parametrize("path", TESTS, ids=str)
+def test_tests_mirror_the_rooms(path):
+    """Tests of a module begin with its name; those of several modules are one room higher."""
+    modules = {module.stem for module in (PACKAGE / path.parent).glob("*.py")}
+    name = path.stem.removeprefix("test_")
+    assert any(name == module or name.startswith(f"{module}_") for module in modules)

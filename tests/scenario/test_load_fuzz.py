@@ -1,6 +1,6 @@
 """Fuzzing of the scenario loader: it accepts or refuses any input, by key, within a second.
 
-A sample by default; `pytest --long tests/scenario/test_fuzz.py` tries 10,000 inputs.
+A sample by default; `pytest --long tests/scenario/test_load_fuzz.py` tries 10,000 inputs.
 """
 
 import re
