@@ -34,8 +34,8 @@ PANELS = {
 """Panels of the figure: disturbances, by label."""
 
 MEANING = (
-    "Last value flown before the error doubles (x 2), and before a flight is not completed (lost);",
-    "> or < marks the end of a search in which that did not happen.",
+    "Last value flown before the error doubles (x 2), and before a flight is not completed",
+    "(lost); > or < marks the end of a search in which that did not happen.",
 )
 """Legend of the table, in two lines."""
 
