@@ -17,6 +17,7 @@ from aerodrake.model.mpc.stage_cost import (
     predict_task,
 )
 from aerodrake.model.mpc.tick import MpcInputs
+from aerodrake.model.qp.quadratic_program import QuadraticProgram
 from aerodrake.model.setpoint.integration import SetpointLimits, braking
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
@@ -33,6 +34,7 @@ class MpcProgram:
 
     Attributes:
         g: (m N,).
+        A: (rows, m N), rows of unit norm.
         lower, upper: (rows,).
         free_response: (F, N), outputs of the stages with zero inputs.
         C: (F, F), quadratic cost of the outputs of a stage.
@@ -42,6 +44,7 @@ class MpcProgram:
     """
 
     g: np.ndarray
+    A: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
     free_response: np.ndarray
@@ -54,6 +57,11 @@ class MpcProgram:
     def H(self) -> np.ndarray:
         """Hessian (m N, m N), symmetric; formed when it is first used."""
         return hessian(self.condensing, self.C)
+
+    @property
+    def qp(self) -> QuadraticProgram:
+        """The program without what it is formed from."""
+        return QuadraticProgram(self.H, self.g, self.A, self.lower, self.upper)
 
 
 class MpcFormulation:
@@ -177,6 +185,7 @@ class MpcFormulation:
             task_jacobian = np.vstack([task_jacobian, tick.pointing.axis.J_c[:, 4:]])
         return MpcProgram(
             g=g,
+            A=self.A,
             lower=self._lower - rows,
             upper=self._upper - rows,
             free_response=free_response,
