@@ -8,7 +8,7 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.gate import GateCause
 from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.model.vehicle.state import VehicleState, split_state
-from aerodrake.scenario import Model, Residual, Scenario
+from aerodrake.scenario import Guards, Model, Residual, Scenario
 from aerodrake.systems.residual_estimator import ResidualEstimator
 
 # Threads that wait for each other cost a hundred times the arithmetic.
@@ -48,16 +48,7 @@ def inputs(ticks: int, seed: int = 0, nx: int = 12 + 2 * JOINTS) -> list[dict[st
 
 def plain(mode: str, learning_rate: float, batch: int) -> Residual:
     """Returns the paper's printed form: no guards, no gate."""
-    return Residual(
-        mode=mode,
-        learning_rate=learning_rate,
-        batch=batch,
-        max_step=0.0,
-        max_drift=0.0,
-        max_error_m_s=0.0,
-        freeze_saturated=False,
-        gate_s=0.0,
-    )
+    return Residual(mode=mode, learning_rate=learning_rate, batch=batch, **Guards()._asdict())
 
 
 def drive(estimator: ResidualEstimator, context: Context, flight) -> dict[str, np.ndarray]:

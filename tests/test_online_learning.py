@@ -1,4 +1,6 @@
-"""Online learning in flight: its guards in the closed loop."""
+"""Online learning in flight: its guards in the closed loop, and its printed form."""
+
+import json
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.residual.features import features
 from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.scenario import Clover, MovingTarget, Residual, Rotor, Scenario, Sensors, Vehicle
+from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
 
 
@@ -32,6 +35,24 @@ def test_delta_is_bounded_at_a_learning_rate_of_one(vehicle, max_drift):
         phi = network.phi(features(states[k], u[k]))
         ratios.append(np.linalg.norm(log["delta_m_s"][k + 1]) / (max_drift * np.linalg.norm(phi)))
     assert 0.5 < max(ratios) <= 1 + 1e-9
+
+
+def test_as_printed_flies_as_without_each_guard():
+    """Bit for bit, although the learning rate makes the guards act."""
+    keys = {"duration": 1.5, "settle_s": 0.5, "residual.learning_rate": 0.02}
+
+    def fly(**residual):
+        changes = keys | {f"residual.{key}": value for key, value in residual.items()}
+        pairs = [("--set", f"{key}={json.dumps(value)}") for key, value in changes.items()]
+        return FlightSimulation(load_scenario("clover_paper", pairs)).fly()
+
+    printed, guarded = fly(as_printed=True), fly()
+    without = fly(
+        max_step=0, max_drift=0, max_error_m_s=0, freeze_saturated=False, gate_s=0, max_offset_m_s=0
+    )
+    assert np.abs(printed["delta_m_s"]).max() > 2 * np.abs(guarded["delta_m_s"]).max()
+    for key in ("p_E_m", "delta_m_s", "prediction_error_m_s"):
+        np.testing.assert_array_equal(printed[key], without[key])
 
 
 def test_nothing_is_learned_while_the_flight_controller_is_saturated():

@@ -89,7 +89,7 @@ def _fly(
     folder: Path,
 ) -> Comparison:
     """Flies the variants, and with --margins searches their margins; writes plots and results."""
-    from aerodrake.comparison.compare import OWN_VARIANT, compare, make_variant
+    from aerodrake.comparison.compare import compare, make_variant, own_variant
     from aerodrake.comparison.figure import plot_comparison
     from aerodrake.comparison.margins import find_margins
     from aerodrake.comparison.margins_report import write_margins
@@ -110,7 +110,7 @@ def _fly(
             for name, summary in summaries.items()
             if summary["exit_reason"] != "failed"
         }
-        own = OWN_VARIANT[scenario.residual.mode]
+        own = own_variant(scenario)
         own_scenario = make_variant(scenario, own, baseline)
         title = f"{name}, seed {scenario.seed}"
         plot_comparison(logs, own, own_scenario, title, folder / "comparison.png")

@@ -80,22 +80,30 @@ VARIANTS: dict[str, Callable[[Scenario], Scenario]] = {
     "integral_best": _integral,  # With the weights of the baseline, see `make_variant`.
     "modified": _with(residual={"mode": "off"}),
     "modified+offline": _with(residual={"mode": "offline"}),
-    "modified+online": _with(residual={"mode": "online"}),
+    "modified+online": _with(residual={"mode": "online", "as_printed": False}),
+    "modified+printed": _with(residual={"mode": "online", "as_printed": True}),
     "clik": _clik,
     "fixed_weights": _with(allocation={"kind": "fixed"}),
     **PARTS,
 }
 """Functions that change the scenario with the paper's method into each variant.
 
-`integral` has the integral model, in which the base is always at its setpoint;
-`integral_best` has it with the weights of a baseline. `modified` has the scenario's own model
-without a residual, `modified+offline` with a fixed network, `modified+online` with online
-learning. `clik` is closed-loop inverse kinematics, with K_e bounded and without orientation
-task. `fixed_weights` has no weight allocation. Each of the others lacks one of `PARTS`.
+`integral` has the integral model, in which the base is always at its setpoint; `integral_best` has
+it with the weights of a baseline. `modified` has the scenario's own model without a residual,
+`modified+offline` with a fixed network, `modified+online` with online learning, `modified+printed`
+with the paper's, which has no guards. `clik` is closed-loop inverse kinematics, with K_e bounded
+and without orientation task. `fixed_weights` has no weight allocation. Each of the others lacks one
+of `PARTS`.
 """
 
-OWN_VARIANT = {"off": "modified", "offline": "modified+offline", "online": "modified+online"}
-"""Variant that equals the scenario with the paper's method, by its `residual.mode`."""
+
+def own_variant(scenario: Scenario) -> str:
+    """Returns the name of the variant that equals the scenario with the paper's method."""
+    mode = scenario.residual.mode
+    if mode == "off":
+        return "modified"
+    is_printed = mode == "online" and scenario.residual.as_printed
+    return "modified+printed" if is_printed else f"modified+{mode}"
 
 
 def make_variant(scenario: Scenario, name: str, baseline: Weights) -> Scenario:
@@ -132,7 +140,7 @@ def make_variants(
     Args:
         scenario: Any scenario.
         names: Names of the variants; empty for all, except those without a part that the
-            scenario does not have anyway.
+            scenario does not have anyway, and `modified+printed` unless it learns online.
         baseline: Weights of `integral_best`; None for those of `load_baseline`.
 
     Raises:
@@ -143,6 +151,8 @@ def make_variants(
             raise BadInput("--variant", "", f"no such variant '{name}'; {nearest(name, VARIANTS)}")
     baseline = baseline or load_baseline(scenario)
     absent = PARTS.keys() - parts(_proposed(scenario))
+    if scenario.residual.mode != "online":
+        absent |= {"modified+printed"}
     chosen = [name for name in VARIANTS if name in names or not names and name not in absent]
     variants = {name: make_variant(scenario, name, baseline) for name in chosen}
     for name, variant in variants.items():

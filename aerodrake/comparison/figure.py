@@ -28,6 +28,7 @@ COLORS = {
     "modified": "#74c0fc",
     "modified+offline": "#1864ab",
     "modified+online": ACCENT,
+    "modified+printed": "#ffc078",
     "clik": "#2b8a3e",
     "fixed_weights": "#9c36b5",
     "no_flight_model": "#5f3dc4",

@@ -43,6 +43,7 @@ from aerodrake.scenario.references import (
     Reference,
     Waypoints,
 )
+from aerodrake.scenario.residual import Guards, Residual
 from aerodrake.scenario.sections import (
     Allocation,
     Arm,
@@ -52,7 +53,6 @@ from aerodrake.scenario.sections import (
     Model,
     Mpc,
     Rates,
-    Residual,
     Rotor,
     Scenario,
     Supervisor,

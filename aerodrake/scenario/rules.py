@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from aerodrake.scenario.faults import SAMPLE_GROUPS, LearnerFault, MpcFault
 from aerodrake.scenario.references import AxisAlong, FixedAxis, OrientationOff, Waypoints
+from aerodrake.scenario.residual import Guards, Residual
 from aerodrake.scenario.sections import Scenario
 from aerodrake.support.errors import ScenarioError
 
@@ -145,6 +146,13 @@ def warnings(scenario: Scenario) -> list[str]:
         )
     if scenario.mpc.tilt == "held":
         notes.append("mpc.tilt held, the paper's form, destabilises the loop at high gains")
+    if scenario.residual.as_printed:
+        notes += [
+            f"residual.as_printed: residual.{key} is not used"
+            for key in Guards._fields
+            if getattr(scenario.residual, key)
+            not in (getattr(Residual, key), getattr(Guards(), key))
+        ]
     if scenario.residual.mode == "off":
         notes += [
             f"faults[{i}] {fault.kind} has no effect: residual.mode off has no learner"

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from aerodrake.scenario.environment import Mismatch, Payload, Sensors, Wind
 from aerodrake.scenario.faults import AnyFault
 from aerodrake.scenario.references import Hover, Orientation, OrientationOff, Reference
+from aerodrake.scenario.residual import Residual
 from aerodrake.scenario.schema import choice, file, provenance, quantity
 
 
@@ -156,34 +157,6 @@ class Model:
     # K_B of the first-order models. It depends on the flight interface and gains; the default
     # is identified for the default ones by `aerodrake identify hover`.
     k_b: tuple[float, ...] = quantity((1.71, 1.71, 1.71), "1/s", 0.01, 50.0, length=3)
-
-
-@dataclass(frozen=True)
-class Residual:
-    """Residual velocity Delta: the network and online learning of its last layer."""
-
-    # off: Delta is zero. offline: the network is constant. online: its last layer is updated.
-    mode: str = choice("off", "offline", "online")
-    # A trained network. Empty: an untrained one, whose output is zero until it learns online.
-    checkpoint: str = file()
-    # Step size of the stochastic gradient descent, and B_l, its number of samples.
-    learning_rate: float = quantity(0.0015, "1", 0.0, 1.0)
-    batch: int = quantity(20, "samples", 1, 1000)
-    # Bounds of online learning: of one step of the last layer, of its distance from the offline
-    # layer, and of the label's error; 0 is no bound. The paper has no bounds. Without them the
-    # largest step, distance and error of the _paper scenarios are 0.0011, 0.03 and 0.27 m/s, and
-    # 0.006, 0.12 and 0.27 m/s at ten times their learning rate.
-    max_step: float = quantity(0.01, "m/s", 0.0, 100.0)
-    max_drift: float = quantity(0.3, "m/s", 0.0, 100.0)
-    max_error_m_s: float = quantity(0.5, "m/s", 0.0, 100.0)
-    # Stop learning while the flight controller is saturated; the paper does not.
-    freeze_saturated: bool = True
-    # Averaging time of the gate, which passes Delta only while it improves the prediction; 0 always
-    # passes it.
-    gate_s: float = quantity(1.0, "s", 0.0, 60.0)
-    # Largest mean offset between measured velocity and the derivative of measured position; above
-    # it samples are rejected as inconsistent; 0 is no bound.
-    max_offset_m_s: float = quantity(0.005, "m/s", 0.0, 100.0)
 
 
 @dataclass(frozen=True)

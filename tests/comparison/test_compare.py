@@ -9,7 +9,7 @@ import pytest
 
 from aerodrake.cli import main
 from aerodrake.comparison import compare as module
-from aerodrake.comparison.compare import OWN_VARIANT, compare, load_baseline, make_variants, notes
+from aerodrake.comparison.compare import compare, load_baseline, make_variants, notes, own_variant
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import repeatable
 from aerodrake.scenario import Model, Scenario, Weights
@@ -38,8 +38,8 @@ def test_variants_differ_from_the_scenario_only_as_their_names_state(paper):
     """All other keys are equal: gains, bounds, the seed, the reference."""
     variants = make_variants(paper)
     assert list(variants) == [
-        "integral", "integral_best", "modified", "modified+offline", "modified+online", "clik",
-        "fixed_weights",
+        "integral", "integral_best", "modified", "modified+offline", "modified+online",
+        "modified+printed", "clik", "fixed_weights",
     ]  # fmt: skip
     off = {"residual.mode": ("online", "off")}
     integral = {"model.kind": ("paper", "integral")} | off
@@ -51,6 +51,7 @@ def test_variants_differ_from_the_scenario_only_as_their_names_state(paper):
         "modified": off,
         "modified+offline": {"residual.mode": ("online", "offline")},
         "modified+online": {},
+        "modified+printed": {"residual.as_printed": (False, True)},
         "clik": {"controller": ("mpc", "clik")} | off,
         "fixed_weights": {"allocation.kind": ("gamma", "fixed")},
     }
@@ -86,10 +87,21 @@ def test_variants_of_a_scenario_without_the_method_are_the_same(name, kind):
     assert make_variants(scenario)["modified"].model == Model(kind, scenario.model.k_b)
 
 
-@pytest.mark.parametrize("mode", ["off", "offline", "online"])
-def test_own_variant_is_the_scenario(mode, paper):
-    own = replace(paper, residual=replace(paper.residual, mode=mode))
-    assert make_variants(own)[OWN_VARIANT[mode]] == own
+@pytest.mark.parametrize(
+    ("mode", "as_printed"),
+    [("off", False), ("offline", False), ("offline", True), ("online", False), ("online", True)],
+)
+def test_own_variant_is_the_scenario(mode, as_printed, paper):
+    residual = replace(paper.residual, mode=mode, as_printed=as_printed)
+    own = replace(paper, residual=residual)
+    assert make_variants(own)[own_variant(own)] == own
+
+
+def test_the_printed_form_is_compared_if_the_scenario_learns_online(paper):
+    assert "modified+printed" not in make_variants(load_scenario("clover", SHORT))
+    offline = replace(paper, residual=replace(paper.residual, mode="offline"))
+    assert "modified+printed" not in make_variants(offline)
+    assert "modified+printed" in make_variants(offline, ["modified+printed"])
 
 
 def test_a_missing_network_is_noted(paper):

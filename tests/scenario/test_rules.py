@@ -126,6 +126,10 @@ def test_warns_if_d_h_exceeds_the_learning_space(scenario):
         ({"model.kind": "paper"}, "model.kind paper is for flight.interface position"),
         ({"model.kind": "exact"}, "model.kind exact is for flight.interface position"),
         ({"mpc.tilt": "held"}, "mpc.tilt held"),
+        (
+            {"residual.as_printed": "true", "residual.max_drift": 0, "residual.gate_s": 3},
+            "residual.as_printed: residual.gate_s is not used",
+        ),
         ({"faults": "[{kind: learner_nan}]"}, "faults[0] learner_nan has no effect: residual.mode"),
     ],
 )

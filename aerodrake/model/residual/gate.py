@@ -115,14 +115,14 @@ class LearningGate:
 
     def start(self) -> GateState:
         """Returns the state before the first sample: UNPROVEN, or OK without a gate."""
-        if self.config.gate_s == 0 or self.config.mode == "off":
+        if self.config.guards.gate_s == 0 or self.config.mode == "off":
             return GateState(GateCause.OK, 0.0, 1.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0)
         return GateState(GateCause.UNPROVEN, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, -1.0)
 
     def update(self, state: GateState, sample: VelocitySample) -> GateState:
         """Updates the running means by one sample; NaN and infinite samples are ignored."""
         size = math.hypot(*sample.offset)
-        if self.config.gate_s == 0 or not math.isfinite(size):
+        if self.config.guards.gate_s == 0 or not math.isfinite(size):
             return state
         bounded = sample.offset * (MAX_SAMPLE_OFFSET_M_S / max(size, MAX_SAMPLE_OFFSET_M_S))
         offset = self._mean(state.mean_offset, bounded)
@@ -154,9 +154,9 @@ class LearningGate:
         """Returns NOT_FINITE, DIVERGED or OK, from theta (3, m) m/s and its delta (3,) m/s."""
         if not (np.isfinite(theta).all() and np.isfinite(delta).all()):
             return GateCause.NOT_FINITE
-        if self.config.gate_s == 0:
+        if self.config.guards.gate_s == 0:
             return GateCause.OK
-        drift, bound = np.linalg.norm(theta - self.theta_offline), self.config.max_drift
+        drift, bound = np.linalg.norm(theta - self.theta_offline), self.config.guards.max_drift
         if bound > 0 and drift > bound * (1 + 1e-6):
             return GateCause.DIVERGED
         return GateCause.DIVERGED if math.hypot(*delta) > MAX_DELTA_M_S else GateCause.OK
@@ -177,7 +177,7 @@ class LearningGate:
             )
         if not self._is_proven(state):
             return state._replace(gated_s=gated_s)
-        ramp_s = FADE_IN * self.config.gate_s
+        ramp_s = FADE_IN * self.config.guards.gate_s
         blend = min(1.0, state.blend + self.dt / ramp_s) if ramp_s > 0 else 1.0
         # Errors from before Delta was gated off must not gate it off again.
         benefit = state.mean_benefit if was_used else max(state.mean_benefit, 0.0)
@@ -187,21 +187,21 @@ class LearningGate:
         """Returns the Delta to use, (3,) m/s, from the network's `delta`, (3,) m/s."""
         if state.cause == GateCause.OK:
             return state.blend * delta
-        fade_s = FADE_OUT * self.config.gate_s
+        fade_s = FADE_OUT * self.config.guards.gate_s
         if state.gated_s >= fade_s:
             return np.zeros(3)
         return state.fade_out * (1 - state.gated_s / fade_s)
 
     def _is_proven(self, state: GateState) -> bool:
-        if state.cause == GateCause.OK or self.config.gate_s == 0:
+        if state.cause == GateCause.OK or self.config.guards.gate_s == 0:
             return True
         is_over = state.cause != GateCause.POISONED or not self.rejects_labels(state)
         return is_over and state.mean_improvement > MIN_IMPROVEMENT
 
     def _offset_ratio(self, state: GateState) -> float:
         """Returns the ratio of the labels' mean offset to its bound; 0 without a bound."""
-        bound = self.config.max_offset_m_s
-        if bound == 0 or self.config.gate_s == 0:
+        bound = self.config.guards.max_offset_m_s
+        if bound == 0 or self.config.guards.gate_s == 0:
             return 0.0
         # Standard deviation of the mean: position noise is uncorrelated between samples.
         noise = self._sample_weight * math.sqrt(state.mean_square_offset)
@@ -214,4 +214,4 @@ class LearningGate:
     @cached_property
     def _sample_weight(self) -> float:
         """Weight of the newest sample in a running mean."""
-        return -math.expm1(-self.dt / self.config.gate_s)
+        return -math.expm1(-self.dt / self.config.guards.gate_s)

@@ -70,7 +70,7 @@ class OnlineLearner:
         """
         # Extreme samples may overflow; the results are tested below.
         with np.errstate(over="ignore", invalid="ignore"):
-            is_frozen = is_saturated and self.config.freeze_saturated
+            is_frozen = is_saturated and self.config.guards.freeze_saturated
             if is_frozen or not self._is_credible(phi, target):
                 return state
             phis, targets = state.phis.copy(), state.targets.copy()
@@ -81,8 +81,8 @@ class OnlineLearner:
                 state.theta, phis[:count], targets[:count], self.gain, self.config.learning_rate
             )
             if np.isfinite(theta).all():
-                theta = _project(self.config.max_step, state.theta, theta)
-                theta = _project(self.config.max_drift, self.theta_offline, theta)
+                theta = _project(self.config.guards.max_step, state.theta, theta)
+                theta = _project(self.config.guards.max_drift, self.theta_offline, theta)
             else:
                 theta = state.theta
         return LearnerState(theta, phis, targets, count)
@@ -108,7 +108,7 @@ class OnlineLearner:
         if not (np.isfinite(phi).all() and np.isfinite(target).all()):
             return False
         error = np.linalg.norm(self.gain * (self.theta_offline @ phi) - target)
-        bound = self.config.max_error_m_s
+        bound = self.config.guards.max_error_m_s
         return bool(bound == 0 or error <= bound)
 
 

@@ -11,20 +11,13 @@ from hypothesis.extra.numpy import arrays
 
 from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.model.residual.online_learner import LearnerState, OnlineLearner, last_layer_step
-from aerodrake.scenario import Residual
+from aerodrake.scenario import Guards, Residual
 
 # Threads that wait for each other cost a hundred times the arithmetic.
 torch.set_num_threads(1)
 
 JOINTS, M = 6, 5
-PRINTED = Residual(
-    learning_rate=0.02,
-    batch=4,
-    max_step=0.0,
-    max_drift=0.0,
-    max_error_m_s=0.0,
-    freeze_saturated=False,
-)
+PRINTED = Residual(learning_rate=0.02, batch=4, **Guards()._asdict())
 
 
 def make_learner(config: Residual = PRINTED, **changes) -> OnlineLearner:
