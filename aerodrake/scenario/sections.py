@@ -230,6 +230,9 @@ class Allocation:
     d_edge_m: float = quantity(0.38, "m", 1e-3, 10.0)
     d_f_m: float = quantity(1.0, "m", 1e-3, 100.0)
     d_h_m: float = quantity(0.075, "m", 1e-3, 10.0)
+    # Relative hysteresis h of d_f and d_h: a boundary d is crossed outward at (1 + h) d and inward
+    # at d; 0 is the paper's.
+    hysteresis: float = quantity(0.1, "1", 0.0, 1.0)
     # Lower bound of d_o in w_d, so that J_4 never vanishes.
     d_o_floor_m: float = quantity(0.01, "m", 1e-4, 1.0)
     # Size of the learning space, a box in the base frame whose centre is p_O.

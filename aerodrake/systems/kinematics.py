@@ -16,8 +16,10 @@ class KinematicsSystem(LeafSystem):
         in `state` (13 + 2 n): measured state.
         in `reference` (6): p_Ed, p_Ed' in m, m/s.
         out `end_effector` (abstract): `EndEffector`.
-        out `distances` (2): distances in m of the end-effector, d_e from its target and d_o
-            from the centre of the learning space.
+        out `distances` (2): distances in m of the end-effector: d_e from the current target
+            point p_Ed(t), and d_o from the centre of the learning space. The paper's d_e is the
+            distance to the target trajectory; a distance to the nearest point of its path would
+            be zero on the path, however far behind the target.
     State, rate:
         none; cached until `state` or `reference` changes.
 

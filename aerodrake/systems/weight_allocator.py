@@ -9,9 +9,13 @@ from aerodrake.scenario import Allocation
 class WeightAllocator(LeafSystem):
     """Computes gamma, mode and weights from the distances d_e, d_o and d_g.
 
+    They are the paper's (eq. 10, 11) with the differences that `allocate` lists beside the
+    printed formulas: |gamma| and its floor of 0.2 in w_m, gamma cut at -1, the floor of d_o in
+    w_d, the case that the paper does not cover, and hysteresis.
+
     Ports:
         in `distances` (2): d_e, d_o in m, computed by `KinematicsSystem`.
-        in `d_g` (1): m, of the reference.
+        in `d_g` (1): m, maximum diameter of the reference trajectory.
         out `weights` (5): `AllocatedWeights`. Direct feedthrough, so that the MPC samples it
             without delay.
     State:
@@ -20,7 +24,7 @@ class WeightAllocator(LeafSystem):
         `period`.
 
     Args:
-        config: Boundaries and gains.
+        config: Boundaries, their hysteresis, and gains.
         period: s.
     """
 

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ configs = st.sampled_from(
         CONFIG,
         Allocation(k_mn=3.0, k_mp=0.1, d_f_m=0.08, d_edge_m=0.08),
         Allocation(k_q=0.0, k_m=0.0, k_d=0.0, d_o_floor_m=1e-4),
+        Allocation(hysteresis=0.0),
     ]
 )
 
@@ -55,9 +57,10 @@ def test_weights_are_finite_and_in_range_for_all_distances(config, last, d_e, d_
 
 @given(configs, distances, distances, diameters)
 def test_modes_are_the_cases_of_the_paper_in_printed_order(config, d_e, d_o, d_g):
-    """Outside the hysteresis bands, whatever the last mode was."""
+    """Outside the hysteresis bands, whatever the last mode was; without hysteresis everywhere."""
     d_h, d_f = config.d_h_m, config.d_h_m if d_g < config.d_h_m else config.d_f_m
-    if d_f < d_e <= 1.1 * d_f or d_h < d_o <= 1.1 * d_h:
+    outward = 1 + config.hysteresis
+    if d_f < d_e <= outward * d_f or d_h < d_o <= outward * d_h:
         return
     if d_e > d_f:
         expected = FLIGHT
@@ -90,6 +93,7 @@ def sweep(config, mode, path, at):
     return changes
 
 
+@pytest.mark.parametrize("hysteresis", [0.1, 0.5])
 @pytest.mark.parametrize(
     ("inner", "outer", "key", "boundary", "at"),
     [
@@ -99,20 +103,22 @@ def sweep(config, mode, path, at):
         (HOVER, ADJUSTMENT, "d_o", D_H, {"d_e": 0.0, "d_g": 0.0}),
     ],
 )
-def test_hysteresis(inner, outer, key, boundary, at):
-    """Outward 10 % beyond the boundary, inward at the boundary, without chatter between."""
+def test_hysteresis(inner, outer, key, boundary, at, hysteresis):
+    """Outward `hysteresis` beyond the boundary, inward at it, without chatter between."""
+    config = replace(CONFIG, hysteresis=hysteresis)
+    outward = (1 + hysteresis) * boundary
     up = np.linspace(0, 2 * boundary, 2001)
     path = [{key: d} for d in (*up, *up[::-1])]
-    (left, first), (entered, second) = sweep(CONFIG, inner, path, at)
+    (left, first), (entered, second) = sweep(config, inner, path, at)
     assert (first, second) == (outer, inner)
-    assert left == pytest.approx(1.1 * boundary, rel=2e-3)
+    assert left == pytest.approx(outward, rel=2e-3)
     assert entered == pytest.approx(boundary, rel=2e-3)
 
     noise = np.random.default_rng(0).uniform(0.951, 1.049, 500)
-    for middle in (boundary, 1.1 * boundary):
+    for middle in (boundary, outward):
         chatter = [{key: middle * n} for n in noise]
         for start in (inner, outer):
-            assert len(sweep(CONFIG, start, chatter, at)) <= 1
+            assert len(sweep(config, start, chatter, at)) <= 1
 
 
 def test_gamma_is_continuous_in_coordination():
