@@ -60,7 +60,7 @@ def signals(flight):
 
 def test_there_is_something_that_could_differ(signals):
     assert np.any(signals["measured_p_B_m"] != signals["p_B_m"])
-    assert np.any(signals["delta_m_s"] != 0)
+    assert np.any(signals["delta_m_s2"] != 0)
     assert np.count_nonzero(signals["qp_status"]) > 10  # Programs with active bounds.
     assert np.ptp(signals["p_E_m"]) > 0
     assert len(np.unique(signals["wind_force_n"], axis=0)) == len(signals["time_s"])

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from aerodrake.flight.log import FlightLog
+from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.reports.figures import ACCENT, INK, REFERENCE, STYLE, cover, plain_ticks, write_png
 from aerodrake.reports.flight_panels import (
     LEAST_ERROR_MM,
@@ -144,9 +145,10 @@ def _draw(
     if "modified+online" in logs:
         axes = [figure.add_subplot(grid[rows + 1, 4 * i : 4 * i + 4]) for i in range(3)]
         draw_residual(axes, logs["modified+online"], scenario)
+        unit = EquivalentModel.of(scenario, logs["modified+online"].vehicle.joints).residual.unit
         for axis, panel in zip("xyz", axes, strict=True):
             panel.set_title(f"Delta_{axis} of modified+online", fontsize=10, loc="left")
-            panel.set(xlabel="reference time / s", ylabel="mm/s" if axis == "x" else "")
+            panel.set(xlabel="reference time / s", ylabel=f"m{unit}" if axis == "x" else "")
     if own in logs:
         axes = [figure.add_subplot(grid[rows + 2, 6 * i : 6 * i + 6]) for i in range(2)]
         draw_allocation(axes[0], logs[own])

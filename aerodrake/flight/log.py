@@ -20,6 +20,9 @@ STATE = (
 )
 """Keys and widths of the parts of a state."""
 
+DELTA = "delta"
+"""Stands in `PORTS` for `delta_m_s` or `delta_m_s2`, the `log_key` of the model's residual."""
+
 PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "true_state": STATE,
     "sample": tuple((f"measured_{key}", width) for key, width in STATE),
@@ -45,7 +48,7 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "weights": (("gamma", "1"), ("mode", "1"), ("w_q", "1"), ("w_m", "1"), ("w_d", "1")),
     "prediction": (("predicted_p_E_m", "3(N+1)"),),
     "status": (("qp_status", "1"), ("qp_iterations", "1"), ("plan_age_ticks", "1")),
-    "delta": (("delta_m_s", "3"),),
+    "delta": ((DELTA, "3"),),
     "prediction_error": (("prediction_error_m_s", "3"),),
     "nominal_prediction_error": (("nominal_prediction_error_m_s", "3"),),
     "mode": (("supervisor_mode", "1"),),
@@ -188,11 +191,12 @@ def rotate(quaternion: np.ndarray, r: np.ndarray) -> np.ndarray:
         return r + q[:, :1] * turn + np.cross(q[:, 1:], turn)
 
 
-def key_columns(sizes: Mapping[str, int]) -> dict[str, int | slice]:
+def key_columns(sizes: Mapping[str, int], delta_key: str) -> dict[str, int | slice]:
     """Returns the column of each key of width 1, and the slice of columns of each other key.
 
     Args:
         sizes: Size of each port, in the order in which a sample has them.
+        delta_key: Key of Delta.
     """
     fixed = {"1": 1, "3": 3, "4": 4}
     columns: dict[str, int | slice] = {}
@@ -204,7 +208,8 @@ def key_columns(sizes: Mapping[str, int]) -> dict[str, int | slice]:
         open_width = (size - known) // open_parts if open_parts else 0
         for key, width in parts:
             end = start + fixed.get(width, open_width)
-            columns[key] = start if width == "1" else slice(start, end)
+            column = start if width == "1" else slice(start, end)
+            columns[delta_key if key == DELTA else key] = column
             start = end
         begin += size
     return columns

@@ -13,6 +13,7 @@ from pydrake.systems.primitives import LogVectorOutput, Multiplexer
 from aerodrake.flight.log import PORTS, FlightLog, key_columns, rotate
 from aerodrake.flight.monitor import MONITOR_PERIOD_S, Monitor
 from aerodrake.flight.recording import Recording
+from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.setpoint.integration import integrate, split_segment
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.vehicle.kinematics import Kinematics
@@ -73,7 +74,8 @@ class FlightSimulation:
             samples.get_output_port(), builder, scenario.rates.flight_period_s
         )
         self._sink.set_name("log")
-        self._columns = key_columns(sizes)
+        residual = EquivalentModel.of(scenario, self.vehicle.joints).residual
+        self._columns = key_columns(sizes, residual.log_key)
         first = self._columns["p_Bd_m"].start
         self._segment = slice(first, first + sizes["segment"])
         for name in ("true_state", "reference", "base_setpoint", "mode", "cause"):

@@ -1,4 +1,4 @@
-"""Files of samples of the residual velocity, one `.npz` for each collection run."""
+"""Files of samples of the residual, one `.npz` for each collection run."""
 
 import io
 import json

@@ -25,7 +25,7 @@ class Candidates(NamedTuple):
 
     Attributes:
         network: Network as trained offline.
-        learner: Starts from the network's last layer.
+        learner: Starts from the network's last layer, times c.
         linear, ridge: Linear models.
     """
 
@@ -37,12 +37,12 @@ class Candidates(NamedTuple):
     def predict(self, samples: Samples) -> dict[str, np.ndarray]:
         """Returns the predicted targets of a flight, (T, 3) m/s, for each of `METHODS`."""
         features, targets = samples
-        gain, phi = self.learner.gain, self.network.phi(features)
+        phi = self.network.phi(features)
         saturated = np.zeros(len(phi), dtype=bool)  # No run saturates the flight controller.
         return {
             "none": np.zeros_like(targets),
-            "offline": gain * (phi @ self.network.last_layer().T),
-            "online": gain * self.learner.run(phi, targets, saturated),
+            "offline": phi @ self.learner.theta_offline.T,
+            "online": self.learner.run(phi, targets, saturated),
             "linear": self.linear.predict(features),
             "ridge": self.ridge.predict(features),
         }

@@ -18,11 +18,13 @@ class DeltaFlight(NamedTuple):
     Attributes:
         title: Title of the figure.
         period_s: s, period of the rows.
-        estimated, true: (T, 3) m/s, Delta of the network, and from the measured velocity.
+        unit: Unit of Delta.
+        estimated, true: (T, 3) Delta of the network, and from the measured velocity.
     """
 
     title: str
     period_s: float
+    unit: str
     estimated: np.ndarray
     true: np.ndarray
 
@@ -65,7 +67,7 @@ def plot_training(result: TrainingResult, delta: DeltaFlight, path: Path) -> Non
             plot.plot(times, 1e3 * delta.true[:, axis], **REFERENCE, label="true", zorder=3)
             estimated = 1e3 * delta.estimated[:, axis]
             plot.plot(times, estimated, color=AXIS_COLORS[axis], label="estimated")
-            plot.set(ylabel=f"Delta {name} / mm/s", xlim=(0, times[-1]))
+            plot.set(ylabel=f"Delta {name} / m{delta.unit}", xlim=(0, times[-1]))
             plot.legend(loc="upper right", ncols=2)
         axes[0].set_title(delta.title, parse_math=False)
         axes[-1].set_xlabel("time / s")

@@ -73,11 +73,12 @@ def train_scenario(
     training = [flights[run.name] for run in runs if run.role == "training"]
     validation = [flights[run.name] for run in runs if run.role == "validation"]
     held_out = [run for run in runs if run.role == "held_out"]
-    gain = model.C[model.base_velocity].diagonal()
+    gain = model.residual_gain
     data = TrainingData(training, validation, gain, vehicle.joints)
     with single_thread():
         result = _train(data, scenario.seed, config, folder, quiet)
-        learner = OnlineLearner(scenario.residual, result.network.last_layer(), gain)
+        theta = gain[:, None] * result.network.last_layer()
+        learner = OnlineLearner(scenario.residual, theta)
         linear = LinearResidual.fit(training, 0.0)
         ridge = LinearResidual.fit_ridge(training, validation)
         network = result.network
@@ -86,12 +87,13 @@ def train_scenario(
         features, targets = flights[calm]
         title = f"{scenario.name}: held-out flight {calm}"
         estimated = network.phi(features) @ network.last_layer().T
-        delta = DeltaFlight(title, model.dt, estimated, targets / gain)
+        delta = DeltaFlight(title, model.dt, model.residual.unit, estimated, targets / gain)
     log = {
         "scenario": scenario.name,
         "seed": scenario.seed,
         "version": version("aerodrake"),
         "stages": [run.name for run in runs if run.role != "held_out"],
+        "delta": f"{model.residual.name}, {model.residual.unit}",
         "best_epoch": result.best_epoch,
         "training_loss": result.training_loss.tolist(),
         "validation_loss": result.validation_loss.tolist(),
@@ -127,7 +129,8 @@ def _write(
 ) -> None:
     """Writes checkpoint, log and figure."""
     hashes = plant_hash(scenario), scenario_hash(scenario)
-    provenance = Provenance(version("aerodrake"), scenario.flight.interface, *hashes)
+    interface = scenario.flight.interface
+    provenance = Provenance(version("aerodrake"), interface, delta.unit, *hashes)
     try:
         with deferred_interrupts(), scratch_folder(folder) as scratch:
             plot_training(result, delta, scratch / FIGURE)

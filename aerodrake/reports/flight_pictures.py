@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 
 from aerodrake.flight.events import Span, spans
 from aerodrake.flight.log import FlightLog
+from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.reports.figures import cover
 from aerodrake.reports.flight_panels import (
     draw_allocation,
@@ -63,17 +64,18 @@ def residual_picture(log: FlightLog, thin: FlightLog, scenario: Scenario, of: st
         scenario: The scenario of the flight.
         of: Suffix of the title.
     """
+    residual = EquivalentModel.of(scenario, log.vehicle.joints).residual
     with sheet("residual", 6.2) as (figure, done):
         panels = figure.subplots(4, 1, sharex=True)
         draw_residual(panels[:3], log, scenario)
         for name, axes in zip("xyz", panels, strict=False):
-            axes.set_ylabel(f"Delta_{name} / mm/s")
+            axes.set_ylabel(f"Delta_{name} / m{residual.unit}")
         draw_prediction(panels[3], thin)
         panels[3].set_xlabel("reference time / s")
         cover(panels[3], log.time_s[log.is_flown])
         figure.align_ylabels()
     caption = (
-        "Delta, the residual base velocity of the model: estimated and true. Below, the error of "
+        f"Delta, the {residual.name} of the base: estimated and true. Below, the error of "
         "the base velocity predicted one period ahead, with and without Delta."
     )
     return Picture(f"Residual{of}", caption, *done)

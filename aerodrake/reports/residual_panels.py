@@ -36,15 +36,17 @@ def draw_prediction(axes: Axes, log: FlightLog) -> None:
 
 
 def residuals(log: FlightLog, scenario: Scenario) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Returns times (K,) s, and estimated (K, 3) and true (K, 3) Delta in m/s, at each tick.
+    """Returns times (K,) s, and estimated (K, 3) and true (K, 3) Delta, at each tick.
+
+    Delta is in the unit of the scenario's model, and NaN in the integral model, which has none.
 
     At tick k the estimator has the errors of the prediction of one period with
     c Delta_{k-1} and without it. The negative error without it is the true c Delta; the
     difference of the two errors is the estimated one.
     """
     period = scenario.rates.mpc_period_s
-    model = EquivalentModel.of(scenario, log["q_rad"].shape[1])
-    gain = model.C[model.base_velocity].diagonal()
+    gain = EquivalentModel.of(scenario, log["q_rad"].shape[1]).residual_gain
+    gain = np.where(gain > 0, gain, np.nan)
     # The log has several samples for each tick, with the results of tick k from the next on.
     stride = round(period / scenario.rates.flight_period_s)
     ticks = np.arange(3 * stride, len(log.time_s), stride)

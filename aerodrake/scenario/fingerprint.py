@@ -13,7 +13,7 @@ from aerodrake.support.errors import file_at
 from aerodrake.support.files import locate, read_bounded
 
 PLANT_SECTIONS = ("vehicle", "flight", "arm", "rates", "model")
-"""Sections that determine the residual velocity, except for noise, wind and model mismatch."""
+"""Sections that determine the residual, except for noise, wind and model mismatch."""
 
 STATION_SECTIONS = ("duration", "sensors", "filter", "wind", "payload", "mismatch", "arm")
 """Sections that the coordinator does not read."""

@@ -23,7 +23,10 @@ class Guards(NamedTuple):
 
 @dataclass(frozen=True)
 class Residual:
-    """Residual velocity Delta: the network and online learning of its last layer."""
+    """Residual Delta of the equivalent model: the network and online learning of its last layer.
+
+    Velocities are c Delta, what Delta adds to the predicted velocity in one period.
+    """
 
     # off: Delta is zero. offline: the network is constant. online: its last layer is updated.
     mode: str = choice("off", "offline", "online")

@@ -40,7 +40,8 @@ class KinematicController(LeafSystem):
         in `base_setpoint` (9), `joint_setpoint` (3 n): current setpoints.
         in `horizon` (6 (N + 1)): p_Ed, p_Ed' now and at each stage.
         in `weights` (5): `AllocatedWeights`.
-        in `delta` (3): m/s, residual velocity.
+        in `delta` (3): residual of the model: a velocity in m/s in the models with K_B alone, an
+            acceleration in m/s^2 in the flight model.
         out `u` (3 + n): m/s^2 and rad/s^2, accelerations of the setpoints.
         out `prediction` (3 (N + 1)): m, p_E now and predicted at each stage.
         out `status` (3): `TickStatus`.

@@ -1,4 +1,4 @@
-"""System that estimates the residual velocity of the base."""
+"""System that estimates the residual of the equivalent model."""
 
 from __future__ import annotations
 
@@ -29,10 +29,11 @@ if TYPE_CHECKING:  # torch takes a second to import.
 class ResidualEstimator(LeafSystem):
     """Estimates Delta of the equivalent model, and learns the network's last layer online.
 
-    Delta, in m/s, is the residual input of the model x+ = A x + B u + C Delta. In the models with
-    K_B alone it is the paper's residual velocity, p_B' = K_B (p_d - p_B) + Delta. In the model
-    `flight`, whose state includes the acceleration, it is the change of velocity in one period dt
-    under a constant residual acceleration Delta / dt.
+    Delta is the residual of the model x+ = A x + B u + C Delta. In the models with K_B alone it is
+    the paper's residual velocity in m/s, p_B' = K_B (p_d - p_B) + Delta. In the model `flight` it
+    is the residual acceleration in m/s^2, p_B'' = b + d + Delta. With c the velocity that a Delta
+    of one unit adds in one period (`EquivalentModel.residual_gain`), the label of Delta is the
+    measured velocity minus the one predicted without Delta, over c.
 
     At tick k the measured state completes the sample that began at k-1: the velocity that the
     model predicted from x_{k-1}, Delta_{k-1} and the input applied since then is compared with
@@ -54,8 +55,9 @@ class ResidualEstimator(LeafSystem):
             The accelerations are u_{k-1} at a tick: the input applied up to it.
         in `saturated` (1): above 0.5 the flight controller is saturated, and with
             `freeze_saturated` the completed sample is not learned.
-        out `delta` (3): m/s, world frame; zero in the mode `off`. It feeds through: a consumer
-            that samples it at a tick receives it without delay. Meaningless between ticks.
+        out `delta` (3): m/s or m/s^2 as above, world frame; zero in the mode `off`. It feeds
+            through: a consumer that samples it at a tick receives it without delay. Meaningless
+            between ticks.
         out `prediction_error` (3): m/s, predicted minus measured velocity of the base, for the
             last completed sample, learned or not; zero before the first.
         out `nominal_prediction_error` (3): m/s, likewise of the model without Delta.
@@ -72,7 +74,7 @@ class ResidualEstimator(LeafSystem):
 
     Args:
         network: Copied; later changes have no effect. None in the mode `off`.
-        model: Equivalent model; with the kind `integral`, Delta has no effect.
+        model: Equivalent model; with the kind `integral`, Delta is zero.
         config: Mode, learning rate, batch, guards and gate; the checkpoint is not read.
     """
 

@@ -8,13 +8,15 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RotationMatrix
 from pydrake.systems.analysis import Simulator
 
-from aerodrake.flight.log import DERIVED, PORTS, ROWS_PER_WRITE, FlightLog, key_columns
+from aerodrake.flight.log import DELTA, DERIVED, PORTS, ROWS_PER_WRITE, FlightLog, key_columns
+from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.supervision.conditions import conditions
-from aerodrake.scenario import FixedAxis, Mpc, Scenario, Supervisor
+from aerodrake.scenario import FixedAxis, Hover, Model, Mpc, Scenario, Supervisor
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.threads import single_thread
 
-KEYS = [key for parts in PORTS.values() for key, _ in parts]
+KEYS = ["delta_m_s2" if key == DELTA else key for parts in PORTS.values() for key, _ in parts]
+"""Keys in the flight model."""
 
 DIMENSIONLESS = {"estimated_quaternion", 
     "quaternion", "measured_quaternion", "gamma", "mode", "w_q", "w_m", "w_d",
@@ -34,9 +36,10 @@ def test_parts_cover_their_ports_exactly(vehicle, horizon):
     ports = {port: closed_loop.GetOutputPort(port).size() for port in PORTS}
     for port, parts in PORTS.items():
         assert sum(sizes[width] for _, width in parts) + beside.get(port, 0) == ports[port], port
-    columns, row = key_columns(ports), np.arange(sum(ports.values()))
+    columns, row = key_columns(ports, "delta_m_s2"), np.arange(sum(ports.values()))
     assert list(columns) == KEYS
-    for key, width in (part for parts in PORTS.values() for part in parts):
+    widths = [width for parts in PORTS.values() for _, width in parts]
+    for key, width in zip(KEYS, widths, strict=True):
         assert np.shape(row[columns[key]]) == (() if width == "1" else (sizes[width],)), key
     seen = np.hstack([row[part] for part in columns.values()])
     assert len(seen) == len(row) - 1 and list(seen) == sorted(set(seen))
@@ -69,6 +72,15 @@ def test_a_flight_has_all_of_them_and_no_other(short_flight):
     _, log = short_flight
     assert set(log.signals) == {*KEYS, *DERIVED}
     assert [key for key in log.signals if key.endswith("_ms")] == ["tick_ms"]
+
+
+@pytest.mark.parametrize("kind", ["paper", "exact", "velocity_aware", "integral"])
+def test_delta_is_a_velocity_in_the_models_with_k_b_alone(kind):
+    log = FlightSimulation(
+        Scenario(duration=0.05, settle_s=0.0, model=Model(kind=kind), reference=Hover())
+    ).fly()
+    assert set(log.signals) == {*KEYS, *DERIVED, "delta_m_s"} - {"delta_m_s2"}
+    assert log["delta_m_s"].shape == (len(log.time_s), 3)
 
 
 def test_parts_are_where_they_belong(short_flight, vehicle):

@@ -36,10 +36,10 @@ def test_errors_of_every_method():
     generator = np.random.default_rng(0)
     features = 0.1 * generator.normal(size=(400, 30))
     targets = features[:, 3:6] + [0.03, 0.0, 0.0]
-    network, gain = ResidualNetwork.untrained(6, seed=0), np.array([1.0, 0.5, 1.0])
+    network = ResidualNetwork.untrained(6, seed=0)
     fit = LinearResidual.fit([(features, targets)], 0.0)
     residual = Residual(learning_rate=0.02, max_step=0.0, max_drift=0.0)
-    learner = OnlineLearner(residual, network.last_layer(), gain)
+    learner = OnlineLearner(residual, network.last_layer())
     candidates = Candidates(network, learner, fit, fit)
     result = evaluate([CALM], {"a": (features, targets)}, candidates)
     rmse = result.rmse[0]

@@ -26,16 +26,38 @@ TILT_AXES = (1, 0)
 """Axes about which the base tilts to accelerate along x and along y."""
 
 
+class ResidualQuantity(NamedTuple):
+    """Physical quantity that Delta is in a model.
+
+    Attributes:
+        name: Name of the quantity.
+        unit: Its SI unit.
+        log_key: Key of Delta in the log.
+    """
+
+    name: str
+    unit: str
+    log_key: str
+
+
+RESIDUAL_VELOCITY = ResidualQuantity("residual velocity", "m/s", "delta_m_s")
+"""Delta of the models with K_B alone (paper, eq. 3)."""
+
+RESIDUAL_ACCELERATION = ResidualQuantity("residual acceleration", "m/s^2", "delta_m_s2")
+"""Delta of the flight model."""
+
+
 class AxisModel(NamedTuple):
     """Linear model of one axis with m states.
 
     Attributes:
         A: (m, m).
         B: (m,).
-        C: (m,), for the residual velocity.
+        C: (m,), effect of a Delta that is constant over the period.
         states: Names of the m states, `STATES` first.
         acceleration: (m,), maps the states to the acceleration that tilts the base; zero in
             models that do not describe it.
+        residual: Quantity that Delta is.
     """
 
     A: np.ndarray
@@ -43,6 +65,7 @@ class AxisModel(NamedTuple):
     C: np.ndarray
     states: tuple[str, ...]
     acceleration: np.ndarray
+    residual: ResidualQuantity = RESIDUAL_VELOCITY
 
 
 def paper_axis(k: float, dt: float) -> AxisModel:
@@ -107,11 +130,13 @@ def flight_axis(axis: int, flight: Flight, rotor: Rotor, period: float, dt: floa
     """Returns the linear flight model, exact for u and Delta constant over dt.
 
     Thrust accelerates the base by b: along x and y through tilt, along z through its magnitude.
-    All other forces accelerate it by d, which is constant. The flight controller's ESO estimates
-    d as h; a first-order lag with the rate w_o / 3 has the same mean delay as the observer's
-    three poles at -w_o. With a_c the acceleration that the position law commands,
+    All other forces accelerate it by d + Delta: d is the constant acceleration that the
+    state filter estimates, Delta the residual acceleration, in m/s^2, that it does not. The
+    flight controller's ESO estimates d + Delta as h; a first-order lag with the rate w_o / 3 has
+    the same mean delay as the observer's three poles at -w_o. With a_c the acceleration that the
+    position law commands,
 
-        p'' = b + d,    h' = (d - h) w_o / 3,
+        p'' = b + d + Delta,    h' = (d + Delta - h) w_o / 3,
         a_c = k_p (p_d - p) + k_v (p_d' - p') + u - h
 
     (a_c = k_p (p_d - p) - k_v p' - h with the `position` interface). Along z
@@ -122,8 +147,9 @@ def flight_axis(axis: int, flight: Flight, rotor: Rotor, period: float, dt: floa
         b' = r,    r' = alpha,
         alpha' = (k_R (a_c - b) + k_omega (a_c' / (1 + T_f s) - r) - alpha) / tau.
 
-    w = a_c' / (1 + T_f s) - a_c / T_f is the filter's state, which is continuous although a_c
-    jumps with u. For small tilt and yaw the axes are decoupled.
+    w = a_c' / (1 + T_f s) - a_c / T_f is the filter's state, with w' = -(w + a_c / T_f) / T_f. It
+    is continuous although a_c jumps with u, and depends on Delta only through p, p' and h. For
+    small tilt and yaw the axes are decoupled.
 
     Args:
         axis: 0, 1 or 2.
@@ -135,13 +161,14 @@ def flight_axis(axis: int, flight: Flight, rotor: Rotor, period: float, dt: floa
     tau = (rotor.lag_up_s + rotor.lag_down_s) / 2 + period / 2
     T_f = flight.rate_filter_s + period  # Of the filter's discrete form.
     k_p, k_v = flight.position_gain[axis], flight.velocity_gain[axis]
-    names = (*STATES, *THRUST_STATES, "u")
-    p, v, p_d, v_d, b, d, h, r, alpha, w, u = np.eye(len(names))
+    states = (*STATES, *THRUST_STATES)
+    size = len(states) + 2
+    p, v, p_d, v_d, b, d, h, r, alpha, w, u, delta = np.eye(size)
     a_c = k_p * (p_d - p) - k_v * v - h
     if flight.interface == "trajectory":
         a_c = a_c + k_v * v_d + u
-    h_rate = flight.position_eso_rad_s / 3 * (d - h)
-    zero = np.zeros(len(names))
+    h_rate = flight.position_eso_rad_s / 3 * (d + delta - h)
+    zero = np.zeros(size)
     if axis < len(TILT_AXES):
         about = TILT_AXES[axis]
         k_R, k_omega = flight.attitude_gain[about], flight.rate_gain[about]
@@ -149,11 +176,9 @@ def flight_axis(axis: int, flight: Flight, rotor: Rotor, period: float, dt: floa
         thrust = (r, zero, h_rate, alpha, (command - alpha) / tau, -(w + a_c / T_f) / T_f)
     else:
         thrust = ((a_c - b) / tau, zero, h_rate, zero, zero, zero)
-    transition = expm(dt * np.array([v, b + d, v_d, u, *thrust, zero]))[:-1]
-    states = names[:-1]
-    C = np.zeros(len(states))
-    C[:2] = dt / 2, 1
-    return AxisModel(transition[:, :-1], transition[:, -1], C, states, b[:-1])
+    rates = np.array([v, b + d + delta, v_d, u, *thrust, zero, zero])
+    A, B, C = np.split(expm(dt * rates)[:-2], [-2, -1], axis=1)
+    return AxisModel(A, B[:, 0], C[:, 0], states, b[:-2], RESIDUAL_ACCELERATION)
 
 
 AXIS_MODELS: dict[str, Callable[[float, float], AxisModel]] = {

@@ -5,7 +5,8 @@ The model is linear and time-invariant, x+ = A x + B u + C Delta (paper, eq. 5),
     x = [p_Bx, p_Bx', p_Bx,d, p_Bx,d', ..., p_By, ..., q_1, q_1', ..., q_n, q_n'],
     u = [p_Bx,d'', p_By,d'', p_Bz,d'', q_1'', ..., q_n''],
 
-and Delta the residual velocity of the base. The joints are double integrators
+and Delta (3,) the residual of the base: its residual velocity in m/s in the models that have
+K_B alone, its residual acceleration in m/s^2 in the flight model. The joints are double integrators
 of the command. The kinds of model differ in the response of the base's axes to their setpoint,
 and in the states of that response.
 """
@@ -21,6 +22,7 @@ from aerodrake.model.equivalent.axis_models import (
     AXIS_MODELS,
     HIDDEN_STATES,
     AxisModel,
+    ResidualQuantity,
     flight_axis,
 )
 from aerodrake.model.equivalent.initial_state import Signals, StateLayout, Thrust, initial_state
@@ -39,6 +41,7 @@ class EquivalentModel:
         axis_states: Names of the m states of an axis.
         acceleration: (3, nx), maps x to the acceleration that tilts the base.
         base_is_commanded: True if x_0 takes the base from its setpoint.
+        residual: Quantity that Delta is, with its unit.
     """
 
     A: np.ndarray
@@ -48,6 +51,7 @@ class EquivalentModel:
     axis_states: tuple[str, ...]
     acceleration: np.ndarray
     base_is_commanded: bool
+    residual: ResidualQuantity
 
     @classmethod
     def of(cls, scenario: Scenario, joints: int) -> Self:
@@ -86,7 +90,8 @@ class EquivalentModel:
         base = 3 * len(axes[0].states)
         C[:base] = block_diag(*(axis.C[:, None] for axis in axes))
         acceleration[:, :base] = block_diag(*(axis.acceleration for axis in axes))
-        return cls(A, B, C, dt, axes[0].states, acceleration, base_is_commanded)
+        states, residual = axes[0].states, axes[0].residual
+        return cls(A, B, C, dt, states, acceleration, base_is_commanded, residual)
 
     @cached_property
     def joints(self) -> int:
@@ -137,6 +142,15 @@ class EquivalentModel:
         names = [name for name in HIDDEN_STATES if name in self.axis_states]
         return np.array([i for name in names for i in self.base_state(name)], dtype=int)
 
+    @cached_property
+    def residual_gain(self) -> np.ndarray:
+        """(3,) c, the velocity in m/s that a Delta of one unit adds in a period.
+
+        It is the diagonal of C in the rows of p_B': 1 in the paper's model, about dt in the
+        flight model, 0 in the integral model, in which Delta has no effect.
+        """
+        return self.C[self.base_velocity].diagonal()
+
     def initial_state(self, signals: Signals, last: np.ndarray | None = None) -> np.ndarray:
         """Returns x_0 (nx,) from measurement and command.
 
@@ -163,6 +177,6 @@ class EquivalentModel:
         Args:
             x: (nx,) the state.
             u: (3 + n,) m/s^2 and rad/s^2.
-            delta: (3,) m/s, Delta.
+            delta: (3,) Delta, in the unit of `residual`.
         """
         return self.A @ x + self.B @ u + self.C @ delta

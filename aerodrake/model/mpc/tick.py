@@ -49,7 +49,7 @@ class MpcInputs:
         end_effector: Kinematics at the measured state.
         rpy_rates: (3,) rad/s, measured rates of roll, pitch (the paper's xi_u) and yaw.
         reference: (N + 1, 6), p_Ed [m] and p_Ed' [m/s] now and at each stage.
-        delta: (3,) m/s, residual velocity.
+        delta: (3,) Delta, in the unit of the model's residual.
         w_q, w_m, w_d: Factors from the weight allocator.
         pointing: The orientation task; None without one.
     """

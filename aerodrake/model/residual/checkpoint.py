@@ -13,8 +13,11 @@ from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import is_stored_zip, read_bounded, write_atomically
 
-FORMAT = 1
+FORMAT = 2
 """Version of the file format."""
+
+IMPLIED: dict[int, dict[str, str]] = {1: {"delta_unit": "m/s"}, FORMAT: {}}
+"""Metadata that files lack, by their version."""
 
 MAX_BYTES = 1_000_000
 """Largest accepted file, as a guard against hostile files."""
@@ -27,12 +30,14 @@ class Provenance:
     Attributes:
         version: Version of aerodrake.
         flight_interface: `trajectory` or `position`; a network is valid for one of them.
+        delta_unit: Unit of its output, that of the equivalent model's residual.
         plant_hash: Hash of its vehicle, controllers and model (`fingerprint`).
         scenario_hash: Hash of the scenario of its training data.
     """
 
     version: str
     flight_interface: str
+    delta_unit: str
     plant_hash: str
     scenario_hash: str
 
@@ -65,7 +70,7 @@ def load(path: Path, joints: int) -> tuple[ResidualNetwork, Provenance]:
     """
     bad = partial(BadInput, path, "")
     data = _read(path)
-    if data["format"] != FORMAT:
+    if data["format"] not in IMPLIED:
         raise bad(f"expected a checkpoint of format {FORMAT}, got another format")
     names, features = feature_names(joints), data["features"]
     if len(features) != len(names):
@@ -80,13 +85,13 @@ def load(path: Path, joints: int) -> tuple[ResidualNetwork, Provenance]:
     network = ResidualNetwork.untrained(joints, seed=0)
     _check_tensors(path, network.state_dict(), data["tensors"])
     network.load_state_dict(data["tensors"])
-    return network, Provenance(**data["metadata"])
+    return network, Provenance(**IMPLIED[data["format"]], **data["metadata"])
 
 
 def _read(path: Path) -> dict[str, Any]:
     """Reads the checkpoint's mapping and checks its keys and plain types."""
     not_a_checkpoint = BadInput(path, "", "expected a checkpoint of aerodrake")
-    content = read_bounded(path, MAX_BYTES)
+    content, names = read_bounded(path, MAX_BYTES), {f.name for f in fields(Provenance)}
     try:
         if not is_stored_zip(content):  # As torch writes it.
             raise ValueError("compressed")
@@ -100,7 +105,7 @@ def _read(path: Path) -> dict[str, Any]:
         or not _is_list_of(int, data.get("hidden"))
         or not isinstance(data.get("tensors"), dict)
         or not isinstance(data.get("metadata"), dict)
-        or data["metadata"].keys() != {f.name for f in fields(Provenance)}
+        or data["metadata"].keys() != names - IMPLIED.get(data["format"], {}).keys()
         or not _is_list_of(str, list(data["metadata"].values()))
     ):
         raise not_a_checkpoint

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, Self
 
 import numpy as np
@@ -39,7 +39,7 @@ class PendingPrediction(NamedTuple):
         x: (nx,) state of the model.
         phi: (33,) last hidden activations and a 1.
         p_B, v_B: (3,) m and m/s, measured position and velocity of the base.
-        delta: (3,) m/s, Delta as used.
+        correction: (3,) m/s, c Delta as used.
     """
 
     is_pending: bool
@@ -47,7 +47,7 @@ class PendingPrediction(NamedTuple):
     phi: np.ndarray
     p_B: np.ndarray
     v_B: np.ndarray
-    delta: np.ndarray
+    correction: np.ndarray
 
 
 class PredictionErrors(NamedTuple):
@@ -73,8 +73,13 @@ class EstimatorState(NamedTuple):
 class ResidualEstimation:
     """Equations of the residual estimator: learning and inference at one tick.
 
+    Network and output are in Delta's unit. Learner and gate have the velocity correction c Delta
+    in m/s, with c the model's `residual_gain`: the label of Delta is the measured velocity minus
+    the one predicted without Delta, over c. The integral model has c = 0 and therefore
+    no labels; it is estimated in the mode `off`.
+
     Attributes:
-        network: None in the mode `off`.
+        network: Not used in the mode `off`.
         model: Its prediction error is learned.
         mode: In `offline`, the last layer is not updated; in `off`, Delta is zero.
         learner: Updates the last layer.
@@ -92,9 +97,12 @@ class ResidualEstimation:
         cls, network: ResidualNetwork | None, model: EquivalentModel, config: Residual
     ) -> Self:
         """Makes the equations of the configured learner and gate."""
-        theta = np.zeros((3, PHI_SIZE)) if network is None else network.last_layer()
-        learner = OnlineLearner(config, theta, model.C[model.base_velocity].diagonal())
-        gate = LearningGate(config, theta, model.dt)
+        if not model.residual_gain.all():
+            config = replace(config, mode="off")
+        theta = np.zeros((3, PHI_SIZE))
+        if config.mode != "off":
+            theta = model.residual_gain[:, None] * network.last_layer()
+        learner, gate = OnlineLearner(config, theta), LearningGate(config, theta, model.dt)
         return cls(network, model, config.mode, learner, gate)
 
     def start(self) -> EstimatorState:
@@ -113,7 +121,7 @@ class ResidualEstimation:
         pending prediction; the rest of the state is unchanged.
 
         Returns:
-            (3,) m/s, Delta to use, and the state after the tick.
+            Delta to use (3,), in the model's unit, and the state after the tick.
         """
         vehicle, n = split_state(inputs.state), self.model.joints
         u = np.concatenate([inputs.base_setpoint[6:], inputs.joint_setpoint[2 * n :]])
@@ -124,16 +132,18 @@ class ResidualEstimation:
             return np.zeros(3), state._replace(prediction=prediction)
         p_B, v_B = vehicle.p_B, self.label_velocity(vehicle)
         sample, errors = self._complete(state, p_B, v_B, u)
-        learner, gate, delta = state.learner, state.gate, np.zeros(3)
+        learner, gate = state.learner, state.gate
+        correction, delta = np.zeros(3), np.zeros(3)
         if self.mode != "off":
             learner, gate, cause = self.learn(state, sample, bool(inputs.saturated[0] > 0.5))
             with np.errstate(invalid="ignore"):  # The check rejects NaN.
                 cause = max(cause, self.gate.check_layer(learner.theta, learner.theta @ phi))
             if cause > GateCause.POISONED:
                 learner = self.learner.start()
-            gate = self.gate.apply(gate, cause, state.prediction.delta)
-            delta = self.gate.output(gate, learner.theta @ phi)
-        prediction = PendingPrediction(True, inputs.x_0, phi, p_B, v_B, delta)
+            gate = self.gate.apply(gate, cause, state.prediction.correction)
+            correction = self.gate.output(gate, learner.theta @ phi)
+            delta = correction / self.model.residual_gain
+        prediction = PendingPrediction(True, inputs.x_0, phi, p_B, v_B, correction)
         return delta, EstimatorState(learner, prediction, errors, gate)
 
     def label_velocity(self, vehicle: VehicleState) -> np.ndarray:
@@ -159,14 +169,14 @@ class ResidualEstimation:
         self, state: EstimatorState, p_B: np.ndarray, v_B: np.ndarray, u: np.ndarray
     ) -> tuple[VelocitySample | None, PredictionErrors]:
         """Compares the pending prediction with the motion measured now, after `u` was applied."""
-        prediction, gain = state.prediction, self.learner.gain
+        prediction = state.prediction
         if not prediction.is_pending:
             return None, state.errors
         nominal = self.model.next_velocity(prediction.x, u)
-        correction = gain * (state.learner.theta @ prediction.phi)
+        correction = state.learner.theta @ prediction.phi
         if not np.isfinite(correction).all():
             return None, state.errors
         offset = (prediction.v_B + v_B) / 2 - (p_B - prediction.p_B) / self.model.dt
         target = v_B - nominal
-        error = nominal + gain * prediction.delta - v_B
+        error = nominal + prediction.correction - v_B
         return VelocitySample(target, correction, offset), PredictionErrors(error, -target)

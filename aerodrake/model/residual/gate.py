@@ -12,8 +12,8 @@ from aerodrake.scenario import Residual
 
 ERROR_FLOOR_M_S = 1e-4
 """Velocity errors below this value are negligible."""
-MAX_DELTA_M_S = 1.0
-"""Largest plausible |Delta|."""
+MAX_CORRECTION_M_S = 1.0
+"""Largest plausible |c Delta|, the velocity that Delta adds in one period."""
 MAX_SAMPLE_OFFSET_M_S = 0.5
 """Bound on one label's offset in the running mean; larger offsets are outliers."""
 FADE_IN = 2.0
@@ -44,7 +44,7 @@ class VelocitySample(NamedTuple):
 
     Attributes:
         target: (3,) m/s, label: measured velocity minus the model's prediction without Delta.
-        correction: (3,) m/s, c * Delta, the network's prediction of the label.
+        correction: (3,) m/s, c Delta, the network's prediction of the label.
         offset: (3,) m/s, mean of the velocities measured at both ends, minus the
             measured displacement over the period: 0 if both measurements agree.
     """
@@ -61,7 +61,7 @@ class GateState(NamedTuple):
         cause: `OK` while Delta is used.
         gated_s: s, time since Delta was gated off; 0 while it is used.
         blend: [0, 1], blend factor of Delta.
-        fade_out: (3,) m/s, Delta from which the output fades to zero.
+        fade_out: (3,) m/s, c Delta from which the output fades to zero.
         mean_offset: (3,) m/s, mean offset of the labels.
         mean_square_offset: m^2/s^2, mean squared length of the offset.
         mean_benefit: m^2/s^2, mean of e_0^2 - e_1^2 (see `LearningGate`).
@@ -94,7 +94,7 @@ class LearningGate:
     | UNPROVEN | at the start | r > 1/4 | 0 |
     | UNHELPFUL | mean of e_0^2 - e_1^2 below -floor^2, or r < 0 | r > 1/4 | 0 at once |
     | POISONED | mean offset > bound | r > 1/4 and mean offset < bound / 4 | fades out |
-    | DIVERGED | theta outside `max_drift`, or Delta > 1 m/s | r > 1/4 | fades out |
+    | DIVERGED | theta outside `max_drift`, or c Delta > 1 m/s | r > 1/4 | fades out |
     | NOT_FINITE | theta or Delta NaN or infinite | r > 1/4 | fades out |
 
     r exceeds 1/4 after about `gate_s` at the earliest. Delta then returns by a linear ramp
@@ -105,7 +105,7 @@ class LearningGate:
 
     Attributes:
         config: The gate uses `mode`, `gate_s`, `max_offset_m_s` and `max_drift`.
-        theta_offline: (3, m) m/s, centre of the ball of `max_drift`.
+        theta_offline: (3, m) m/s, last layer of c Delta, centre of the ball of `max_drift`.
         dt: s, period.
     """
 
@@ -150,21 +150,21 @@ class LearningGate:
         """Returns True if the labels' mean offset is too large to learn from them."""
         return self._offset_ratio(state) > REJECTION_RATIO
 
-    def check_layer(self, theta: np.ndarray, delta: np.ndarray) -> GateCause:
-        """Returns NOT_FINITE, DIVERGED or OK, from theta (3, m) m/s and its delta (3,) m/s."""
-        if not (np.isfinite(theta).all() and np.isfinite(delta).all()):
+    def check_layer(self, theta: np.ndarray, correction: np.ndarray) -> GateCause:
+        """Returns NOT_FINITE, DIVERGED or OK, from theta (3, m) m/s and its correction (3,) m/s."""
+        if not (np.isfinite(theta).all() and np.isfinite(correction).all()):
             return GateCause.NOT_FINITE
         if self.config.guards.gate_s == 0:
             return GateCause.OK
         drift, bound = np.linalg.norm(theta - self.theta_offline), self.config.guards.max_drift
         if bound > 0 and drift > bound * (1 + 1e-6):
             return GateCause.DIVERGED
-        return GateCause.DIVERGED if math.hypot(*delta) > MAX_DELTA_M_S else GateCause.OK
+        return GateCause.DIVERGED if math.hypot(*correction) > MAX_CORRECTION_M_S else GateCause.OK
 
     def apply(self, state: GateState, cause: GateCause, last: np.ndarray) -> GateState:
         """Returns the state after Delta is gated off, for the largest `cause` of this tick, or on.
 
-        The output fades out from `last`, (3,) m/s, Delta as used at the tick before.
+        The output fades out from `last`, (3,) m/s, c Delta as used at the tick before.
         """
         was_used = state.cause == GateCause.OK
         gated_s = 0.0 if was_used else state.gated_s + self.dt
@@ -183,10 +183,10 @@ class LearningGate:
         benefit = state.mean_benefit if was_used else max(state.mean_benefit, 0.0)
         return state._replace(cause=GateCause.OK, gated_s=0.0, blend=blend, mean_benefit=benefit)
 
-    def output(self, state: GateState, delta: np.ndarray) -> np.ndarray:
-        """Returns the Delta to use, (3,) m/s, from the network's `delta`, (3,) m/s."""
+    def output(self, state: GateState, correction: np.ndarray) -> np.ndarray:
+        """Returns the c Delta to use, (3,) m/s, from the network's `correction`, (3,) m/s."""
         if state.cause == GateCause.OK:
-            return state.blend * delta
+            return state.blend * correction
         fade_s = FADE_OUT * self.config.guards.gate_s
         if state.gated_s >= fade_s:
             return np.zeros(3)

@@ -1,4 +1,4 @@
-"""Linear models of the residual velocity, as baselines for the network."""
+"""Linear models of the velocity correction c Delta, as baselines for the network."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The network that estimates the residual velocity Delta of the base.
+"""The network that estimates the residual Delta of the base, in the equivalent model's unit.
 
 Two hidden layers of 32 units with ELU, as in the paper (section "Residual Learning").
 Everything is float64, like the online update of the last layer, in which steps of 1e-9
@@ -72,7 +72,7 @@ class ResidualNetwork(torch.nn.Module):
         return cls(joints, FeatureScaler.nominal(joints), seed)
 
     def forward(self, features: torch.Tensor) -> torch.Tensor:
-        """Returns Delta (..., 3) in m/s from unscaled features (..., 12 + 3 n)."""
+        """Returns Delta (..., 3) from unscaled features (..., 12 + 3 n)."""
         return self.last(self.activations(features))
 
     def activations(self, features: torch.Tensor) -> torch.Tensor:

@@ -1,4 +1,9 @@
-"""Online learning of the network's last layer, in closed form and with guards."""
+"""Online learning of the network's last layer, in closed form and with guards.
+
+All equations here are of the velocity correction c Delta = theta phi in m/s, which Delta adds to
+the predicted velocity in one period (`EquivalentModel.residual_gain`). The labels, the learning
+rate and the guards therefore mean the same in every model; in the paper's model c is 1.
+"""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -12,7 +17,7 @@ class LearnerState(NamedTuple):
     """Last layer, and ring buffer of the latest samples. Its arrays are never changed in place.
 
     Attributes:
-        theta: (3, m) m/s, last layer.
+        theta: (3, m) m/s, last layer of c Delta.
         phis, targets: (B_l, m) activations and (B_l, 3) m/s targets of the samples.
         sample_count: Number of samples so far; the next one goes to row `sample_count` mod B_l.
     """
@@ -36,7 +41,7 @@ class OnlineLearner:
       samples that correct it;
     - a step of theta is shortened to the length `max_step`;
     - theta is projected onto the ball of radius `max_drift` about theta_offline, so that
-      |Delta - theta_offline phi| <= max_drift |phi|.
+      |c Delta - theta_offline phi| <= max_drift |phi|.
 
     Norms are Frobenius norms. Projecting onto a convex set that contains the old theta never
     lengthens the step. Samples with NaN or infinite entries are rejected, and a step that
@@ -44,13 +49,11 @@ class OnlineLearner:
 
     Attributes:
         config: Learning rate, batch and bounds.
-        theta_offline: (3, m) m/s, initial last layer.
-        gain: (3,) c, the diagonal of the model's C in the rows of p_B'.
+        theta_offline: (3, m) m/s, initial last layer of c Delta.
     """
 
     config: Residual
     theta_offline: np.ndarray
-    gain: np.ndarray
 
     def start(self) -> LearnerState:
         """Returns the offline layer with an empty ring buffer."""
@@ -78,7 +81,7 @@ class OnlineLearner:
             phis[row], targets[row] = phi, target
             count = state.sample_count + 1  # Of which the buffer has the latest B_l.
             theta = last_layer_step(
-                state.theta, phis[:count], targets[:count], self.gain, self.config.learning_rate
+                state.theta, phis[:count], targets[:count], self.config.learning_rate
             )
             if np.isfinite(theta).all():
                 theta = _project(self.config.guards.max_step, state.theta, theta)
@@ -88,56 +91,58 @@ class OnlineLearner:
         return LearnerState(theta, phis, targets, count)
 
     def run(self, phi: np.ndarray, target: np.ndarray, saturated: np.ndarray) -> np.ndarray:
-        """Returns Delta (T, 3) m/s that the residual estimator infers along a recorded flight.
+        """Returns c Delta (T, 3) m/s that the residual estimator infers along a recorded flight.
 
         Delta_k uses phi_k and the theta that has learned the samples up to k-1, since the target
-        of sample k is measured at k+1. Its prediction error is gain * Delta_k - target_k.
+        of sample k is measured at k+1. Its prediction error is c Delta_k - target_k.
 
         Args:
             phi: (T, m) at successive ticks.
             target: (T, 3) m/s.
             saturated: (T,) flag of each sample, at the time of its target.
         """
-        state, delta = self.start(), np.empty_like(target)
+        state, correction = self.start(), np.empty_like(target)
         for k in range(len(phi)):
-            delta[k] = state.theta @ phi[k]
+            correction[k] = state.theta @ phi[k]
             state = self.step(state, phi[k], target[k], bool(saturated[k]))
-        return delta
+        return correction
 
     def _is_credible(self, phi: np.ndarray, target: np.ndarray) -> bool:
         if not (np.isfinite(phi).all() and np.isfinite(target).all()):
             return False
-        error = np.linalg.norm(self.gain * (self.theta_offline @ phi) - target)
+        error = np.linalg.norm(self.theta_offline @ phi - target)
         bound = self.config.guards.max_error_m_s
         return bool(bound == 0 or error <= bound)
 
 
 def last_layer_step(
-    theta: np.ndarray, phi: np.ndarray, target: np.ndarray, gain: np.ndarray, learning_rate: float
+    theta: np.ndarray, phi: np.ndarray, target: np.ndarray, learning_rate: float
 ) -> np.ndarray:
     """Returns theta after one step theta_k = theta_{k-1} - eta mean_i grad L_i (paper, eq. 6).
 
-    L_i = || p_hat'_i - p'_i ||^2 with p_hat'_i = base_i + c * (theta phi_i): the model's
+    L_i = || p_hat'_i - p'_i ||^2 with p_hat'_i = base_i + theta phi_i: the model's
     velocity prediction is affine in theta, so that
 
-        grad L_i = 2 diag(c) (c * (theta phi_i) - target_i) phi_i^T, target_i = p'_i - base_i.
+        grad L_i = 2 (theta phi_i - target_i) phi_i^T,    target_i = p'_i - base_i.
+
+    In a model with c other than 1 this is, in units of c, the gradient of the squared
+    error of Delta, || Delta_i - target_i / c ||^2, by the last layer of Delta.
 
     The printed sum over i = k-B_l..k has B_l + 1 terms and is divided by B_l; it is read as
     i = k-B_l+1..k. With fewer than B_l samples so far, the mean runs over those.
 
     The method is that of Saviolo et al., "Active Learning of Discrete-Time Dynamics for
     Uncertainty-Aware Model Predictive Control", 2023. The step is stable for
-    eta c^2 < 1 / lambda_max, the largest eigenvalue of mean phi phi^T.
+    eta < 1 / lambda_max, the largest eigenvalue of mean phi phi^T.
 
     Args:
-        theta: (3, m) m/s, last layer, [weights, bias].
+        theta: (3, m) m/s, last layer of c Delta, [weights, bias].
         phi: (B, m) last hidden activations and a 1, B >= 1.
         target: (B, 3) m/s, measured velocity minus the model's prediction without Delta.
-        gain: (3,) c, the diagonal of the model's C in the rows of p_B'.
         learning_rate: eta.
     """
-    error = gain * (phi @ theta.T) - target
-    gradient = 2 * (gain * error).T @ phi / len(phi)
+    error = phi @ theta.T - target
+    gradient = 2 * error.T @ phi / len(phi)
     return theta - learning_rate * gradient
 
 

@@ -10,7 +10,7 @@ from aerodrake.model.residual.features import feature_names, features
 from aerodrake.model.vehicle.state import split_state
 
 Samples = tuple[np.ndarray, np.ndarray]
-"""(T, 12 + 3 n) features and (T, 3) m/s targets of one flight, at each of T ticks."""
+"""(T, 12 + 3 n) features and (T, 3) m/s targets, true c Delta, of one flight at each of T ticks."""
 
 
 class Excitation(NamedTuple):
@@ -40,8 +40,9 @@ def residual_samples(model: EquivalentModel, flight: Excitation) -> Samples:
 
     The features of the sample k are from the state measured at t_k and u_{k-1}, unscaled; its
     target is the velocity measured at t_{k+1} minus the one that the model predicts from x_k
-    under u_k without Delta. The first tick has no sample, since u_{k-1} is unknown; nor has
-    the last, since the next velocity is unknown. The model's hidden states start at the first tick.
+    under u_k without Delta: c Delta, with c its `residual_gain`. The first tick has no sample,
+    since u_{k-1} is unknown; nor has the last, since the next velocity is unknown. The model's
+    hidden states start at the first tick.
 
     Args:
         model: Equivalent model with the period of the ticks.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.fingerprint import plant_hash
 from aerodrake.support.errors import ScenarioError, file_at
@@ -18,7 +19,8 @@ def network_for(scenario: Scenario, joints: int) -> ResidualNetwork | None:
     """Returns the checkpoint's network, or an untrained one without; None in the mode `off`.
 
     Raises:
-        ScenarioError: if the checkpoint cannot be used, or is for another flight interface.
+        ScenarioError: if the checkpoint cannot be used, or is for another flight interface or
+            for a model with another residual.
     """
     if scenario.residual.mode == "off":
         return None
@@ -33,6 +35,14 @@ def network_for(scenario: Scenario, joints: int) -> ResidualNetwork | None:
             "residual.checkpoint",
             f"expected a network for flight.interface {scenario.flight.interface}, got one for "
             f"{provenance.flight_interface}",
+        )
+    residual = EquivalentModel.of(scenario, joints).residual
+    if provenance.delta_unit != residual.unit:
+        raise ScenarioError(
+            scenario.source,
+            "residual.checkpoint",
+            f"expected a network for the {residual.name} of model.kind {scenario.model.kind} in "
+            f"{residual.unit}, got one whose Delta is in {provenance.delta_unit}",
         )
     return network
 

@@ -69,7 +69,7 @@ class TrainingData(NamedTuple):
     Attributes:
         training: Flights whose samples the network is fitted to.
         validation: Other flights, by which the epoch is selected.
-        gain: (3,) c, the diagonal of the model's C in the rows of p_B'.
+        gain: (3,) c, positive, `EquivalentModel.residual_gain`.
         joints: n.
     """
 
@@ -85,17 +85,17 @@ def train(
     config: TrainingConfig,
     progress: Callable[[float, float], None] = lambda training, validation: None,
 ) -> TrainingResult:
-    """Trains a network to fit Delta = target / gain.
+    """Trains a network to fit Delta = target / gain, in the model's unit.
 
-    The loss is the mean over flights of the squared error relative to the flight's own mean
-    squared target, so that slow and fast flights have equal weights.
+    The loss is the mean over flights of the squared error of c Delta relative to the flight's own
+    mean squared target, so that slow and fast flights have equal weights.
 
     Noise on roll, pitch and their rates keeps the network from inferring accelerations from the
     attitude: in wind the base tilts without accelerating. The network then infers them from the
     setpoint and the velocity. Noise on the commanded acceleration bounds the dependence of Delta
     on u: the MPC chooses u by Delta, and a strong dependence makes the two oscillate.
 
-    Online learning corrects Delta by a fraction 2 eta c^2 |phi|^2 of its error at every tick:
+    Online learning corrects Delta by a fraction 2 eta |phi|^2 of its error at every tick:
     with the small phi of an ordinary initialisation a constant error takes seconds to learn. The
     hidden layers therefore start with larger weights and biases; training on phi minus its mean
     preserves them.
@@ -107,8 +107,8 @@ def train(
         progress: Called after each epoch with its two losses.
     """
     joints = data.joints
-    features, targets, weights = _stack(data.training, data.gain)
-    validation_features, *validation = _stack(data.validation, data.gain)
+    features, targets, weights = _stack(data.training)
+    validation_features, *validation = _stack(data.validation)
     scale = np.maximum(features.std(dim=0).numpy(), FeatureScaler.nominal(joints).scale)
     network = ResidualNetwork(joints, FeatureScaler(features.mean(dim=0).numpy(), scale), seed)
     model = _Centred(network, features, float((targets**2).mean().sqrt()))
@@ -140,21 +140,19 @@ def train(
         if epoch - best[0] >= config.patience:
             break
     network.load_state_dict(best[2])
-    model.fold()
+    model.fold(data.gain)
     return TrainingResult(network, *np.array(losses).T, best[0])
 
 
-def _stack(
-    flights: Sequence[Samples], gain: np.ndarray
-) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-    """Returns features, Delta and weights (T, 1) of all flights.
+def _stack(flights: Sequence[Samples]) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    """Returns features, targets and weights (T, 1) of all flights.
 
     The weighted mean square of each flight's targets is 1, unless it is below `RMS_FLOOR`.
     """
     squares = [(targets**2).sum(axis=1) for _, targets in flights]
     weights = [np.full((len(s), 1), 1 / max(s.mean(), RMS_FLOOR**2)) for s in squares]
     features, targets, weight = map(np.vstack, (*zip(*flights, strict=True), weights))
-    features, targets, weight = map(torch.from_numpy, (features, targets / gain, weight))
+    features, targets, weight = map(torch.from_numpy, (features, targets, weight))
     return features, targets, weight
 
 
@@ -168,14 +166,15 @@ def _noise(features: np.ndarray, joints: int, config: TrainingConfig) -> np.ndar
     return noise
 
 
-def _loss(delta: torch.Tensor, target: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
-    return (weight * (delta - target) ** 2).sum(dim=1).mean()
+def _loss(predicted: torch.Tensor, target: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
+    return (weight * (predicted - target) ** 2).sum(dim=1).mean()
 
 
 class _Centred:
-    """Network in training, whose last layer receives phi minus its mean, and is scaled.
+    """Network in training, which outputs c Delta in m/s.
 
-    Steps along the mean of phi and along its variation then are equally well conditioned.
+    The last layer receives phi minus its mean, and is scaled: steps along the mean of phi and
+    along its variation then are equally well conditioned.
     """
 
     def __init__(self, network: ResidualNetwork, features: torch.Tensor, rms: float):
@@ -193,10 +192,12 @@ class _Centred:
         phi = self._network.activations(features)
         return self._scale * self._network.last(phi - self._centre)
 
-    def fold(self) -> None:
-        """Converts the last layer to the plain network's."""
+    def fold(self, gain: np.ndarray) -> None:
+        """Converts the last layer to the plain network's, which outputs Delta; gain (3,) is c."""
         last = self._network.last
         with torch.no_grad():
             last.weight *= self._scale
             last.bias *= self._scale
             last.bias -= last.weight @ self._centre
+            last.weight /= torch.from_numpy(gain)[:, None]
+            last.bias /= torch.from_numpy(gain)

@@ -8,12 +8,17 @@ from scipy import signal
 from scipy.integrate import solve_ivp
 
 from aerodrake.flight.excitation import excite
-from aerodrake.model.equivalent.axis_models import HIDDEN_STATES, flight_axis
+from aerodrake.model.equivalent.axis_models import (
+    HIDDEN_STATES,
+    RESIDUAL_ACCELERATION,
+    flight_axis,
+)
 from aerodrake.model.equivalent.initial_state import Signals, Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.setpoint.motion import held_acceleration_motion
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Flight, Rotor, Scenario
+from tests.flight_equations import STATES, AxisLoop
 
 FLIGHT = Flight(
     position_gain=(9.0, 8.0, 7.0),
@@ -39,39 +44,29 @@ def state(axis_model, **values: float) -> np.ndarray:
     return np.array([values.get(name, 0.0) for name in axis_model.states])
 
 
-def commanded(axis: int, interface: str, p, v, p_d, v_d, h, u) -> float:
-    a_c = K_P[axis] * (p_d - p) - K_V[axis] * v - h
-    return a_c + K_V[axis] * v_d + u if interface == "trajectory" else a_c
+def loop(axis: int, interface: str) -> AxisLoop:
+    attitude = (None, None) if axis == 2 else (K_R[axis], K_OMEGA[axis])
+    return AxisLoop(interface, K_P[axis], K_V[axis], *attitude, TAU, T_F, H_RATE)
 
 
 @pytest.mark.parametrize("interface", ["trajectory", "position"])
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("dt", [0.005, 0.02, 0.1])
-def test_solves_its_equations_under_constant_input(axis, interface, dt):
-    """With the low-passed a_c as the state of the filter."""
-    model = of(axis, interface, dt)
-    p, v, p_d, v_d, b, d, h, r, alpha, low, u = np.random.default_rng(axis).normal(size=11)
+def test_solves_its_equations_under_constant_input_and_residual(axis, interface, dt):
+    model, equations = of(axis, interface, dt), loop(axis, interface)
+    *y, u, delta = np.random.default_rng(axis).normal(size=len(STATES) + 2)
     if axis == 2:
-        r = alpha = low = 0.0
+        y[STATES.index("r") :] = 0.0, 0.0, 0.0
+    exact = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-13}
+    end = solve_ivp(lambda t, y: equations.slope(y, u, delta), (0, dt), y, **exact).y[:, -1]
 
-    def slope(t, y):
-        p, v, p_d, v_d, b, h, r, alpha, low = y
-        a_c = commanded(axis, interface, p, v, p_d, v_d, h, u)
-        if axis == 2:
-            return [v, b + d, v_d, u, (a_c - b) / TAU, H_RATE * (d - h), 0, 0, 0]
-        rate = (a_c - low) / T_F
-        torque = K_R[axis] * (a_c - b) + K_OMEGA[axis] * (rate - r)
-        return [v, b + d, v_d, u, r, H_RATE * (d - h), alpha, (torque - alpha) / TAU, rate]
+    def x(y):
+        *values, low = y
+        return state(model, **dict(zip(STATES, values, strict=False)), w=-low / T_F)
 
-    start = [p, v, p_d, v_d, b, h, r, alpha, low]
-    end = solve_ivp(slope, (0, dt), start, rtol=1e-11, atol=1e-12).y[:, -1]
-
-    def x(p, v, p_d, v_d, b, h, r, alpha, low):
-        return state(
-            model, p=p, v=v, p_d=p_d, v_d=v_d, b=b, d=d, h=h, r=r, alpha=alpha, w=-low / T_F
-        )
-
-    np.testing.assert_allclose(model.A @ x(*start) + model.B * u, x(*end), atol=1e-8)
+    after = model.A @ x(y) + model.B * u + model.C * delta
+    np.testing.assert_allclose(after, x(end), rtol=1e-10, atol=1e-10)
+    assert model.residual == RESIDUAL_ACCELERATION
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -123,10 +118,12 @@ def test_lag_behind_a_moving_setpoint(interface, lag_s):
     np.testing.assert_allclose([p_d - p, v, v_d], [0.4 * lag_s, 0.4, 0.4], atol=1e-9)
 
 
-def test_residual_is_a_velocity_change_at_constant_rate():
-    for axis in range(3):
-        model = of(axis)
-        np.testing.assert_array_equal(model.C, state(model, p=DT / 2, v=1.0))
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_the_residual_acts_like_the_external_acceleration(axis):
+    """Except that d lasts beyond the period."""
+    model = of(axis)
+    np.testing.assert_allclose(model.C, model.A @ state(model, d=1.0) - state(model, d=1.0))
+    np.testing.assert_allclose(model.C[:2], [DT**2 / 2, DT], rtol=0.02)
 
 
 def test_thrust_alone_tilts_the_base():

@@ -19,7 +19,7 @@ from aerodrake.model.residual.network import FeatureScaler, ResidualNetwork
 from aerodrake.support.errors import BadInput
 
 JOINTS = 6
-PROVENANCE = Provenance("0.1.0", "trajectory", "abc", "def")
+PROVENANCE = Provenance("0.1.0", "trajectory", "m/s^2", "abc", "def")
 
 
 def trained(joints: int = JOINTS) -> ResidualNetwork:

@@ -5,6 +5,7 @@ import pytest
 
 from aerodrake.model.residual.estimation import EstimatorInputs, EstimatorState, ResidualEstimation
 from aerodrake.model.residual.features import features
+from aerodrake.model.residual.gate import GateCause
 from aerodrake.model.residual.online_learner import last_layer_step
 from aerodrake.model.vehicle.state import split_state
 from tests.estimator_flights import JOINTS, equivalent_model, inputs, plain, trained
@@ -51,11 +52,24 @@ def test_the_last_layer_takes_its_step_before_delta_is_inferred():
     _, state = estimation.tick(estimation.start(), FIRST)
     delta, state = estimation.tick(state, SECOND)
     target = -state.errors.nominal_error
-    theta = last_layer_step(
-        trained().last_layer(), phi(FIRST)[None], target[None], estimation.learner.gain, 0.01
-    )
+    c = MODEL.residual_gain
+    offline = c[:, None] * trained().last_layer()
+    theta = last_layer_step(offline, phi(FIRST)[None], target[None], 0.01)
     np.testing.assert_allclose(state.learner.theta, theta, atol=1e-12)
-    np.testing.assert_allclose(delta, theta @ phi(SECOND), atol=1e-12)
+    np.testing.assert_allclose(delta, theta @ phi(SECOND) / c, atol=1e-12)
+
+
+@pytest.mark.parametrize("mode", ["offline", "online"])
+def test_the_integral_model_has_no_residual(mode):
+    """Its labels are undefined: nothing is learned, Delta is zero and counts as used."""
+    estimation = ResidualEstimation.make(trained(), equivalent_model("integral"), plain(mode, 1, 2))
+    state = estimation.start()
+    for tick in (FIRST, SECOND):
+        delta, state = estimation.tick(state, tick)
+        assert not delta.any()
+    assert state.learner.sample_count == 0 and state.gate.cause == GateCause.OK
+    np.testing.assert_array_equal(state.errors.error, state.errors.nominal_error)
+    assert state.errors.error.any()
 
 
 def test_a_tick_that_is_not_finite_discards_the_pending_prediction_alone():

@@ -13,7 +13,7 @@ from aerodrake.model.residual.gate import (
     ERROR_FLOOR_M_S,
     FADE_IN,
     FADE_OUT,
-    MAX_DELTA_M_S,
+    MAX_CORRECTION_M_S,
     MAX_SAMPLE_OFFSET_M_S,
     MIN_IMPROVEMENT,
     REJECTION_RATIO,
@@ -262,5 +262,5 @@ def test_an_implausible_delta_has_diverged():
         (1.01, GateCause.DIVERGED),
         (1e200, GateCause.DIVERGED),
     ):
-        delta = np.array([0.0, size * MAX_DELTA_M_S, 0.0])
-        assert gate.check_layer(gate.theta_offline, delta) == expected
+        correction = np.array([0.0, size * MAX_CORRECTION_M_S, 0.0])
+        assert gate.check_layer(gate.theta_offline, correction) == expected

@@ -14,7 +14,7 @@ from aerodrake.scenario.fingerprint import plant_hash
 from aerodrake.support.errors import BadInput
 
 JOINTS = 6
-PROVENANCE = Provenance("0.1.0", "trajectory", "abc", "def")
+PROVENANCE = Provenance("0.1.0", "trajectory", "m/s^2", "abc", "def")
 
 
 def trained() -> ResidualNetwork:
@@ -49,6 +49,20 @@ def test_a_scenario_has_the_network_of_its_checkpoint(tmp_path):
     )
     with pytest.raises(BadInput, match=r"residual\.checkpoint: .*position.*trajectory"):
         network_for(other, JOINTS)
+
+
+@pytest.mark.parametrize(
+    ("kind", "other", "quantity"),
+    [("flight", "m/s", "residual acceleration"), ("paper", "m/s^2", "residual velocity")],
+)
+def test_a_network_for_another_residual_is_refused(tmp_path, kind, other, quantity):
+    file = tmp_path / "a.pt"
+    scenario = Scenario(residual=Residual("online", str(file)), model=Model(kind=kind))
+    save(file, trained(), dataclasses.replace(PROVENANCE, delta_unit=other))
+    with pytest.raises(BadInput) as error:
+        network_for(scenario, JOINTS)
+    for part in ("residual.checkpoint", quantity, f"model.kind {kind}", f"Delta is in {other}"):
+        assert part in str(error.value)
 
 
 def test_a_network_of_another_plant_is_noted(tmp_path):

@@ -51,6 +51,13 @@ def test_the_network_has_the_lowest_validation_loss(result):
     assert error / (targets**2).sum() == pytest.approx(result.validation_loss.min(), rel=1e-6)
 
 
+def test_the_unit_of_delta_does_not_change_the_training():
+    """Nor its losses: a gain of a power of two is exact."""
+    plain, scaled = trained(), trained(gain=np.full(3, 2.0**-6))
+    np.testing.assert_array_equal(scaled.network.last_layer(), 64 * plain.network.last_layer())
+    np.testing.assert_array_equal(scaled.validation_loss, plain.validation_loss)
+
+
 def test_delta_is_target_over_gain():
     gain = np.array([0.5, 1.0, 2.0])
     network = trained(gain=gain, config=TrainingConfig(epochs=25, batch=128)).network
