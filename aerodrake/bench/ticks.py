@@ -11,7 +11,8 @@ import numpy as np
 
 from aerodrake.bench.peers import Peer
 from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
+from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.qp.condensed_qp import QpResult, QpStatus, is_constrained

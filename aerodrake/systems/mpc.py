@@ -7,7 +7,8 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, DiscreteValues
 
-from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
+from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.mpc.tick import MpcInputs, TickStatus
 from aerodrake.model.qp.condensed_qp import QpResult, is_constrained, is_solved

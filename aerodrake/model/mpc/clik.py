@@ -6,7 +6,7 @@ import numpy as np
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.horizon import stage_times
-from aerodrake.model.mpc.stage_cost import limited_gain
+from aerodrake.model.mpc.objective import limited_gain
 from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.vehicle import VehicleModel

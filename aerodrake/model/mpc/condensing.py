@@ -1,35 +1,32 @@
-"""Condensing: from a quadratic cost on stage outputs to a quadratic program in the inputs."""
+"""Condensing: from a quadratic cost of stage outputs to a quadratic program in the inputs."""
 
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from aerodrake.model.mpc.horizon import StageOutputs
-from aerodrake.model.mpc.stage_cost import StageCost
+from aerodrake.model.mpc.horizon import StageResponses
+from aerodrake.model.mpc.objective import StageCost
 from aerodrake.support.compiled import compiled
 
-MAX_OUTPUTS = 4
-"""Largest number of outputs that one axis drives: those of the base."""
+IDENTICAL = 1e-12
+"""Largest difference of two responses that count as one, relative to their largest element."""
 
 
 class Condensing(NamedTuple):
     """Constant part of the programs.
 
+    Outputs with identical dynamics, as those of identical joints, share their response.
+
     Attributes:
         axis: (F,), the axis of each output.
-        output_index: (m, 4), outputs driven by each axis, padded by repetition.
-        output_count: (m,), number of entries that are not padding: 4 of the base's axes, 2 of
-            the joints'.
         kind: (F,), index of each output's response.
-        responses: (K, N, N), the distinct responses G.
+        responses: (F, N, N), response G of each output, [stage, input].
         ticks: (N,), duration of each stage.
-        products: (K, K, N, N), G^T D G of each pair of responses, with D = diag(ticks).
+        products: (K, K, N, N), G^T D G of each pair of the K distinct responses, D = diag(ticks).
         H_input: (m, N, N), cost of the inputs of each axis.
     """
 
     axis: np.ndarray
-    output_index: np.ndarray
-    output_count: np.ndarray
     kind: np.ndarray
     responses: np.ndarray
     ticks: np.ndarray
@@ -37,21 +34,14 @@ class Condensing(NamedTuple):
     H_input: np.ndarray
 
     @classmethod
-    def make(cls, outputs: StageOutputs, ticks: np.ndarray, H_input: np.ndarray) -> Self:
+    def make(cls, responses: StageResponses, ticks: np.ndarray, H_input: np.ndarray) -> Self:
         """Computes the products for stages of `ticks` (N,) and H_input (m, N, N)."""
-        G, ticks = outputs.responses, ticks.astype(float)
-        products = np.einsum("fki,k,gkj->fgij", G, ticks, G, optimize=True)
-        by_axis = [np.flatnonzero(outputs.axis == a) for a in range(len(H_input))]
-        return cls(
-            axis=outputs.axis,
-            output_index=np.array([np.resize(indices, MAX_OUTPUTS) for indices in by_axis]),
-            output_count=np.array([len(indices) for indices in by_axis]),
-            kind=outputs.kind,
-            responses=G,
-            ticks=ticks,
-            products=np.ascontiguousarray(products),
-            H_input=H_input,
-        )
+        G = responses.G
+        largest = np.abs(G).max(axis=(1, 2))
+        is_identical = np.abs(G[:, None] - G).max(axis=(2, 3)) <= IDENTICAL * largest
+        first, kind = np.unique(is_identical.argmax(axis=1), return_inverse=True)
+        products = np.einsum("fki,k,gkj->fgij", G[first], ticks, G[first], optimize=True)
+        return cls(responses.axis, kind, G, ticks, np.ascontiguousarray(products), H_input)
 
 
 @compiled
@@ -60,80 +50,67 @@ def hessian(form: Condensing, C: np.ndarray) -> np.ndarray:
 
     The cost is the sum over stages of ticks (y^T C y + 2 c_k^T y), plus that of the inputs.
     The block of axes a and b is H_ab, the sum of C_fg G_f^T D G_g over outputs f of a, g of b.
+    Outputs of axes beyond the m of `form.H_input` are ignored.
 
     Args:
         form: Constant part of the program.
         C: (F, F), symmetric.
     """
     m, N, _ = form.H_input.shape
-    NN, K = N * N, len(form.products)
-    products = form.products.reshape(K * K, NN)
-    H, block = np.empty((m * N, m * N)), np.empty(NN)
-    max_pairs = form.output_index.shape[1] ** 2
-    C_fg, pair = np.empty(max_pairs), np.empty(max_pairs, dtype=np.int64)
+    H = np.zeros((m * N, m * N))
     for a in range(m):
-        for b in range(a, m):
-            pairs = 0
-            for f in form.output_index[a, : form.output_count[a]]:
-                for g in form.output_index[b, : form.output_count[b]]:
-                    C_fg[pairs] = C[f, g]
-                    pair[pairs] = form.kind[f] * K + form.kind[g]
-                    pairs += 1
-            assert pairs % 4 == 0  # Axes have 2 or 4 outputs.
-            own = form.H_input[a].reshape(NN)
-            for i in range(NN):
-                block[i] = own[i] if a == b else 0.0
-            for k in range(0, pairs, 4):  # Four pairs at a time make fewer passes over the block.
-                c_0, c_1, c_2, c_3 = C_fg[k], C_fg[k + 1], C_fg[k + 2], C_fg[k + 3]
-                M_0, M_1 = products[pair[k]], products[pair[k + 1]]
-                M_2, M_3 = products[pair[k + 2]], products[pair[k + 3]]
-                for i in range(NN):
-                    block[i] += c_0 * M_0[i] + c_1 * M_1[i] + c_2 * M_2[i] + c_3 * M_3[i]
-            for i in range(N):
-                for j in range(N):
-                    H[a * N + i, b * N + j] = block[i * N + j]
-            if a < b:
-                for j in range(N):
-                    for i in range(N):
-                        H[b * N + j, a * N + i] = block[i * N + j]
+        H[a * N : (a + 1) * N, a * N : (a + 1) * N] = form.H_input[a]
+    for f in range(len(form.axis)):
+        for g in range(len(form.axis)):
+            a, b, c = form.axis[f], form.axis[g], C[f, g]
+            if a <= b < m and c != 0:
+                product = form.products[form.kind[f], form.kind[g]]
+                for i in range(N):
+                    for j in range(N):
+                        H[a * N + i, b * N + j] += c * product[i, j]
+    for i in range(m * N):
+        for j in range(i):
+            H[i, j] = H[j, i]
     return H
 
 
-@compiled
-def gradient(form: Condensing, cost: StageCost, free_response: np.ndarray) -> np.ndarray:
+def gradient(form: Condensing, cost: StageCost, free: np.ndarray) -> np.ndarray:
     """Returns g (m N,) of the program whose H `hessian` returns.
 
     Args:
         form: Constant part of the program.
         cost: Cost of the outputs y.
-        free_response: (F, N), y with zero inputs.
+        free: (F, N), y with zero inputs.
     """
-    slope = cost.C @ free_response + cost.c
-    m, N, _ = form.H_input.shape
-    g = np.zeros(m * N)
-    for f in range(len(form.axis)):
-        a, G = form.axis[f], form.responses[form.kind[f]]
-        for k in range(N):
-            weighted = form.ticks[k] * slope[f, k]
-            for j in range(k + 1):
-                g[a * N + j] += G[k, j] * weighted
-    return g
+    m = len(form.H_input)
+    slope = form.ticks * (cost.C @ free + cost.c)
+    by_output = (slope[:, None] @ form.responses)[:, 0]
+    g = by_output[:m] + by_output[m : 2 * m]  # Outputs are velocities, positions, a and a'.
+    g[:3] += by_output[2 * m : 2 * m + 3] + by_output[2 * m + 3 :]
+    return g.ravel()
 
 
-@compiled
-def outputs_under(form: Condensing, free_response: np.ndarray, z: np.ndarray) -> np.ndarray:
+def outputs_under(form: Condensing, free: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Returns the outputs y (F, N) under the inputs z (m N,).
 
     Args:
         form: Constant part of the program.
-        free_response: (F, N), y with zero inputs.
+        free: (F, N), y with zero inputs.
         z: (m N,), scaled inputs.
     """
-    N = free_response.shape[1]
-    y = free_response.copy()
-    for f in range(len(form.axis)):
-        a, G = form.axis[f], form.responses[form.kind[f]]
-        for k in range(N):
-            for j in range(k + 1):
-                y[f, k] += G[k, j] * z[a * N + j]
-    return y
+    by_axis = z.reshape(len(form.H_input), -1)
+    return free + (form.responses @ by_axis[form.axis, :, None])[..., 0]
+
+
+def rows_by_input(form: Condensing, rows: np.ndarray) -> np.ndarray:
+    """Returns L (N, d, m N), where rows y_k = L_k z for y_k without its free response.
+
+    Args:
+        form: Constant part of the program.
+        rows: (d, F).
+    """
+    m, N, _ = form.H_input.shape
+    L = np.zeros((N, len(rows), m, N))
+    for f, axis in enumerate(form.axis):
+        L[:, :, axis] += rows[:, f, None] * form.responses[f][:, None]
+    return L.reshape(N, len(rows), m * N)

@@ -1,15 +1,14 @@
 """Stages of the MPC's horizon, and the outputs of the model at each of them."""
 
 from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple, Self
 
 import numpy as np
 from scipy.optimize import brentq
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.scenario import Mpc
-
-IDENTICAL = 1e-12
-"""Largest difference of two responses that count as one, relative to their largest element."""
 
 
 def stage_ticks(config: Mpc) -> np.ndarray:
@@ -34,86 +33,114 @@ def stage_times(config: Mpc, period: float) -> np.ndarray:
     return period * np.append(0, np.cumsum(stage_ticks(config)))
 
 
-class StageStates:
-    """States x_k = Phi_k x_0 + Gamma_k U + Psi_k Delta of the model at the end of stage k.
+class StageTransition(NamedTuple):
+    """x_k = A x_{k-1} + B u_{k-1} + C Delta over one stage, in which u and Delta are constant.
 
-    U stacks u_0 ... u_{N-1}. Stage k = 1 ... N lasts `stage_ticks[k - 1]` ticks with constant
-    input u_{k-1}.
+    Attributes:
+        A: (nx, nx).
+        B: (nx, m), m = 3 + n.
+        C: (nx, 3).
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+
+    @classmethod
+    def of(cls, model: EquivalentModel, ticks: int) -> Self:
+        """Returns the transition over so many periods of the model."""
+        A, (B, C) = np.eye(len(model.A)), (np.zeros_like(x) for x in (model.B, model.C))
+        for _ in range(ticks):
+            A, B, C = model.A @ A, model.A @ B + model.B, model.A @ C + model.C
+        return cls(A, B, C)
+
+
+class OutputMap(NamedTuple):
+    """y_k = now x_k + before x_{k-1} + first x_0, the outputs at the end of one stage.
+
+    y = [p_B', q', p_B, q, a, a'] has F = 2 m + 6 entries, m = 3 + n. a is the acceleration of
+    the base, which tilts it. p_B, q and a are relative to x_0; a' is the mean rate of a over the
+    stage.
+
+    Attributes:
+        now, before, first: (F, nx).
+    """
+
+    now: np.ndarray
+    before: np.ndarray
+    first: np.ndarray
+
+    @classmethod
+    def of(cls, model: EquivalentModel, stage_s: float) -> Self:
+        """Returns the map for a stage that lasts `stage_s` s."""
+        identity, a = np.eye(len(model.A)), model.acceleration
+        velocity = identity[np.concatenate([model.base_velocity, model.joint_velocity])]
+        position = identity[np.concatenate([model.base_position, model.joint_position])]
+        zero = np.zeros_like(velocity)
+        return cls(
+            now=np.vstack([velocity, position, a, a / stage_s]),
+            before=np.vstack([zero, zero, 0 * a, -a / stage_s]),
+            first=np.vstack([zero, -position, -a, 0 * a]),
+        )
+
+
+class OutputSlices(NamedTuple):
+    """Positions in y of the parts of an `OutputMap`: p_B', q', p_B, q, a and a'."""
+
+    base_velocity: slice
+    joint_velocity: slice
+    base_position: slice
+    joint_position: slice
+    acceleration: slice
+    acceleration_rate: slice
+
+    @classmethod
+    def of(cls, joints: int) -> Self:
+        """Returns the slices for n `joints`."""
+        ends = np.cumsum([0, 3, joints, 3, joints, 3, 3]).tolist()
+        return cls(*(slice(start, end) for start, end in pairwise(ends)))
+
+
+class StageResponses:
+    """Responses of the states and outputs of all stages to x_0, Delta and the inputs.
+
+    x_k = Phi_k x_0 + Psi_k Delta + Gamma_k U, where U stacks u_0 ... u_{N-1}. Each axis of base
+    and arm has its own input in the model, so that each output depends on the inputs of one axis,
+
+        y_f = free_f [x_0, Delta] + G_f z_axis(f),
+
+    where z (m N,) stacks the scaled inputs axis by axis, the stages of the first axis first.
 
     Attributes:
         Phi: (N, nx, nx).
-        Gamma: (N, nx, N m), m = 3 + n.
         Psi: (N, nx, 3), for constant Delta.
-
-    Args:
-        model: The equivalent model.
-        stage_ticks: (N,), periods of the model that each stage lasts.
-    """
-
-    def __init__(self, model: EquivalentModel, stage_ticks: Sequence[int]):
-        nx, m = model.B.shape
-        horizon = len(stage_ticks)
-        self.Phi = np.empty((horizon, nx, nx))
-        self.Gamma = np.zeros((horizon, nx, horizon * m))
-        self.Psi = np.empty((horizon, nx, 3))
-        Phi, Gamma, Psi = np.eye(nx), np.zeros((nx, horizon * m)), np.zeros((nx, 3))
-        for k, ticks in enumerate(stage_ticks):
-            for _ in range(ticks):
-                Phi, Gamma, Psi = model.A @ Phi, model.A @ Gamma, model.A @ Psi + model.C
-                Gamma[:, k * m : (k + 1) * m] += model.B
-            self.Phi[k], self.Gamma[k], self.Psi[k] = Phi, Gamma, Psi
-
-
-class StageOutputs:
-    """y = [p_B', q', p_B, q, a, a'] at the end of each stage, F = 2 (3 + n) + 6 numbers.
-
-    a is the acceleration of the base, which tilts it. p_B, q and a are relative to x_0; a' is
-    the mean rate of a over the stage. The axes of base and arm are decoupled in the model, so
-    each output depends on the inputs of one axis,
-
-        y_f = G_f z_axis(f) + [free response to x_0 and Delta],
-
-    where z (m N,) stacks the scaled inputs axis by axis. Outputs with identical dynamics, as
-    those of identical joints, share their G.
-
-    Attributes:
+        Gamma: (N, nx, N m).
+        free: (F, N, nx + 3).
+        G: (F, N, N), [output, stage, input].
         axis: (F,), the axis of each output.
-        kind: (F,), index of each output's response in `responses`.
-        responses: (K, N, N), the distinct G: [stage, input].
-        free_response: (F, N, nx + 3), per [x_0, Delta].
 
     Args:
         model: The equivalent model.
-        states: States of the model at the stages.
-        stage_s: (N,) s, duration of each stage.
+        ticks: (N,), periods of the model that each stage lasts.
         scale: (m,), inputs per unit of z.
     """
 
-    def __init__(
-        self, model: EquivalentModel, states: StageStates, stage_s: np.ndarray, scale: np.ndarray
-    ):
-        N, m = len(stage_s), len(scale)
+    def __init__(self, model: EquivalentModel, ticks: Sequence[int], scale: np.ndarray):
+        (nx, m), N = model.B.shape, len(ticks)
+        Phi, Psi, Gamma = [np.eye(nx)], [np.zeros((nx, 3))], [np.zeros((nx, N * m))]
+        free, by_input = [], []
+        for k, stage in enumerate(ticks):
+            A, B, C = StageTransition.of(model, stage)
+            Phi.append(A @ Phi[k])
+            Psi.append(A @ Psi[k] + C)
+            Gamma.append(A @ Gamma[k])
+            Gamma[k + 1][:, k * m : (k + 1) * m] += B
+            now, before, first = OutputMap.of(model, model.dt * stage)
+            by_x_0 = now @ Phi[k + 1] + before @ Phi[k] + first
+            free.append(np.hstack([by_x_0, now @ Psi[k + 1] + before @ Psi[k]]))
+            by_input.append(now @ Gamma[k + 1] + before @ Gamma[k])
+        self.Phi, self.Psi, self.Gamma = (np.array(x[1:]) for x in (Phi, Psi, Gamma))
+        self.free = np.stack(free, axis=1)
         self.axis = np.concatenate([np.arange(m), np.arange(m), np.arange(3), np.arange(3)])
-        velocity = np.concatenate([model.base_velocity, model.joint_velocity])
-        position = np.concatenate([model.base_position, model.joint_position])
-
-        def outputs(x: np.ndarray, x_0: np.ndarray) -> np.ndarray:
-            """Returns y (F, N, ...) for states x (N, nx, ...) that start at x_0 (nx, ...)."""
-            a = np.tensordot(x, model.acceleration, (1, 1))
-            a = np.moveaxis(a, -1, 1)
-            a_0 = np.tensordot(model.acceleration, x_0, 1)
-            steps = np.diff(a, axis=0, prepend=a_0[None])
-            rate = steps / stage_s.reshape(-1, *[1] * (steps.ndim - 1))
-            parts = [x[:, velocity], x[:, position] - x_0[position], a - a_0, rate]
-            return np.moveaxis(np.concatenate(parts, axis=1), 0, 1)
-
-        nx = len(model.A)
-        by_x_0 = outputs(states.Phi, np.eye(nx))
-        by_delta = outputs(states.Psi, np.zeros((nx, 3)))
-        self.free_response = np.concatenate([by_x_0, by_delta], axis=2)
-        by_u = outputs(states.Gamma, np.zeros((nx, N * m))).reshape(-1, N, N, m)
-        G = np.array([by_u[f, :, :, axis] * scale[axis] for f, axis in enumerate(self.axis)])
-        largest = np.abs(G).max(axis=(1, 2))
-        is_identical = np.abs(G[:, None] - G).max(axis=(2, 3)) <= IDENTICAL * largest
-        first, self.kind = np.unique(is_identical.argmax(axis=1), return_inverse=True)
-        self.responses = G[first]
+        by_axis = np.stack(by_input, axis=1).reshape(-1, N, N, m)
+        self.G = np.array([by_axis[f, :, :, a] * scale[a] for f, a in enumerate(self.axis)])

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
-from aerodrake.model.mpc.redundancy import DecoupledMinimiser
+from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult, QpStatus, is_solved
 
 
 class MpcSolver:
     """Solves the programs of one formulation.
 
-    Forms H only if the decoupled minimiser is not the solution. Infeasible bounds are relaxed as
+    Infeasible bounds are relaxed as
     far as full braking requires, unless a lower bound exceeds its upper one, which is an error.
 
     Args:
@@ -20,7 +20,6 @@ class MpcSolver:
     def __init__(self, formulation: MpcFormulation):
         self._formulation = formulation
         self._qp = CondensedQp(formulation.A, formulation.config.max_iterations)
-        self._decoupled = DecoupledMinimiser(formulation.condensing, formulation.W_2)
 
     def solve(self, program: MpcProgram, active: np.ndarray | None = None) -> QpResult:
         """Solves one program.
@@ -31,12 +30,6 @@ class MpcSolver:
                 had none.
         """
         g, lower, upper = program.g, program.lower, program.upper
-        if active is None:  # Otherwise some constraints are most likely active again.
-            z = self._decoupled.minimiser(program.C, g, program.task_jacobian)
-            if z is not None:
-                result = self._qp.accept_unconstrained(z, lower, upper)
-                if result is not None:
-                    return result
         result = self._qp.solve(program.H, g, lower, upper, active)
         if is_solved(result.status) or not (lower <= upper).all():
             return result

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues
 
-from aerodrake.model.mpc.formulation import MpcFormulation, MpcProgram
+from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult
 from aerodrake.scenario import (

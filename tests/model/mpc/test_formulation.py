@@ -5,16 +5,15 @@ import dataclasses
 import numpy as np
 import pytest
 from scipy.optimize import linprog
-from scipy.spatial.transform import Rotation
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
-from aerodrake.model.mpc.stage_cost import tilt_matrix
+from aerodrake.model.mpc.horizon import StageResponses
 from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.qp.condensed_qp import CondensedQp, QpStatus
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Model, Mpc, Scenario
-from tests.explicit_mpc import K_B, UP, ExplicitMpc, G, acceleration, displacement
+from tests.explicit_mpc import K_B, ExplicitMpc, acceleration, displacement
 
 DT = 0.02
 OPTIONS = [
@@ -129,15 +128,6 @@ def test_prediction_of_the_program_equals_the_model(option, prepared, tight_scen
     np.testing.assert_array_equal(p_E[0], at.p_E)
 
 
-def test_tilt_matrix_is_the_rotation_of_the_thrust_axis():
-    """A rotation that points the thrust along g + a moves the tool by T a."""
-    r = np.array([0.1, 0.2, -0.3])
-    for a in 0.01 * np.vstack([np.eye(3), [1, -2, 0.5]]):
-        thrust = a + G * UP
-        turned = Rotation.align_vectors(thrust[None], UP[None])[0]
-        np.testing.assert_allclose(tilt_matrix(r) @ a, turned.apply(r) - r, atol=2e-6)
-
-
 def test_one_weight_applies_to_all_joints(tight_scenario, ticks, vehicle):
     config = tight_scenario.mpc
     per_joint = dataclasses.replace(
@@ -162,7 +152,8 @@ def test_feasibility_is_recursive(horizon, ticks_of, vehicle):
     ours = MpcFormulation(config, model, vehicle)
     first = ticks_of(model)[0]
     tick = dataclasses.replace(first, reference=np.zeros((horizon + 1, 6)), delta=np.zeros(3))
-    by_input = ours.states.Gamma[:, model.joint_velocity].sum(axis=(0, 1))
+    responses = StageResponses(model, ours.stage_ticks, ours.limits.acceleration)
+    by_input = responses.Gamma[:, model.joint_velocity].sum(axis=(0, 1))
     speeds = by_input.reshape(horizon, -1).T.ravel() * ours.scale
     x = tick.x_0.copy()
     x[model.joint_position] = vehicle.upper - 0.8

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from aerodrake.model.equivalent.axis_models import AXIS_MODELS
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.mpc.horizon import StageOutputs, StageStates, stage_ticks
-from aerodrake.scenario import Flight, Model, Mpc, Scenario
+from aerodrake.model.mpc.horizon import StageResponses, stage_ticks
+from aerodrake.scenario import Model, Mpc, Scenario
 
 K_B = (6.67, 1.8, 2.38)
 TICKS = np.array([1, 1, 2, 4])
@@ -54,7 +54,7 @@ def test_the_default_spans_two_seconds_with_short_stages_first():
 def test_states_equal_the_model_tick_by_tick(kind, stage_ticks, joints):
     """Inputs are constant over their stages, Delta over the horizon."""
     model = EquivalentModel.of(Scenario(model=Model(kind=kind, k_b=K_B)), joints)
-    stages, N = StageStates(model, stage_ticks), len(stage_ticks)
+    stages, N = StageResponses(model, stage_ticks, np.ones(3 + joints)), len(stage_ticks)
     rng = np.random.default_rng(0)
     x, delta = rng.normal(size=len(model.A)), rng.normal(size=3)
     u = rng.normal(size=(N, 3 + joints))
@@ -68,26 +68,22 @@ def test_states_equal_the_model_tick_by_tick(kind, stage_ticks, joints):
 
 def test_states_do_not_depend_on_later_inputs():
     model = EquivalentModel.of(Scenario(), 6)
-    states = StageStates(model, [1, 2, 4])
+    states = StageResponses(model, [1, 2, 4], np.ones(9))
     for k in range(3):
         assert np.any(states.Gamma[k][:, 9 * k : 9 * (k + 1)] != 0)
         np.testing.assert_array_equal(states.Gamma[k][:, 9 * (k + 1) :], 0)
 
 
-def outputs(scenario: Scenario) -> tuple[EquivalentModel, StageOutputs]:
-    model = EquivalentModel.of(scenario, joints=3)
-    return model, StageOutputs(model, StageStates(model, TICKS), model.dt * TICKS, SCALE)
-
-
 @pytest.mark.parametrize("kind", ["flight", "exact", "integral"])
 def test_outputs_equal_those_of_the_model(kind):
-    model, ours = outputs(Scenario(model=Model(kind=kind)))
+    model = EquivalentModel.of(Scenario(model=Model(kind=kind)), joints=3)
+    ours = StageResponses(model, TICKS, SCALE)
     rng = np.random.default_rng(0)
     x_0, delta = rng.normal(size=len(model.A)), rng.normal(size=3)
     z = rng.normal(size=(6, len(TICKS)))
-    y = ours.free_response @ np.concatenate([x_0, delta])
+    y = ours.free @ np.concatenate([x_0, delta])
     for f, axis in enumerate(ours.axis):
-        y[f] += ours.responses[ours.kind[f]] @ z[axis]
+        y[f] += ours.G[f] @ z[axis]
     x, a = x_0, model.acceleration @ x_0
     for k, ticks in enumerate(TICKS):
         for _ in range(ticks):
@@ -100,27 +96,3 @@ def test_outputs_equal_those_of_the_model(kind):
         np.testing.assert_allclose(
             y[15:, k], (a - before) / (ticks * model.dt), rtol=1e-9, atol=1e-9
         )
-
-
-def test_outputs_with_identical_dynamics_share_their_response():
-    _, ours = outputs(Scenario())
-    speeds, positions = ours.kind[:6], ours.kind[6:12]
-    for kinds in (speeds, positions):
-        assert kinds[0] == kinds[1] and kinds[3] == kinds[4]  # x and y, two joints.
-        assert len(set(kinds)) == 4
-    assert not set(speeds) & set(positions)
-
-
-def test_slightly_different_responses_are_distinct():
-    _, ours = outputs(Scenario(flight=Flight(position_gain=(9.0, 9.000001, 9.0))))
-    assert ours.kind[0] != ours.kind[1]
-
-
-def test_rounding_errors_do_not_separate_responses():
-    """Rounding depends on how matrices are multiplied, for example on the number of threads."""
-    model = EquivalentModel.of(Scenario(), joints=3)
-    states = StageStates(model, TICKS)
-    exact = StageOutputs(model, states, model.dt * TICKS, SCALE)
-    states.Gamma *= 1 + 1e-15 * np.random.default_rng(0).normal(size=states.Gamma.shape)
-    rounded = StageOutputs(model, states, model.dt * TICKS, SCALE)
-    np.testing.assert_array_equal(rounded.kind, exact.kind)

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
-from aerodrake.model.mpc.stage_cost import limited_gain
+from aerodrake.model.mpc.objective import limited_gain
 from aerodrake.model.mpc.tick import MpcInputs, Pointing
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import VehicleState, split_state

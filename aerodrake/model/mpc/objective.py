@@ -1,0 +1,183 @@
+"""Objective of the MPC (paper, section III-B): its terms, and their sum at a stage."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from aerodrake.model.mpc.predictions import Prediction, StagePredictions
+from aerodrake.model.mpc.tick import MpcInputs
+from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.scenario import Mpc
+
+
+class CostTerm(NamedTuple):
+    """| sum_i M_i x_i,k - desired_k |^2 W of predicted quantities x_i, times the stage's ticks.
+
+    Attributes:
+        name: The paper's name, for example `J_1`.
+        formula: The term in the paper's symbols.
+        parts: (quantity, M_i (d, size)) of each quantity.
+        desired: (d, N), or (d, 1) if it is the same at all stages.
+        weight: (d,), diagonal of W.
+    """
+
+    name: str
+    formula: str
+    parts: tuple[tuple[str, np.ndarray], ...]
+    desired: np.ndarray
+    weight: np.ndarray
+
+
+class StageCost(NamedTuple):
+    """y^T C y + 2 c_k^T y, a cost of the outputs y of a stage k.
+
+    Attributes:
+        C: (F, F), symmetric.
+        c: (F, N).
+    """
+
+    C: np.ndarray
+    c: np.ndarray
+
+
+class TrackingTask(NamedTuple):
+    """Task vector r that follows a reference, with the cost | r' - r_d' + K (r - r_d) |^2 W.
+
+    Attributes:
+        name, formula: As in `CostTerm`.
+        quantity, rate: Names of r and r' in `QUANTITIES`.
+        gain: (3,) 1/s, diagonal of K.
+        weight: (3,), diagonal of W.
+        speed: m/s or 1/s, bound of | K (r - r_d) | now.
+    """
+
+    name: str
+    formula: str
+    quantity: str
+    rate: str
+    gain: np.ndarray
+    weight: np.ndarray
+    speed: float
+
+
+class Objective:
+    """Terms of the objective that penalise predicted quantities, at the stages k = 1 ... N.
+
+    With v_s = [p_B', q'] and e_E = p_E - p_Ed,
+
+        J_1 = | p_E' - p_Ed' + K_e e_E |^2  W_1
+        J_2 = | v_s |^2                     W_2
+        J_4 = | p_EB - p_O |^2              W_4
+        J_6 = | t' - d' + K_o (t - d) |^2   W_6
+
+    e_E is predicted, or frozen at its current value as printed in the paper (`mpc.error`).
+    K_e is scaled down if the correction of the current e_E would exceed `approach_speed_m_s`.
+
+    J_6 is the orientation task, which is not in the paper, and is present if the tick has one. t
+    is the direction of the tool's axis and d the desired one; rotation about the axis is free.
+    K_o and `approach_speed_rad_s` replace K_e and `approach_speed_m_s`.
+
+    Attributes:
+        W_2: (m,), diagonal of the paper's W_2,0.
+
+    Args:
+        config: Weights and gains.
+        vehicle: Gives the centre p_O of the learning space and the number of joints.
+    """
+
+    def __init__(self, config: Mpc, vehicle: VehicleModel):
+        self._config, self._p_O = config, vehicle.p_O[:, None]
+        joints = vehicle.per_joint(config.w_2_joints, "mpc.w_2_joints")
+        self.W_2 = np.array([*config.w_2_base, *joints])
+        self._is_base = np.arange(len(self.W_2)) < 3
+        self._W_4 = np.array(config.w_4)
+        self._position = TrackingTask(
+            "J_1",
+            "| p_E' - p_Ed' + K_e e_E |^2 W_1",
+            "tool_position",
+            "tool_velocity",
+            np.array(config.k_e),
+            np.array(config.w_1),
+            config.approach_speed_m_s,
+        )
+        self._pointing = TrackingTask(
+            "J_6",
+            "| t' - d' + K_o (t - d) |^2 W_6",
+            "tool_axis",
+            "tool_axis_rate",
+            np.full(3, config.k_o),
+            np.full(3, config.w_6),
+            config.approach_speed_rad_s,
+        )
+        self._I, self._I_v = np.eye(3), np.eye(len(self.W_2))
+        self._at_rest = np.zeros((len(self.W_2), 1))
+
+    def terms(self, tick: MpcInputs) -> list[CostTerm]:
+        """Returns J_1, J_2, J_4 and, with an orientation task, J_6."""
+        W_2 = self.W_2 * np.where(self._is_base, tick.w_q, tick.w_m)
+        v_s, p_EB = ("velocity", self._I_v), ("tool_position_base", self._I)
+        terms = [
+            self._tracking(self._position, tick.end_effector.p_E, tick.reference),
+            CostTerm("J_2", "| v_s |^2 W_2", (v_s,), self._at_rest, W_2),
+            CostTerm("J_4", "| p_EB - p_O |^2 W_4", (p_EB,), self._p_O, self._W_4 * tick.w_d),
+        ]
+        if tick.pointing is not None:
+            axis, reference = tick.pointing.axis.value, tick.pointing.reference
+            terms.append(self._tracking(self._pointing, axis, reference))
+        return terms
+
+    def _tracking(self, task: TrackingTask, value: np.ndarray, reference: np.ndarray) -> CostTerm:
+        """Returns the term of a task vector with the current `value` (3,)."""
+        error = value - reference[0, :3]
+        K, desired = limited_gain(task.gain, error, task.speed), reference[1:, 3:]
+        parts: tuple[tuple[str, np.ndarray], ...] = ((task.rate, self._I),)
+        if self._config.error == "predicted":
+            parts, desired = (*parts, (task.quantity, np.diag(K))), desired + K * reference[1:, :3]
+        else:
+            desired = desired - K * error
+        return CostTerm(task.name, task.formula, parts, desired.T, task.weight)
+
+
+def input_cost(W_3: np.ndarray) -> CostTerm:
+    """Returns J_3 with the diagonal W_3 (m,); x_k is the input during the stage k."""
+    u = ("input", np.eye(len(W_3)))
+    return CostTerm("J_3", "| u |^2 W_3", (u,), np.zeros((len(W_3), 1)), W_3)
+
+
+def stage_cost(terms: Sequence[CostTerm], predictions: StagePredictions) -> StageCost:
+    """Returns the sum of terms, up to a constant."""
+    C, c = 0.0, 0.0
+    for term in terms:
+        rows, offset = combined(term.parts, predictions)
+        weighted = (term.weight[:, None] * rows).T
+        C, c = C + weighted @ rows, c + weighted @ (offset - term.desired)
+    return StageCost(C, c)
+
+
+def combined(parts: Sequence[tuple[str, np.ndarray]], predictions: StagePredictions) -> Prediction:
+    """Returns the prediction of sum_i M_i x_i.
+
+    Args:
+        parts: Name of the quantity x_i and M_i (d, size), of each i.
+        predictions: Predictions of the tick.
+    """
+    (quantity, M), *others = parts
+    rows, offset = predictions[quantity]
+    rows, offset = M @ rows, M @ offset
+    for quantity, M in others:
+        more = predictions[quantity]
+        rows, offset = rows + M @ more.rows, offset + M @ more.offset
+    return Prediction(rows, offset)
+
+
+def limited_gain(gain: np.ndarray, error: np.ndarray, speed: float) -> np.ndarray:
+    """Returns the gain (3,) 1/s, scaled down if it would correct `error` faster than `speed`.
+
+    Args:
+        gain: (3,) 1/s.
+        error: (3,) m of a position, or 1 of a direction.
+        speed: m/s, or rad/s.
+    """
+    return gain * min(1.0, speed / max(math.hypot(*(gain * error).tolist()), 1e-9))

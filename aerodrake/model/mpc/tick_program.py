@@ -1,0 +1,258 @@
+"""Problem of one tick as a `MathematicalProgram` that can be read, extended and solved."""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from pydrake.solvers import Binding, MathematicalProgram
+from pydrake.symbolic import Variable
+
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.custom_terms import CustomTerms
+from aerodrake.model.mpc.horizon import OutputMap, StageTransition
+from aerodrake.model.mpc.objective import CostTerm
+from aerodrake.model.mpc.predictions import StagePredictions
+from aerodrake.model.mpc.state_bounds import StateBounds
+from aerodrake.model.mpc.tick import MpcInputs
+
+AXES = "xyz"
+
+SYMBOLS = {
+    "tool_position": "p_E",
+    "tool_velocity": "p_E'",
+    "tool_position_base": "p_EB",
+    "tool_axis": "t",
+    "tool_axis_rate": "t'",
+}
+"""Symbols of the quantities that are variables of their own, with equations for definitions."""
+
+DEFINITIONS = {
+    "tool_position": "p_E + J_s [p_B - p_B,0; q - q_0] + T (a - a_0)",
+    "tool_velocity": "J_s [p_B'; q'] + T a' + J_yaw yaw' + J_u xi_u'",
+    "tool_position_base": "p_EB + J_B (q - q_0)",
+    "tool_axis": "t + J_s [p_B - p_B,0; q - q_0] + T (a - a_0)",
+    "tool_axis_rate": "J_s [p_B'; q'] + T a' + J_yaw yaw' + J_u xi_u'",
+}
+"""Their definitions, with the parts of `StagePredictions`."""
+
+
+class TickProblem(NamedTuple):
+    """Definitions from which the program of one tick follows.
+
+    Attributes:
+        model: The equivalent model.
+        ticks: (N,), duration of each stage.
+        terms: Terms of the objective but J_5.
+        W_5: (3,), diagonal.
+        acceleration: (m,) m/s^2 and rad/s^2, bounds of the inputs.
+        bounds: Bounds of the states.
+        custom: Costs and constraints of one's own.
+        predictions: Quantities predicted at this tick.
+        tick: Inputs of the tick.
+    """
+
+    model: EquivalentModel
+    ticks: np.ndarray
+    terms: Sequence[CostTerm]
+    W_5: np.ndarray
+    acceleration: np.ndarray
+    bounds: StateBounds
+    custom: CustomTerms
+    predictions: StagePredictions
+    tick: MpcInputs
+
+
+class TickProgram(MathematicalProgram):
+    """The MPC's problem at one tick (paper, eq. 7), with all its variables.
+
+    Costs and constraints are described; `str` lists them. Units are SI. Decision variables at
+    the stages k = 0 ... N:
+
+    - x[k], the states of the equivalent model, such as `p_Bx[1]` and `q_2'[1]`;
+    - u[k] up to N - 1, such as `p_Bx,d''[0]`;
+    - the task vectors p_E, p_E', p_EB and, with an orientation task, t and t', such as
+      `p_Ez[1]`, from k = 1 on.
+
+    Attributes:
+        x: (N + 1, nx), variables of the states.
+        u: (N, m), variables of the inputs.
+        task: Variables (N, 3) of each task vector, by its name in `QUANTITIES`.
+
+    Args:
+        problem: Model, objective and bounds at the tick.
+    """
+
+    def __init__(self, problem: TickProblem):
+        super().__init__()
+        self._problem, self._ticks = problem, problem.ticks
+        model, terms = problem.model, problem.terms
+        N = len(self._ticks)
+        self.x = np.array([self._variables(_state_names(model), k) for k in range(N + 1)])
+        self.u = np.array([self._variables(_input_names(model.joints), k) for k in range(N)])
+        self._described: dict[str, list[str]] = {"minimise": [], "subject to": []}
+        quantities = {quantity: None for term in terms for quantity, _ in term.parts}
+        quantities |= {c.quantity: None for c in problem.custom.constraints}
+        quantities |= {c.term.parts[0][0]: None for c in problem.custom.costs}
+        self.task = {
+            name: np.array(
+                [self._variables([SYMBOLS[name] + axis for axis in AXES], k + 1) for k in range(N)]
+            )
+            for name in quantities
+            if name in SYMBOLS
+        }
+        self._add_model()
+        self._add_task_vectors()
+        for term in sorted(terms, key=lambda term: term.name):
+            self._add_cost(term, range(1, N + 1))
+        self._add_acceleration_steps()
+        self._add_bounds()
+        self._add_custom_terms()
+
+    def __str__(self) -> str:
+        return "\n".join(
+            line for title, lines in self._described.items() for line in (title, *lines)
+        )
+
+    def quantity(self, name: str, k: int) -> np.ndarray:
+        """Returns the variables (size,) of one of `QUANTITIES` at stage k, from 1 to N."""
+        model, x = self._problem.model, self.x[k]
+        if name in self.task:
+            return self.task[name][k - 1]
+        if name == "input":
+            return self.u[k - 1]
+        index = {
+            "base_position": model.base_position,
+            "joint_position": model.joint_position,
+            "velocity": np.concatenate([model.base_velocity, model.joint_velocity]),
+        }
+        return x[index[name]]
+
+    def _describe(self, binding: Binding, what: str, title: str = "subject to") -> None:
+        binding.evaluator().set_description(what)
+        self._described[title].append(f"  {what}")
+
+    def _variables(self, names: Sequence[str], k: int) -> np.ndarray:
+        variables = np.array([Variable(f"{name}[{k}]") for name in names])
+        self.AddDecisionVariables(variables)
+        return variables
+
+    def _add_equations(self, M: np.ndarray, variables: np.ndarray, value: np.ndarray, what: str):
+        """Adds M variables = value."""
+        self._describe(self.AddLinearEqualityConstraint(M, value, variables), what)
+
+    def _add_model(self) -> None:
+        """Adds x_0 and the equivalent model, over each stage."""
+        tick, identity = self._problem.tick, np.eye(self.x.shape[1])
+        self._add_equations(identity, self.x[0], tick.x_0, "x[0] = x_init")
+        for k, ticks in enumerate(self._ticks):
+            A, B, C = StageTransition.of(self._problem.model, ticks)
+            self._add_equations(
+                np.hstack([identity, -A, -B]),
+                np.concatenate([self.x[k + 1], self.x[k], self.u[k]]),
+                C @ tick.delta,
+                f"x[{k + 1}] = A x[{k}] + B u[{k}] + C Delta over {_ticks(ticks)}",
+            )
+
+    def _add_task_vectors(self) -> None:
+        """Adds the definitions of the task vectors by the states."""
+        model, predictions = self._problem.model, self._problem.predictions
+        for name, variables in self.task.items():
+            rows, offset = predictions[name]
+            offsets = np.broadcast_to(offset, (3, len(self._ticks))).T
+            for k, (ticks, offset) in enumerate(zip(self._ticks, offsets, strict=True)):
+                now, before, first = (rows @ y for y in OutputMap.of(model, ticks * model.dt))
+                by_states = (now, before, first) if k else (now, before + first)
+                states = (self.x[k + 1], self.x[k], self.x[0])[: len(by_states)]
+                self._add_equations(
+                    np.hstack([np.eye(3), *(-M for M in by_states)]),
+                    np.concatenate([variables[k], *states]),
+                    offset,
+                    f"{SYMBOLS[name]}[{k + 1}] = {DEFINITIONS[name]}",
+                )
+
+    def _add_cost(self, term: CostTerm, stages: Iterable[int]) -> None:
+        """Adds a term at some stages, from 1 to N."""
+        M = np.hstack([M for _, M in term.parts])
+        desired = np.broadcast_to(term.desired, (len(M), len(self._ticks))).T
+        weights = ", ".join(f"{w:.4g}" for w in term.weight)
+        for k in stages:
+            variables = np.concatenate([self.quantity(name, k) for name, _ in term.parts])
+            ticks, start = self._ticks[k - 1], k - 1 if term.parts[0][0] == "input" else k
+            what = f"{term.name}[{start}] = {term.formula} x {_ticks(ticks)}, W = diag({weights})"
+            self._add_squares(M, variables, desired[k - 1], ticks * term.weight, what)
+
+    def _add_squares(
+        self, M: np.ndarray, variables: np.ndarray, d: np.ndarray, W: np.ndarray, what: str
+    ) -> None:
+        """Adds | M variables - d |^2 W."""
+        weighted = M.T * W
+        cost = self.AddQuadraticCost(
+            2 * weighted @ M, -2 * weighted @ d, W @ d**2, variables, is_convex=True
+        )
+        self._describe(cost, what, "minimise")
+
+    def _add_acceleration_steps(self) -> None:
+        """Adds J_5 if it has a weight."""
+        u_last = self._problem.tick.u_last
+        M, W_5 = np.eye(3), self._problem.W_5
+        if not W_5.any():
+            return
+        for k, u in enumerate(self.u[:, :3]):
+            what = f"J_5[{k}] = | p_B,d''[{k}] - p_B,d''[{k - 1}] |^2 W_5"
+            if k == 0:
+                self._add_squares(M, u, u_last[:3], W_5, what)
+            else:
+                both = np.concatenate([u, self.u[k - 1, :3]])
+                self._add_squares(np.hstack([M, -M]), both, np.zeros(3), W_5, what)
+
+    def _add_bounds(self) -> None:
+        """Adds the sets U and X."""
+        bounds, most, n = (
+            self._problem.bounds,
+            self._problem.acceleration,
+            self._problem.model.joints,
+        )
+        for k, u in enumerate(self.u):
+            self._add_box(u, -most, most, f"u[{k}] in U: accelerations of base and joints")
+        for k, x in enumerate(self.x[1:], start=1):
+            parts = np.split(np.arange(3 + 2 * n), [3, 3 + n])
+            names = ("p_B,d'", "q", "q'")
+            for name, part in zip(names, parts, strict=True):
+                low, high = bounds.lower[part], bounds.upper[part]
+                self._add_box(x[bounds.index[part]], low, high, f"{name}[{k}] in X")
+        stop = self.AddLinearConstraint(
+            bounds.stop, bounds.stop_lower, bounds.stop_upper, self.x[-1]
+        )
+        N = len(self.u)
+        self._describe(stop, f"q[{N}] + t_s q'[{N}] in X: the joints can stop")
+
+    def _add_box(self, variables: np.ndarray, low: np.ndarray, high: np.ndarray, what: str) -> None:
+        self._describe(self.AddBoundingBoxConstraint(low, high, variables), what)
+
+    def _add_custom_terms(self) -> None:
+        """Adds the costs and constraints of `MpcFormulation.extended`."""
+        custom = self._problem.custom
+        for term, stages in custom.costs:
+            self._add_cost(term, stages)
+        for name, quantity, M, lower, upper, stages in custom.constraints:
+            for k in stages:
+                rows = self.AddLinearConstraint(M, lower, upper, self.quantity(quantity, k))
+                self._describe(rows, f"{name}[{k}]: lower <= M {quantity} <= upper")
+
+
+def _ticks(count: int) -> str:
+    return f"{count} tick" if count == 1 else f"{count} ticks"
+
+
+def _state_names(model: EquivalentModel) -> list[str]:
+    symbols = {"p": "p_B{}", "v": "p_B{}'", "p_d": "p_B{},d", "v_d": "p_B{},d'"}
+    base = [
+        symbols.get(state, state + "_{}").format(axis)
+        for axis in AXES
+        for state in model.axis_states
+    ]
+    return base + [f"q_{i + 1}{rate}" for i in range(model.joints) for rate in ("", "'")]
+
+
+def _input_names(joints: int) -> list[str]:
+    return [f"p_B{axis},d''" for axis in AXES] + [f"q_{i + 1}''" for i in range(joints)]
