@@ -156,7 +156,7 @@ class EquivalentModel:
 
         The arm's state is its setpoint (paper, section II-B), and so is the base's in the
         integral model. Hidden states are predicted from `last` (nx,), x_0 of the last tick, and
-        the acceleration that was commanded since; without it they are zero.
+        the acceleration that was commanded since, with a Delta of zero; without it they are zero.
         """
         has_last = last is not None and len(self.hidden) > 0
         last = last if has_last else np.zeros(len(self.A))

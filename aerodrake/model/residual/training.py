@@ -199,5 +199,5 @@ class _Centred:
             last.weight *= self._scale
             last.bias *= self._scale
             last.bias -= last.weight @ self._centre
-            last.weight /= torch.from_numpy(gain)[:, None]
-            last.bias /= torch.from_numpy(gain)
+            last.weight /= torch.tensor(gain)[:, None]
+            last.bias /= torch.tensor(gain)
