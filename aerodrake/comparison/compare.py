@@ -61,7 +61,9 @@ def _clik(scenario: Scenario) -> Scenario:
 
 
 def _no_flight_model(scenario: Scenario) -> Scenario:
-    return _with(model={"kind": K_B_MODELS[scenario.flight.interface]})(scenario)
+    kind = K_B_MODELS[scenario.flight.interface]
+    # A network for the flight model is not valid: its Delta is an acceleration.
+    return _with(model={"kind": kind}, residual={"checkpoint": ""})(scenario)
 
 
 PARTS: dict[str, Callable[[Scenario], Scenario]] = {

@@ -9,10 +9,17 @@ import pytest
 
 from aerodrake.cli import main
 from aerodrake.comparison import compare as module
-from aerodrake.comparison.compare import compare, load_baseline, make_variants, notes, own_variant
+from aerodrake.comparison.compare import (
+    compare,
+    load_baseline,
+    make_variant,
+    make_variants,
+    notes,
+    own_variant,
+)
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import repeatable
-from aerodrake.scenario import Model, Scenario, Weights
+from aerodrake.scenario import Model, Residual, Scenario, Weights
 from aerodrake.scenario.load import load_scenario, packaged_scenarios
 from aerodrake.scenario.schema import as_mapping, flat
 from aerodrake.support.errors import BadInput
@@ -55,6 +62,13 @@ def test_variants_differ_from_the_scenario_only_as_their_names_state(paper):
         "clik": {"controller": ("mpc", "clik")} | off,
         "fixed_weights": {"allocation.kind": ("gamma", "fixed")},
     }
+
+
+def test_the_models_with_k_b_do_not_use_a_network_for_the_flight_model():
+    residual = Residual(mode="online", checkpoint="flight.pt")
+    variant = make_variant(Scenario(residual=residual), "no_flight_model", Weights())
+    assert variant.model.kind == "velocity_aware"
+    assert (variant.residual.mode, variant.residual.checkpoint) == ("online", "")
 
 
 def test_integral_best_has_the_weights_of_the_baseline(paper):

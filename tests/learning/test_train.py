@@ -59,9 +59,10 @@ def test_all_files_are_written(trained, scenario):
     }
     assert len(list((folder / "stages").iterdir())) == len(RUNS)
     network, provenance = load(folder / "network.pt", 6)
-    assert provenance.flight_interface == "position"
+    assert (provenance.flight_interface, provenance.delta_unit) == ("position", "m/s")
     assert (folder / "network.pt").stat().st_size < 100_000
     log = json.loads((folder / "training.json").read_text())
+    assert log["delta"] == "residual velocity, m/s"
     assert len(log["training_loss"]) == len(log["validation_loss"]) == 4
     assert log["rmse_m_s"]["three"].keys() == set(METHODS)
     assert log["rmse_m_s"]["three_payload"] == dict(evaluation.rmse[1])

@@ -1,13 +1,37 @@
 """Estimated and true Delta of a flight."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
+from matplotlib.axes import Axes
 
 from aerodrake.model.equivalent.initial_state import Signals, Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.vehicle.state import split_state
+from aerodrake.reports.flight_pictures import residual_picture
 from aerodrake.reports.residual_panels import residuals
+from aerodrake.scenario import Model
 
 STATE = ("quaternion", "p_B_m", "q_rad", "omega_W_rad_s", "v_B_m_s", "qdot_rad_s")
+
+
+@pytest.mark.parametrize(
+    ("kind", "quantity", "unit"),
+    [("flight", "residual acceleration", "mm/s^2"), ("exact", "residual velocity", "mm/s")],
+)
+def test_the_picture_names_delta_by_the_model(short_flight, monkeypatch, kind, quantity, unit):
+    scenario, log = short_flight
+    scenario, labels = replace(scenario, model=Model(kind=kind)), []
+    monkeypatch.setattr(Axes, "set_ylabel", lambda axes, label: labels.append(label))
+    assert f"Delta, the {quantity} of the base" in residual_picture(log, log, scenario).caption
+    assert labels[:3] == [f"Delta_{axis} / {unit}" for axis in "xyz"]
+
+
+def test_the_integral_model_has_no_delta(short_flight):
+    scenario, log = short_flight
+    _, estimated, true = residuals(log, replace(scenario, model=Model(kind="integral")))
+    assert np.isnan(estimated).all() and np.isnan(true).all()
 
 
 def test_with_the_true_delta_the_model_predicts_the_next_velocity(short_flight):

@@ -1,5 +1,6 @@
 """Checkpoint files, and defects that are refused."""
 
+import dataclasses
 import io
 import zipfile
 
@@ -81,6 +82,16 @@ def checkpoint(tmp_path):
         return path
 
     return write
+
+
+def test_networks_of_format_1_are_in_m_s(checkpoint):
+    def lacks_unit(data, version):
+        data["format"] = version
+        del data["metadata"]["delta_unit"]
+
+    _, provenance = load(checkpoint(lambda data: lacks_unit(data, 1)), JOINTS)
+    assert provenance == dataclasses.replace(PROVENANCE, delta_unit="m/s")
+    rejects(checkpoint(lambda data: lacks_unit(data, FORMAT)), "expected a checkpoint of aerodrake")
 
 
 def rejects(path, message, joints=JOINTS):
