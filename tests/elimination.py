@@ -32,7 +32,7 @@ def eliminate(program: TickProgram) -> Eliminated:
     count, U = program.num_vars(), program.u.ravel()
     inputs = program.FindDecisionVariableIndices(U)
     others = np.setdiff1d(np.arange(count), inputs)
-    E = sparse.csc_matrix(_rows(program, program.linear_equality_constraints()))
+    E = _rows(program, program.linear_equality_constraints())
     e = np.concatenate([b.evaluator().lower_bound() for b in program.linear_equality_constraints()])
     by_input = splu(E[:, others]).solve(np.column_stack([-E[:, inputs].toarray(), e]))
     T, t = np.zeros((count, len(U))), np.zeros(count)  # All variables are T U + t.
@@ -48,23 +48,25 @@ def eliminate(program: TickProgram) -> Eliminated:
     rows = _rows(program, bounds)
     lower = np.concatenate([b.evaluator().lower_bound() for b in bounds]) - rows @ t
     upper = np.concatenate([b.evaluator().upper_bound() for b in bounds]) - rows @ t
-    is_input = np.flatnonzero(np.abs(rows[:, others]).sum(axis=1) == 0)[: len(U)]
-    is_state = np.setdiff1d(np.arange(len(rows)), is_input)
-    assert (rows[is_input][:, inputs] == np.eye(len(U))).all()
+    is_input = np.arange(len(U))  # Their boxes come first.
+    is_state = np.arange(len(U), rows.shape[0])
+    assert (rows[is_input][:, inputs].toarray() == np.eye(len(U))).all()
     np.testing.assert_array_equal(lower[is_input], -upper[is_input])
     A = rows @ T
     return Eliminated(H, g, A[is_state], lower[is_state], upper[is_state], upper[is_input])
 
 
-def _rows(program: TickProgram, bindings: list[Binding]) -> np.ndarray:
+def _rows(program: TickProgram, bindings: list[Binding]) -> sparse.csc_matrix:
     """Returns the matrix of linear constraints over all variables of a program."""
-    rows = []
+    parts, row = [], 0
     for binding in bindings:
         A = binding.evaluator().GetDenseA()
-        row = np.zeros((len(A), program.num_vars()))
-        row[:, program.FindDecisionVariableIndices(binding.variables())] = A
-        rows.append(row)
-    return np.vstack(rows)
+        index = np.array(program.FindDecisionVariableIndices(binding.variables()))
+        at = A.nonzero()
+        parts.append((A[at], at[0] + row, index[at[1]]))
+        row += len(A)
+    data, rows, columns = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return sparse.csc_matrix((data, (rows, columns)), shape=(row, program.num_vars()))
 
 
 def assert_same_program(program: TickProgram, condensed, formulation) -> None:

@@ -1,0 +1,66 @@
+"""The MPC's problem on ticks of every packaged scenario, in both of its forms."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydrake.solvers import ClarabelSolver, OsqpSolver, SolverOptions
+from pydrake.systems.analysis import Simulator
+
+from aerodrake.bench.exact import exact_minimiser
+from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.tick import MpcInputs
+from aerodrake.scenario.load import load_scenario, packaged_scenarios
+from aerodrake.station import make_closed_loop, make_context
+from tests.elimination import assert_same_program
+
+TICKS = 100
+
+TIGHT = {
+    ClarabelSolver: {"tol_gap_abs": 1e-12, "tol_gap_rel": 1e-12, "tol_feas": 1e-12},
+    # States of very different size need a small regularisation.
+    OsqpSolver: {
+        "eps_abs": 1e-9,
+        "eps_rel": 1e-9,
+        "sigma": 1e-9,
+        "polishing": 1,
+        "max_iter": 30000,
+    },
+}
+"""Options with which solvers find u_0 to 1e-4 m/s^2 and rad/s^2 with explicit states."""
+
+
+@pytest.fixture(scope="module", params=packaged_scenarios())
+def recorded(request) -> tuple[MpcFormulation, list[MpcInputs]]:
+    """Formulation and inputs of the first ticks of a flight, a fifth of them at hover."""
+    scenario = replace(load_scenario(request.param), settle_s=0.4)
+    diagram = make_closed_loop(scenario)
+    mpc = diagram.GetSubsystemByName("coordinator").GetSubsystemByName("mpc")
+    simulator = Simulator(diagram, make_context(diagram, seed=scenario.seed))
+    context = mpc.GetMyContextFromRoot(simulator.get_context())
+    ticks = []
+    for k in range(TICKS):
+        simulator.AdvanceTo(k * scenario.rates.mpc_period_s)
+        ticks.append(mpc.tick_inputs(context))
+    return mpc.formulation, ticks
+
+
+def test_the_condensed_program_is_the_eliminated_one(recorded):
+    formulation, ticks = recorded
+    for tick in ticks:
+        assert_same_program(formulation.program(tick), formulation.form(tick), formulation)
+
+
+@pytest.mark.parametrize(("kind", "every"), [(ClarabelSolver, 20), (OsqpSolver, 60)])
+def test_solvers_agree_on_the_program_with_explicit_states(kind, every, recorded):
+    formulation, ticks = recorded
+    options = SolverOptions()
+    for name, value in TIGHT[kind].items():
+        options.SetOption(kind.id(), name, value)
+    for tick in ticks[every - 1 :: every]:
+        qp, program = formulation.form(tick).qp, formulation.program(tick)
+        best = exact_minimiser(qp.H, qp.g, qp.lower, qp.upper, qp.A)
+        result = kind().Solve(program, None, options)
+        assert result.is_success()
+        u_0 = result.GetSolution(program.u[0])
+        np.testing.assert_allclose(u_0, formulation.inputs(best.z)[0], atol=1e-4)
