@@ -148,7 +148,8 @@ def make_controller(
     """Makes the scenario's controller; `KinematicController` describes how to add another."""
     if scenario.controller == "mpc":
         formulation = MpcFormulation(scenario.mpc, model, vehicle)
-        return make_mpc(formulation, scenario.faults, scenario.settle_s)
+        with file_at(scenario.source, "mpc.solver"):
+            return make_mpc(formulation, scenario.faults, scenario.settle_s)
     return ClikSystem(InverseKinematics(scenario.clik, scenario.mpc, model, vehicle))
 
 

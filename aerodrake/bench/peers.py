@@ -160,7 +160,7 @@ class Sparse(Peer):
 
 
 class Osqp(Sparse):
-    """Operator splitting: the MPC's fallback solver, called without Drake."""
+    """Operator splitting: the MPC's solver, called without Drake and without refinement."""
 
     package = "osqp"
     settings = (

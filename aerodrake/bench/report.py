@@ -17,7 +17,7 @@ from aerodrake.reports.figures import ACCENT, REFERENCE, STYLE
 FILES = ("bench.json", "bench.png")
 """Files that a benchmark writes."""
 
-COLUMNS = ("<18", *[">9"] * 6, ">12", ">8", ">8")
+COLUMNS = ("<20", *[">9"] * 6, ">12", ">8", ">8")
 """Alignment and width of the columns of the table of solvers."""
 
 Figures = Mapping[str, Any]
@@ -44,6 +44,7 @@ def _solvers(figures: Figures) -> list[str]:
         ("", "median", "p99", "worst", "solving", "constr.", "p99", "u_0 error", "ours/", "p99"),
         ("solver", "ms", "ms", "ms", "ms", "ms", "ms", "m, rad/s^2", "theirs", "ratio"),
         _solver("aerodrake", tick),
+        *(_solver(f"  {name}", solver) for name, solver in figures["solvers"].items()),
         *(_solver(f"{n} {p['version'] or ''}", p) for n, p in peers.items()),
     ]  # fmt: skip
     statuses = [f"{100 * s:.2f} % {n}" for n, s in tick["status_shares"].items() if s]
@@ -146,7 +147,8 @@ def plot_bench(figures: Figures, path: Path) -> None:
 
 
 def _draw_solvers(axes: Axes, figures: Figures) -> None:
-    solvers = {"aerodrake": figures["tick"], **figures["peers"]}
+    own = {f"  {name}": solver for name, solver in figures["solvers"].items()}
+    solvers = {"aerodrake": figures["tick"], **own, **figures["peers"]}
     solvers = {name: f for name, f in solvers.items() if f["median_ms"] is not None}
     for place, (name, solver) in enumerate(solvers.items()):
         color = ACCENT if name == "aerodrake" else "#495057"

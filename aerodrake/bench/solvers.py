@@ -15,7 +15,8 @@ from aerodrake.bench.peers import PEERS
 from aerodrake.bench.ticks import OWN, RecordedTicks, Replay, program_arrays, record_ticks
 from aerodrake.bench.ticks import replay as replay_ticks
 from aerodrake.flight.summary import rounded
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.qp.result import QpStatus
+from aerodrake.model.qp.solvers import SOLVERS, available_solvers
 from aerodrake.scenario.load import load_scenario
 
 SCENARIOS = ("clover", "clover_realistic", "moving_target")
@@ -23,6 +24,12 @@ SCENARIOS = ("clover", "clover_realistic", "moving_target")
 
 CONSTRAINED = "moving_target_paper"
 """Scenario with many ticks with active constraints, only for the times of such ticks."""
+
+VARIANTS = {
+    "without shortcut": {"solver": "osqp", "shortcut": False},
+    **{f"with {name}": {"solver": name} for name in SOLVERS if name != "osqp"},
+}
+"""Solvers of the MPC beside the default one: changes of the section `mpc`."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +86,7 @@ def solver_figures(
             ticks of these and of CONSTRAINED with an active constraint at the optimum;
             the largest error of u_0 (m/s^2, rad/s^2) over all of them; fractions of the
             statuses; and all of these by scenario.
+        solvers: The same for each of VARIANTS that this machine has.
         peers: The same for each peer, with forming; `median_ratio` and `p99_ratio`
             are those of the MPC over those of the peer. Null if a peer is not installed.
 
@@ -89,6 +97,8 @@ def solver_figures(
         progress: Called with the name of each step at its start.
     """
     names = installed_peers()
+    available = available_solvers()
+    variants = {name: own for name, own in VARIANTS.items() if own["solver"] in available}
     evaluations: dict[str, EvaluatedReplay] = {}
     for name in (*SCENARIOS, CONSTRAINED):
         scenario = load_scenario(name)
@@ -97,13 +107,9 @@ def solver_figures(
             replace(scenario, duration=min(duration_s, scenario.duration), settle_s=settle_s)
         )
         progress(f"solvers on {name}")
-        replay = replay_ticks(recorded, {n: PEERS[n] for n in names}, passes)
+        replay = replay_ticks(recorded, {n: PEERS[n] for n in names}, passes, variants)
         evaluations[name] = evaluate(recorded, replay)
-    tick = _figures(evaluations, OWN)
-    statuses = {name: e.replay.statuses for name, e in evaluations.items()}
-    tick["status_shares"] = _fractions(s for name in SCENARIOS for s in statuses[name])
-    for name in evaluations:
-        tick["scenarios"][name]["status_shares"] = _fractions(statuses[name])
+    tick, *others = (_own_figures(evaluations, name) for name in (OWN, *variants))
     tick["exact_residual_max"] = rounded(max(e.residual for e in evaluations.values()))
     peers = {}
     for name, kind in PEERS.items():
@@ -113,7 +119,7 @@ def solver_figures(
         for key in ("median", "p99"):
             theirs = figures[f"{key}_ms"]
             figures[f"{key}_ratio"] = rounded(tick[f"{key}_ms"] / theirs) if theirs else None
-    return {"tick": tick, "peers": peers}
+    return {"tick": tick, "solvers": dict(zip(variants, others, strict=True)), "peers": peers}
 
 
 def spread(times_ms: np.ndarray) -> dict[str, Any]:
@@ -135,6 +141,16 @@ def _figures(evaluations: Mapping[str, EvaluatedReplay], solver: str) -> dict[st
     figures["bounded"] = spread(np.concatenate(constrained))
     figures["u0_error_max"] = max(own["u0_error_max"] for own in by_scenario.values())
     figures["scenarios"] = by_scenario
+    return figures
+
+
+def _own_figures(evaluations: Mapping[str, EvaluatedReplay], solver: str) -> dict[str, Any]:
+    """Returns `_figures` of a solver of the MPC with the fractions of its statuses."""
+    figures = _figures(evaluations, solver)
+    statuses = {name: e.replay.statuses[solver] for name, e in evaluations.items()}
+    figures["status_shares"] = _fractions(s for name in SCENARIOS for s in statuses[name])
+    for name in evaluations:
+        figures["scenarios"][name]["status_shares"] = _fractions(statuses[name])
     return figures
 
 

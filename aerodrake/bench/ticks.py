@@ -3,9 +3,11 @@
 import copy
 import gc
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -15,15 +17,15 @@ from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.qp.condensed_qp import QpResult, QpStatus, is_constrained
+from aerodrake.model.qp.result import QpStatus
 from aerodrake.scenario import Scenario
 from aerodrake.support.threads import single_thread
 
 OWN = "aerodrake"
-"""Name of the MPC's solver."""
+"""Name of the MPC's solver with the scenario's settings."""
 
 SLOW_MS = 3.0
-"""Largest median of a peer's first pass with which it takes part in further passes."""
+"""Largest median of a solver's first pass with which it takes part in further passes."""
 
 UNMEASURED = 5
 """Number of ticks that are solved before the measurement, to compile and to fill caches."""
@@ -48,16 +50,16 @@ class Replay:
 
     Attributes:
         forming_ms: By solver, (K,), least time of all passes to form each program. For peers
-            it includes H, which the MPC's own solver forms only if it needs it.
+            it includes H, which the MPC's solvers form only if they need it.
         solving_ms: By solver, (K,), least time of its passes.
         u_0: By solver, (K, 3 + n) m/s^2 and rad/s^2, the first inputs.
-        statuses: (K,), statuses of the MPC's own solver.
+        statuses: By solver of the MPC, (K,).
     """
 
     forming_ms: Mapping[str, np.ndarray]
     solving_ms: Mapping[str, np.ndarray]
     u_0: Mapping[str, np.ndarray]
-    statuses: list[QpStatus]
+    statuses: Mapping[str, list[QpStatus]]
 
     def tick_ms(self, solver: str) -> np.ndarray:
         """Returns the times (K,) of forming and solving."""
@@ -82,7 +84,10 @@ def record_ticks(scenario: Scenario) -> RecordedTicks:
 
 
 def replay(
-    recorded: RecordedTicks, peers: Mapping[str, Callable[[np.ndarray], Peer]], passes: int
+    recorded: RecordedTicks,
+    peers: Mapping[str, Callable[[np.ndarray], Peer]],
+    passes: int,
+    variants: Mapping[str, Mapping[str, object]] = MappingProxyType({}),
 ) -> Replay:
     """Solves recorded ticks again, tick by tick with every solver, on one thread.
 
@@ -93,37 +98,39 @@ def replay(
     Args:
         recorded: The ticks.
         peers: Makers of solvers from A (rows, nz), by name, beside the MPC's own.
-        passes: Number of passes; slow peers take part in the first one only.
+        passes: Number of passes; slow solvers take part in the first one only.
+        variants: Further solvers of the MPC by name: changes of the section `mpc`.
     """
     formulation, inputs = recorded.formulation, recorded.inputs
-    names = [OWN, *peers]
+    own = {OWN: formulation.config}
+    own |= {name: replace(formulation.config, **changes) for name, changes in variants.items()}
+    names = [*own, *peers]
     forming, solving = ({name: np.full(len(inputs), np.inf) for name in names} for _ in range(2))
     u_0: dict[str, list[np.ndarray]] = {name: [] for name in names}
-    statuses: list[QpStatus] = []
+    statuses: dict[str, list[QpStatus]] = {name: [] for name in own}
     with single_thread(), _no_garbage_collection():
         for number in range(passes):
-            slow = {n for n in peers if number and np.median(solving[n]) > SLOW_MS}
+            slow = {n for n in names if number and np.median(solving[n]) > SLOW_MS}
             fast = [name for name in names if name not in slow]
-            solvers = {n: peers[n](formulation.A).solve for n in fast if n != OWN}
-            solvers[OWN] = _own_solver(formulation)
+            solvers = {n: peers[n](formulation.A).solve for n in fast if n in peers}
+            solvers |= {n: MpcSolver.make(formulation, own[n]).solve for n in fast if n in own}
             if not number:
-                _warm_up(recorded, solvers)
+                _warm_up(recorded, solvers, peers)
             for k, tick in enumerate(inputs):
                 program, own_ms, peer_ms = _timed_program(formulation, tick)
                 shift = k % len(fast)
                 for name in (*fast[shift:], *fast[:shift]):
-                    formed_ms = own_ms if name == OWN else peer_ms
+                    formed_ms = peer_ms if name in peers else own_ms
                     forming[name][k] = min(forming[name][k], formed_ms)
-                    # Copies, so that solvers do not share H or change the program.
-                    given = (replace(program),) if name == OWN else program_arrays(program)
+                    given = _given(program, name in peers)
                     start = time.perf_counter()
                     solution = solvers[name](*given)
                     solved_ms = 1e3 * (time.perf_counter() - start)
                     solving[name][k] = min(solving[name][k], solved_ms)
                     if number:
                         continue
-                    if name == OWN:
-                        statuses.append(solution.status)
+                    if name in own:
+                        statuses[name].append(solution.status)
                         solution = solution.z
                     u_0[name].append(formulation.inputs(solution)[0])
     return Replay(forming, solving, {n: np.array(values) for n, values in u_0.items()}, statuses)
@@ -138,25 +145,19 @@ def _timed_program(formulation: MpcFormulation, tick: MpcInputs) -> tuple[MpcPro
     return program, own_ms, 1e3 * (time.perf_counter() - start)
 
 
-def _own_solver(formulation: MpcFormulation) -> Callable[[MpcProgram], QpResult]:
-    """Returns the MPC's solver, with the active set of the last tick as in `MpcSystem`."""
-    solver, active = MpcSolver(formulation), None
-
-    def solve(program: MpcProgram) -> QpResult:
-        nonlocal active
-        result = solver.solve(program, active)
-        active = result.active if is_constrained(result.status) else None
-        return result
-
-    return solve
+def _given(program: MpcProgram, is_peer: bool) -> tuple[Any, ...]:
+    """Returns what a solver receives: copies, so that solvers share nothing."""
+    return program_arrays(program) if is_peer else (replace(program),)
 
 
-def _warm_up(recorded: RecordedTicks, solvers: Mapping[str, Callable[..., object]]) -> None:
+def _warm_up(
+    recorded: RecordedTicks, solvers: Mapping[str, Callable[..., object]], peers: Container[str]
+) -> None:
     """Solves the first ticks with every solver, to compile before the measurement."""
     for tick in recorded.inputs[:UNMEASURED]:
         program = recorded.formulation.form(tick)
         for name, solve in solvers.items():
-            solve(*((program,) if name == OWN else program_arrays(program)))
+            solve(*_given(program, name in peers))
 
 
 def program_arrays(program: MpcProgram) -> tuple[np.ndarray, ...]:

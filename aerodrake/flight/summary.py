@@ -12,7 +12,7 @@ from aerodrake.flight.events import events, safe_modes
 from aerodrake.flight.log import FlightLog
 from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.mpc.weight_allocation import Mode
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.qp.result import QpStatus
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.reference.reference_curve import hover_then_follow
 from aerodrake.model.vehicle.kinematics import Kinematics
@@ -43,9 +43,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             from reference time 0 on: mean, rms, max and settled mean; null without
             orientation task.
         base_error: the same as `error` for the base and its setpoint.
-        mpc: wall time of a tick in ms, and numbers of ticks: all that were computed,
-            without active bounds, not solved (the last plan is the fallback), not
-            computed (missed), longer than the period (overruns).
+        mpc: see `_mpc`.
         modes: s in each mode of the weight allocation.
         safe_modes: s in each mode of the supervisor, including the initial hover.
         events: Changes of the supervisor's conditions, see `aerodrake.flight.events`.
@@ -58,11 +56,6 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
     """
     flown = log.time_s >= 0
     lap = _flown_lap(scenario, log)
-    period_s = scenario.rates.mpc_period_s
-    ticks = log["tick_ms"]
-    # The status port has the last tick, and the log several samples for each tick.
-    stride = round(period_s / scenario.rates.flight_period_s)
-    statuses = log["qp_status"][stride::stride]
     simulated_s = log.time_s[-1] + scenario.settle_s
     # Each sample counts for the time until the next, so the last one does not count.
     mode_s = np.bincount(log["mode"][:-1][flown[:-1]].astype(int), minlength=len(Mode))
@@ -78,15 +71,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         "error": _errors(log.error_m, log.time_s, lap, scenario.allocation.d_h_m),
         "base_error": _errors(log.base_error_m, log.time_s, lap, scenario.allocation.d_h_m),
         "orientation": _spread(log.tool_angle_rad, log.time_s, "rad"),
-        "mpc": {
-            "ticks": len(ticks),
-            "median_ms": rounded(np.median(ticks)) if len(ticks) else None,
-            "p99_ms": rounded(np.percentile(ticks, 99)) if len(ticks) else None,
-            "unconstrained": int((statuses == QpStatus.UNCONSTRAINED).sum()),
-            "solver_fallbacks": int(((statuses > QpStatus.RELAXED) & (statuses < MISSED)).sum()),
-            "missed": max(0, math.ceil(round(simulated_s / period_s, 6)) - len(ticks)),
-            "overruns": int((ticks > 1e3 * period_s).sum()),
-        },
+        "mpc": _mpc(scenario, log, simulated_s),
         "modes": {
             mode.label: rounded(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode
         },
@@ -130,6 +115,46 @@ def repeatable(summary: dict[str, Any]) -> dict[str, Any]:
 def to_json(summary: dict[str, Any]) -> str:
     """Returns results as strict JSON (no NaN), with their keys in order."""
     return json.dumps(summary, indent=2, allow_nan=False) + "\n"
+
+
+def _mpc(scenario: Scenario, log: FlightLog, simulated_s: float) -> dict[str, Any]:
+    """Returns results of the controller's ticks.
+
+    Keys:
+        solver: `mpc.solver` of the scenario; null for CLIK.
+        ticks: Number of computed ticks.
+        solved_by: These ticks by how they were solved: by the unconstrained minimiser, by the
+            solver, for CLIK with accelerations at a limit, by the solver with relaxed bounds, or
+            not at all.
+        median_ms, p99_ms: Wall time of a tick, forming and solving.
+        solver_fallbacks: Ticks that were not solved and followed the last plan.
+        missed: Ticks that were not computed.
+        overruns: Ticks whose wall time was longer than the period.
+    """
+    period_s, ticks_ms = scenario.rates.mpc_period_s, log["tick_ms"]
+    due = math.ceil(round(simulated_s / period_s, 6))
+    # The status port has the last tick, and the log several samples for each tick.
+    stride = round(period_s / scenario.rates.flight_period_s)
+    samples = np.minimum(stride * np.arange(1, due + 1), len(log.time_s) - 1)
+    counts = np.bincount(log["qp_status"][samples].astype(int), minlength=MISSED)
+    solver = scenario.mpc.solver if scenario.controller == "mpc" else None
+    unsolved = counts[QpStatus.RELAXED + 1 : MISSED].sum()
+    solved_by = {
+        "unconstrained": counts[QpStatus.UNCONSTRAINED],
+        solver or scenario.controller: counts[QpStatus.SOLVED] + counts[QpStatus.INACCURATE],
+        "relaxed": counts[QpStatus.RELAXED],
+        "none": unsolved,
+    }
+    return {
+        "solver": solver,
+        "ticks": len(ticks_ms),
+        "solved_by": {name: int(count) for name, count in solved_by.items()},
+        "median_ms": rounded(np.median(ticks_ms)) if len(ticks_ms) else None,
+        "p99_ms": rounded(np.percentile(ticks_ms, 99)) if len(ticks_ms) else None,
+        "solver_fallbacks": int(unsolved),
+        "missed": max(0, due - len(ticks_ms)),
+        "overruns": int((ticks_ms > 1e3 * period_s).sum()),
+    }
 
 
 def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:

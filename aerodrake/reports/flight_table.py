@@ -51,6 +51,8 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
         ("MPC tick, p99", _unit(mpc["p99_ms"], "ms"), ""),
         ("MPC fallbacks", f"{mpc['solver_fallbacks']} of {mpc['ticks']}", ""),
     ]
+    solved = {name: count for name, count in mpc["solved_by"].items() if count and name != "none"}
+    rows += [(f"MPC ticks, {name}", str(count), "") for name, count in solved.items()]
     if mpc["missed"]:
         rows.append(("MPC ticks missed", f"{mpc['missed']} of {mpc['missed'] + mpc['ticks']}", ""))
     rows += [

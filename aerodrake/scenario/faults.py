@@ -90,7 +90,7 @@ class MpcInfeasible(Fault, kind="mpc_infeasible"):
 
 @dataclass(frozen=True)
 class MpcStarved(Fault, kind="mpc_starved"):
-    """The MPC's programs are solved by OSQP alone, with a few iterations."""
+    """The MPC's programs are solved with a few iterations, without shortcut or refinement."""
 
     iterations: int = quantity(1, "iterations", 1, 1000)
 

@@ -198,8 +198,12 @@ class Mpc(Weights):
     base_acceleration_m_s2: tuple[float, ...] = quantity(
         (2.5, 2.5, 2.5), "m/s^2", 0.1, 20.0, length=3
     )
-    # Iteration limit of OSQP.
-    max_iterations: int = quantity(200, "iterations", 25, 100_000)
+    # Solver of the programs: OSQP, the package's own active-set method, or another of Drake's.
+    solver: str = choice("osqp", "active_set", "clarabel", "gurobi", "mosek", "scs")
+    # Accepts the unconstrained minimiser, without calling the solver, if it satisfies all bounds.
+    shortcut: bool = True
+    # Iteration limit of `osqp` and `active_set`; the others have their own.
+    max_iterations: int = quantity(400, "iterations", 25, 100_000)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from aerodrake.model.mpc.clik import ClikCommand, InverseKinematics
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.qp.result import QpStatus
 from aerodrake.systems.kinematic_controller import KinematicController
 
 

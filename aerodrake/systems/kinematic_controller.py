@@ -9,7 +9,7 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.tick import MpcInputs, TickStatus
 from aerodrake.model.mpc.weight_allocation import AllocatedWeights
-from aerodrake.model.qp.condensed_qp import is_solved
+from aerodrake.model.qp.result import is_solved
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.systems.named_state import NamedState
 

@@ -10,17 +10,16 @@ from pydrake.systems.framework import Context, DiscreteValues
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.mpc.solver import MpcSolver
-from aerodrake.model.mpc.tick import MpcInputs, TickStatus
-from aerodrake.model.qp.condensed_qp import QpResult, is_constrained, is_solved
+from aerodrake.model.mpc.tick import MpcInputs
+from aerodrake.model.qp.result import QpResult, is_solved
 from aerodrake.systems.kinematic_controller import KinematicController
 from aerodrake.systems.named_state import NamedState
 
 
 class PlanState(NamedTuple):
-    """Further discrete state of an `MpcSystem`: plan (T, 3 + n) and active (nz + rows,)."""
+    """Further discrete state of an `MpcSystem`: plan (T, 3 + n)."""
 
     plan: np.ndarray
-    active: np.ndarray
 
 
 class SolvedProgram(NamedTuple):
@@ -37,9 +36,8 @@ class MpcSystem(KinematicController):
         those of `KinematicController`, and
         in `pointing` (abstract): `Pointing`; unconnected without an orientation task.
     State:
-        that of `KinematicController`, `plan` (T (3 + n), m/s^2 and rad/s^2, planned inputs
-        at the T ticks of the horizon), and `active` (nz + rows), the last active set as in
-        `QpResult`, from which the solver starts at the next tick.
+        that of `KinematicController`, and `plan` (T (3 + n), m/s^2 and rad/s^2, planned inputs
+        at the T ticks of the horizon).
     Rate:
         period of the equivalent model, `rates.mpc_period_s` of a scenario, 20 ms by default.
 
@@ -54,15 +52,10 @@ class MpcSystem(KinematicController):
         super().__init__(formulation.model, formulation.config.horizon)
         self.formulation = formulation
         self._pointing = self.DeclareAbstractInputPort("pointing", AbstractValue.Make(object()))
-        self._solver = MpcSolver(formulation)
+        self._solver = MpcSolver.make(formulation, formulation.config)
         self._starts = np.cumsum([0, *formulation.stage_ticks[:-1]])  # Ticks of stage starts.
-        self._planned = NamedState(
-            self,
-            PlanState(
-                plan=np.zeros((sum(formulation.stage_ticks), 3 + formulation.model.joints)),
-                active=np.zeros(sum(formulation.A.shape)),
-            ),
-        )
+        plan = np.zeros((sum(formulation.stage_ticks), 3 + formulation.model.joints))
+        self._planned = NamedState(self, PlanState(plan))
         self.DeclareStateOutputPort("plan", self._planned.groups["plan"])
 
     def tick_inputs(self, context: Context) -> MpcInputs:
@@ -76,26 +69,19 @@ class MpcSystem(KinematicController):
         return SolvedProgram(program, self._solve(context, program))
 
     def _solve(self, context: Context, program: MpcProgram) -> QpResult:
-        """Solves a program, from the active set of the last tick if it had one."""
-        last = TickStatus(*self._last.read(context).status)
-        active = None
-        if is_constrained(last.status):
-            active = self._planned.read(context).active.astype(np.int64)
-        return self._solver.solve(program, active)
+        return self._solver.solve(program)
 
     def _apply(
         self, context: Context, discrete: DiscreteValues, tick: MpcInputs, solution: SolvedProgram
     ) -> None:
         program, result = solution
-        plan, active = self._planned.read(context)
         if is_solved(result.status):
             stages = self.formulation.inputs(result.z)
             plan = np.repeat(stages, self.formulation.stage_ticks, axis=0)
         else:
+            plan = self._planned.read(context).plan
             plan = np.vstack([plan[1:], np.zeros_like(plan[:1])])
-        if is_constrained(result.status):
-            active = result.active
-        self._planned.write(discrete, PlanState(plan, active))
+        self._planned.write(discrete, PlanState(plan))
         U = plan[self._starts]
         prediction = self.formulation.predict(tick, program, U)
         self._set_outputs(context, discrete, U[0], prediction, result.status, result.iterations)

@@ -14,7 +14,7 @@ from aerodrake.bench.report import FILES, bench_table, missing_peers, plot_bench
 from aerodrake.bench.suite import QUICK, STEPS, bench
 from aerodrake.cli import main
 from aerodrake.flight.summary import to_json
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.qp.result import QpStatus
 
 TINY = replace(QUICK, duration_s=0.1, settle_s=0.0, passes=1, scaling_s=0.04, loop_s=0.1, repeats=1)
 PROCESSES = {

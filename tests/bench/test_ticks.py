@@ -9,7 +9,7 @@ from aerodrake.bench.peers import Peer
 from aerodrake.bench.solvers import evaluate
 from aerodrake.bench.ticks import OWN, record_ticks, replay
 from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.qp.result import QpStatus
 from aerodrake.scenario import MovingTarget, Scenario
 
 INPUTS = 9
@@ -54,7 +54,7 @@ def test_a_replay_equals_the_flight(scenario, recorded):
     # Equal as long as the setpoint integrator does not apply its limits.
     np.testing.assert_allclose(measured.u_0[OWN][: len(flown)], flown, atol=1e-6)
     statuses = log["qp_status"][stride::stride]
-    assert [int(s) for s in measured.statuses[: len(statuses)]] == list(statuses)
+    assert [int(s) for s in measured.statuses[OWN][: len(statuses)]] == list(statuses)
 
 
 def test_peers_get_the_same_programs_and_cannot_change_them(recorded):
@@ -77,6 +77,6 @@ def test_errors_are_those_against_the_exact_minimiser(recorded):
     assert evaluation.residual < 1e-9
     assert evaluation.u0_error[OWN].max() < 1e-3
     assert evaluation.u0_error["never"].min() > 1
-    is_unconstrained = np.array([s is QpStatus.UNCONSTRAINED for s in measured.statuses])
+    is_unconstrained = np.array([s is QpStatus.UNCONSTRAINED for s in measured.statuses[OWN]])
     np.testing.assert_array_equal(evaluation.is_constrained, ~is_unconstrained)
     assert 0 < evaluation.is_constrained.sum() < len(is_unconstrained)

@@ -10,7 +10,7 @@ import pytest
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import headline, millimetres, summarize, to_json
 from aerodrake.model.mpc.weight_allocation import Mode
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.qp.result import QpStatus
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.reference.reference_curve import hover_then_follow
 from aerodrake.model.supervision.conditions import conditions
@@ -198,11 +198,13 @@ def test_each_ticks_status_counts_once():
     per_tick = np.zeros(100)
     per_tick[[0, 7, 99]] = QpStatus.ITERATION_LIMIT
     per_tick[[3, 4]] = QpStatus.SOLVED
-    per_tick[50] = QpStatus.INACCURATE
+    per_tick[50], per_tick[60] = QpStatus.INACCURATE, QpStatus.RELAXED
     status[1:] = np.repeat(per_tick, 2)
     mpc = figures(log)["mpc"]
     assert mpc["solver_fallbacks"] == 3
-    assert mpc["unconstrained"] == 94
+    assert mpc["solver"] == "osqp"
+    assert mpc["solved_by"] == {"unconstrained": 93, "osqp": 3, "relaxed": 1, "none": 3}
+    assert sum(mpc["solved_by"].values()) == mpc["ticks"]
 
 
 def test_residual_is_measured_with_and_without_the_network():

@@ -11,7 +11,7 @@ from aerodrake.model.equivalent.initial_state import Signals
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.clik import InverseKinematics
 from aerodrake.model.mpc.formulation import MpcFormulation
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.qp.result import QpStatus
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Clik, Lissajous, Mpc

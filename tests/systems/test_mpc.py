@@ -10,7 +10,7 @@ from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.qp.result import QpStatus
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Flight, Lissajous, Model, Mpc
@@ -194,7 +194,7 @@ def test_a_target_out_of_reach_is_solved_within_bounds(mpc, formulation, values,
     context = mpc.CreateDefaultContext()
     values["horizon"] = values["horizon"] + np.tile([5.0, -5.0, 5.0, 5.0, -5.0, 5.0], N + 1)
     u, prediction, status = tick(mpc, context, values)
-    assert tuple(status) == (QpStatus.EXCHANGED, 0, 0)
+    assert status[0] == QpStatus.SOLVED and status[1] > 0 and status[2] == 0
     limits = np.concatenate([CONFIG.base_acceleration_m_s2, vehicle.acceleration])
     assert np.all(np.abs(plan(mpc, formulation, context)) <= limits * (1 + 1e-9))
     assert np.any(np.abs(u) > 0.99 * limits)

@@ -70,7 +70,7 @@ def test_without_latency_the_flight_is_the_same_bit_for_bit(name):
     for key, tolerance in INTERPOLATED.items():
         np.testing.assert_allclose(over[key], local[key], rtol=0, atol=tolerance, err_msg=key)
     figures = summarize(scenario, local)["mpc"], summarize(scenario, over)["mpc"]
-    for key in ("ticks", "missed", "unconstrained", "solver_fallbacks"):
+    for key in ("ticks", "missed", "solved_by", "solver_fallbacks"):
         assert figures[0][key] == figures[1][key]
 
 

@@ -16,7 +16,7 @@ class TickStatus(NamedTuple):
 
     Attributes:
         status: A `QpStatus`, or `MISSED`.
-        iterations: Iterations of OSQP.
+        iterations: Iterations of the solver; 0 if none was called.
         ticks_since_solved: 0 if this tick solved its program.
     """
 

@@ -1,11 +1,20 @@
 """Strictly convex quadratic programs in scaled variables."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Self
 
 import numpy as np
+from scipy.linalg.lapack import dpotrf, dpotrs
+
+from aerodrake.model.qp.result import QpStatus
+
+FEASIBILITY = 1e-6
+"""Largest violation of a bound by a solution."""
 
 
-class QuadraticProgram(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class QuadraticProgram:
     """min z^T H z / 2 + g^T z subject to |z| <= 1 and lower <= A z <= upper.
 
     Attributes:
@@ -20,3 +29,73 @@ class QuadraticProgram(NamedTuple):
     A: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
+
+    @cached_property
+    def factor(self) -> np.ndarray | None:
+        """Lower Cholesky factor L (nz, nz) of H; None unless H is finite and positive definite.
+
+        The elements above the diagonal are undefined.
+        """
+        # H is symmetric: its transpose has LAPACK's order without a copy.
+        factor, is_indefinite = dpotrf(self.H.T, lower=1, clean=0)
+        is_finite = np.isfinite(factor.diagonal()).all()
+        return None if is_indefinite or not is_finite else factor
+
+    @cached_property
+    def minimiser(self) -> np.ndarray:
+        """The unconstrained minimiser (nz,); NaN without a Cholesky factor."""
+        if self.factor is None:
+            return np.full_like(self.g, np.nan)
+        return dpotrs(self.factor, -self.g, lower=1)[0]
+
+    @property
+    def scale(self) -> float:
+        """Mean diagonal element of H."""
+        return float(self.H.diagonal().mean())
+
+    def defect(self) -> QpStatus | None:
+        """Returns why the program cannot be solved: NON_FINITE, INFEASIBLE, or None."""
+        numbers = self.minimiser.sum() + self.A.sum()
+        if not np.isfinite(numbers) or np.isnan(self.lower).any() or np.isnan(self.upper).any():
+            return QpStatus.NON_FINITE
+        is_empty = (self.lower > self.upper) | (self.lower == np.inf) | (self.upper == -np.inf)
+        return QpStatus.INFEASIBLE if is_empty.any() else None
+
+
+class Constraints(NamedTuple):
+    """Bounds lower <= N z <= upper of a program: those of z first, then those of its rows.
+
+    Attributes:
+        N: (nc, nz), of unit norm; its first nz rows are the identity.
+        lower, upper: (nc,).
+    """
+
+    N: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+
+    @classmethod
+    def of(cls, program: QuadraticProgram) -> Self:
+        """Returns the constraints without the redundant rows, which no |z| <= 1 violates."""
+        A, lower, upper = program.A, program.lower, program.upper
+        reach = np.abs(A).sum(axis=1)
+        needed = (lower > -reach) | (upper < reach)
+        ones = np.ones(A.shape[1])
+        return cls(
+            np.vstack([np.eye(len(ones)), A[needed]]),
+            np.concatenate([-ones, lower[needed]]),
+            np.concatenate([ones, upper[needed]]),
+        )
+
+    def violations(self, z: np.ndarray) -> np.ndarray:
+        """Returns (nc,), by how much z (nz,) exceeds each upper or lower bound, if positive."""
+        values = self.N @ z
+        return np.maximum(values - self.upper, self.lower - values)
+
+
+def is_within(z: np.ndarray, A: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
+    """Returns True if z (nz,) satisfies |z| <= 1 and lower <= A z <= upper; False if it is NaN."""
+    if not np.abs(z).max() <= 1 + FEASIBILITY:
+        return False
+    rows = A @ z
+    return bool(((rows >= lower - FEASIBILITY) & (rows <= upper + FEASIBILITY)).all())

@@ -9,7 +9,8 @@ from pydrake.systems.framework import Context, DiscreteValues
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.mpc.tick import MISSED
-from aerodrake.model.qp.condensed_qp import CondensedQp, QpResult
+from aerodrake.model.qp.result import QpResult
+from aerodrake.model.qp.solvers import make_solver
 from aerodrake.scenario import (
     AnyFault,
     MpcFault,
@@ -44,7 +45,6 @@ class FaultyMpc(MpcSystem):
         super().__init__(formulation)
         self._faults = [fault for fault in faults if isinstance(fault, MpcFault)]
         self._settle_s = settle_s
-        self._osqp = CondensedQp(formulation.A, formulation.config.max_iterations)
 
     def active_fault(self, context: Context) -> AnyFault | None:
         """Returns the active fault of a Context; of starved ones, that with fewest iterations."""
@@ -59,7 +59,7 @@ class FaultyMpc(MpcSystem):
         if isinstance(self.active_fault(context), MpcMissed):
             tick = self.tick_inputs(context)
             program = self.formulation.form(tick)
-            no_result = QpResult(np.zeros_like(program.g), MISSED, 0, np.zeros(0))
+            no_result = QpResult(np.zeros_like(program.g), MISSED)
             self._apply(context, discrete, tick, SolvedProgram(program, no_result))
         else:
             super()._update(context, discrete)
@@ -67,8 +67,8 @@ class FaultyMpc(MpcSystem):
     def _solve(self, context: Context, program: MpcProgram) -> QpResult:
         match self.active_fault(context):
             case MpcStarved(iterations=iterations):
-                parts = program.H, program.g, program.lower, program.upper
-                return self._osqp.solve_by_osqp(*parts, iterations)
+                name = self.formulation.config.solver
+                return make_solver(name, iterations, is_refined=False).solve(program.qp)
             case MpcInfeasible():
                 ones = np.ones_like(program.lower)
                 program = replace(program, lower=ones, upper=-ones)

@@ -1,15 +1,18 @@
-"""MpcSolver: bounds that full braking exceeds are relaxed."""
+"""MpcSolver: relaxed bounds, the shortcut, and the solver of the scenario."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from aerodrake.bench.exact import exact_minimiser
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.qp.result import QpResult, QpStatus
+from aerodrake.model.qp.solver import QpSolver
+from aerodrake.model.qp.solvers import available_solvers
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +29,7 @@ def tick(ticks) -> MpcInputs:
 
 @pytest.fixture(scope="module")
 def solver(formulation) -> MpcSolver:
-    return MpcSolver(formulation)
+    return MpcSolver.make(formulation, formulation.config)
 
 
 def fast(formulation, tick, joint: int, rate: float):
@@ -60,3 +63,48 @@ def test_feasible_bounds_are_not_relaxed(formulation, tick):
     relaxed = formulation.relaxed(program)
     np.testing.assert_array_equal(relaxed.lower, program.lower)
     np.testing.assert_array_equal(relaxed.upper, program.upper)
+
+
+class Spy(QpSolver):
+    """Counts the programs, and solves none."""
+
+    calls = 0
+
+    def _solve(self, program, constraints):
+        self.calls += 1
+        return QpResult.without_solution(len(program.g), QpStatus.ITERATION_LIMIT)
+
+
+@pytest.mark.parametrize("has_shortcut", [True, False])
+@pytest.mark.parametrize("is_bounded", [True, False])
+def test_the_shortcut_accepts_the_minimiser_only_within_the_bounds(
+    formulation, tick, has_shortcut, is_bounded
+):
+    """Otherwise the solver is called, and nothing takes its place if it fails."""
+    program = formulation.form(tick)
+    if not is_bounded:
+        program = replace(program, g=1e-6 * program.g)
+    spy = Spy()
+    result = MpcSolver(formulation, spy, has_shortcut).solve(program)
+    if has_shortcut and not is_bounded:
+        assert result.status is QpStatus.UNCONSTRAINED and not spy.calls
+        np.testing.assert_allclose(result.z, -np.linalg.solve(program.H, program.g), atol=1e-12)
+    else:
+        assert result.status is QpStatus.ITERATION_LIMIT
+        assert spy.calls == 2  # Also with relaxed bounds.
+
+
+@pytest.mark.parametrize("name", available_solvers())
+def test_every_solver_of_a_scenario_finds_the_same_inputs(formulation, tick, name):
+    program = formulation.form(tick)
+    config = replace(formulation.config, solver=name, shortcut=False, max_iterations=1000)
+    result = MpcSolver.make(formulation, config).solve(program)
+    optimum = exact_minimiser(program.H, program.g, program.lower, program.upper, program.A)
+    assert optimum.is_constrained and result.status in (QpStatus.SOLVED, QpStatus.INACCURATE)
+    if result.status is QpStatus.SOLVED:
+        np.testing.assert_allclose(result.z, optimum.z, atol=1e-8)
+
+    def cost(z: np.ndarray) -> float:
+        return z @ program.H @ z / 2 + program.g @ z
+
+    assert cost(result.z) == pytest.approx(cost(optimum.z), rel=1e-4)

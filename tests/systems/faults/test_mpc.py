@@ -7,7 +7,7 @@ from aerodrake.model.equivalent.initial_state import Signals
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.tick import MISSED, MpcInputs, TickStatus
-from aerodrake.model.qp.condensed_qp import QpStatus
+from aerodrake.model.qp.result import QpStatus
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import (
@@ -90,7 +90,7 @@ def test_the_most_severe_fault_acts_and_the_fewest_iterations(formulation):
 @pytest.mark.parametrize(
     ("faults", "status"),
     [
-        ((), QpStatus.EXCHANGED),
+        ((), QpStatus.SOLVED),
         ((MpcInfeasible(),), QpStatus.INFEASIBLE),
         ((MpcNonFinite(),), QpStatus.NON_FINITE),
         ((MpcStarved(iterations=1),), QpStatus.ITERATION_LIMIT),
@@ -130,7 +130,7 @@ class OneTick(FaultyMpc):
 @pytest.mark.parametrize(
     ("fault", "status"),
     [
-        (None, QpStatus.EXCHANGED),
+        (None, QpStatus.SOLVED),
         (MpcStarved(iterations=1), QpStatus.ITERATION_LIMIT),
         (MpcInfeasible(), QpStatus.INFEASIBLE),
         (MpcNonFinite(), QpStatus.NON_FINITE),

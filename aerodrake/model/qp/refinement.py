@@ -1,0 +1,79 @@
+"""Exact solution of a quadratic program from an approximate one."""
+
+import numpy as np
+from scipy.linalg.lapack import dposv, dtrtrs
+from scipy.optimize import nnls
+
+from aerodrake.model.qp.quadratic_program import FEASIBILITY, Constraints, QuadraticProgram
+
+DEPENDENT = 1e-9
+"""Relative singular value below which active constraints are linearly dependent."""
+
+
+def estimated_active_set(
+    constraints: Constraints, z: np.ndarray, multipliers: np.ndarray
+) -> np.ndarray:
+    """Returns (nc,): 1 where an upper bound is active, -1 a lower one, else 0.
+
+    A bound is active if its multiplier exceeds the distance of z from it (as in the polishing
+    of OSQP: Stellato et al. 2020, section 4).
+
+    Args:
+        constraints: The constraints of a program.
+        z: (nz,), approximate minimiser.
+        multipliers: (nc,), approximate Lagrange multipliers over the scale of the cost;
+            positive for upper bounds, negative for lower ones.
+    """
+    values = constraints.N @ z
+    is_lower = values - constraints.lower < -multipliers
+    is_upper = constraints.upper - values < multipliers
+    return is_upper.astype(int) - is_lower
+
+
+def exact_minimiser(
+    program: QuadraticProgram, constraints: Constraints, active: np.ndarray
+) -> np.ndarray | None:
+    """Returns the minimiser (nz,) if `active` is its active set, else None.
+
+    Solves the program with the active constraints N z = b as equalities, by the Schur
+    complement N H^-1 N^T, and verifies that no constraint is violated and no multiplier
+    negative. Active constraints may be linearly dependent.
+
+    Args:
+        program: A program that has a Cholesky factor.
+        constraints: Its constraints.
+        active: (nc,): 1 where the upper bound is active, -1 the lower one, else 0.
+    """
+    z, indices = program.minimiser, np.flatnonzero(active)
+    is_optimal = True
+    if len(indices):
+        side = active[indices]
+        N = side[:, None] * constraints.N[indices]
+        b = np.where(side > 0, constraints.upper[indices], -constraints.lower[indices])
+        L_inv_N, _ = dtrtrs(program.factor, N.T, lower=1)
+        S, violation = L_inv_N.T @ L_inv_N, N @ z - b
+        _, multipliers, is_singular = dposv(S, violation)
+        if is_singular:
+            multipliers = np.linalg.lstsq(S, violation, rcond=DEPENDENT)[0]
+        z = z - dtrtrs(program.factor, L_inv_N @ multipliers, lower=1, trans=1)[0]
+        is_optimal = multipliers.min() >= -FEASIBILITY * program.scale
+        if is_singular and not is_optimal:  # Other multipliers of the same z may be positive.
+            is_optimal = _is_in_cone(N, (program.H @ z + program.g) / program.scale)
+    is_feasible = constraints.violations(z).max() <= FEASIBILITY
+    return z.clip(-1, 1) if is_feasible and is_optimal else None
+
+
+def _is_in_cone(N: np.ndarray, gradient: np.ndarray) -> bool:
+    """Returns True if -gradient (nz,) is a nonnegative combination of normals N (k, nz)."""
+    return bool(nnls(N.T, -gradient)[1] < FEASIBILITY)
+
+
+def residual(
+    program: QuadraticProgram, constraints: Constraints, z: np.ndarray, multipliers: np.ndarray
+) -> float:
+    """Returns the largest violation of a bound, or of stationarity over the scale of the cost.
+
+    z and multipliers are as for `estimated_active_set`.
+    """
+    gradient = (program.H @ z + program.g) / program.scale + constraints.N.T @ multipliers
+    return float(max(constraints.violations(z).max(), np.abs(gradient).max()))
