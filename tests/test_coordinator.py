@@ -3,10 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from pydrake.systems.analysis import Simulator
 
+from aerodrake.model.qp import solvers
 from aerodrake.scenario import MovingTarget
 from aerodrake.station import make_context, make_coordinator
+from aerodrake.support.errors import ScenarioError
 from tests.trim import hovering
 
 
@@ -58,3 +61,11 @@ def test_the_coordinator_alone_waits_and_then_goes_to_its_target(scenario, vehic
     assert np.all((vehicle.lower <= q) & (q <= vehicle.upper))
     assert np.all(np.abs(qdot) <= vehicle.velocity + 1e-9)
     assert np.all(np.abs(qddot) <= vehicle.acceleration + 1e-9)
+
+
+def test_a_solver_that_the_machine_lacks_is_an_error_of_the_scenario(scenario, monkeypatch):
+    missing = type("Missing", (), {"available": lambda self: False, "enabled": lambda self: True})
+    monkeypatch.setattr(solvers, "OTHERS", {**solvers.OTHERS, "gurobi": missing})
+    without = replace(scenario, mpc=replace(scenario.mpc, solver="gurobi"))
+    with pytest.raises(ScenarioError, match="^mpc.solver: no gurobi .* available: osqp, active_"):
+        make_coordinator(without)

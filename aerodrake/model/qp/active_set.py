@@ -31,18 +31,19 @@ class ActiveSetSolver(QpSolver):
         self._max_iterations = max_iterations
 
     def _solve(self, program: QuadraticProgram, constraints: Constraints) -> QpResult:
-        active, nz = ActiveSet(program, constraints), len(program.g)
-        for iterations in range(self._max_iterations + 1):
-            if active.is_feasible():
-                sides = np.zeros(len(constraints.N), dtype=int)
-                sides[active.indices] = active.sides
-                z = exact_minimiser(program, constraints, sides)
-                if z is None:
-                    break
-                return QpResult(z, QpStatus.SOLVED, iterations)
-            if iterations < self._max_iterations and not active.add_most_violated():
+        active, nz, iterations = ActiveSet(program, constraints), len(program.g), 0
+        while not active.is_feasible():
+            if iterations == self._max_iterations:
+                return QpResult.without_solution(nz, QpStatus.ITERATION_LIMIT, iterations)
+            if not active.add_most_violated():
                 return QpResult.without_solution(nz, QpStatus.INFEASIBLE, iterations)
-        return QpResult.without_solution(nz, QpStatus.ITERATION_LIMIT, iterations)
+            iterations += 1
+        sides = np.zeros(len(constraints.N), dtype=int)
+        sides[active.indices] = active.sides
+        z = exact_minimiser(program, constraints, sides)
+        if z is None:
+            return QpResult.without_solution(nz, QpStatus.ITERATION_LIMIT, iterations)
+        return QpResult(z, QpStatus.SOLVED, iterations)
 
 
 class ActiveSet:
