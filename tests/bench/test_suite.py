@@ -15,6 +15,7 @@ from aerodrake.bench.suite import QUICK, STEPS, bench
 from aerodrake.cli import main
 from aerodrake.flight.summary import to_json
 from aerodrake.model.qp.result import QpStatus
+from aerodrake.model.qp.solvers import available_solvers
 
 TINY = replace(QUICK, duration_s=0.1, settle_s=0.0, passes=1, scaling_s=0.04, loop_s=0.1, repeats=1)
 PROCESSES = {
@@ -56,6 +57,8 @@ def test_figures_have_all_keys(measured):
     for key in ("median_ms", "p99_ms", "worst_ms", "u0_error_max", "overhead_ms"):
         assert figures["tick"][key] > 0
     assert set(figures["peers"]) == {"daqp", "piqp", "proxqp", "osqp", "clarabel"}
+    names = {f"with {name}" for name in available_solvers()} - {"with osqp"}
+    assert set(figures["solvers"]) == {"without shortcut", *names}
     for key in ("closed_loop_over_plant", "real_time_factor", "peak_rss_mb", "rss_growth_mb"):
         assert figures[key] > 0
     assert math.isfinite(figures["scaling"]["horizon_exponent"])
