@@ -75,7 +75,7 @@ WIRING = Wiring(
         *outputs("supervisor", "mode", "cause", "conditions"),
         *outputs("controller", "u", "plan", "prediction", "status", "weights", "delta"),
         *outputs("residual_estimator", "prediction_error", "nominal_prediction_error"),
-        *outputs("residual_estimator", "learner_health"),
+        *outputs("residual_estimator", "learner_health", "delta_source", "stable_learning_rate"),
     ),
 )
 """Connections of the systems that all scenarios have; `controller` is `mpc` or `clik`."""
@@ -101,7 +101,8 @@ def make_coordinator(
     polynomials of both until the next tick; `reference` (6) and `horizon` (6 (N + 1)), as the guard
     passes them on, and its `reference_verdict` (1); `weights` (5), `u` (3 + n) and `plan`
     (P (3 + n)), the inputs from the last tick on; `prediction` (3 (N + 1)), `status` (3);
-    `delta` (3), `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2);
+    `delta` (3), `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2),
+    `delta_source` (1), `stable_learning_rate` (1);
     `mode` (1), `cause` (1) and `conditions` (K), of the supervisor; with an orientation task
     `tool_axis_d` (3) and `tool_axis_horizon` (6 (N + 1)), the desired direction of the tool's axis.
 

@@ -48,6 +48,8 @@ COORDINATOR_OUTPUTS = SETPOINTS | {
     "prediction_error": 3,
     "nominal_prediction_error": 3,
     "learner_health": 2,
+    "delta_source": 1,
+    "stable_learning_rate": 1,
     "mode": 1,
     "cause": 1,
     "conditions": len(conditions(Supervisor())),

@@ -9,28 +9,40 @@ from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.scenario import Scenario
 
+DELTA_UNUSED = "delta_unused"
+"""Cause of the event, at the end of a flight, that its residual Delta was never used."""
+
 
 def events(scenario: Scenario, log: FlightLog) -> list[dict[str, Any]]:
     """Returns each trigger and clearing of a condition, in order of time.
 
     Keys:
         time_s: Reference time.
-        cause: Name of the condition.
+        cause: Name of the condition, or `DELTA_UNUSED`.
         mode: Label of the `SafeMode` that it requests.
         event: `triggered` or `cleared`.
     """
     defined = conditions(scenario.supervisor)
     active = log["conditions"] > 0.5
     changes = np.diff(active, axis=0, prepend=np.zeros((1, active.shape[1]), dtype=bool))
-    return [
-        {
-            "time_s": float(log.time_s[row]),
-            "cause": defined[i].name,
-            "mode": defined[i].mode.label,
-            "event": "triggered" if active[row, i] else "cleared",
-        }
+    changed = [
+        _event(log.time_s[row], defined[i].name, defined[i].mode, active[row, i])
         for row, i in zip(*np.nonzero(changes), strict=True)
     ]
+    if scenario.residual.mode != "off" and is_delta_unused(log):
+        changed.append(_event(log.time_s[-1], DELTA_UNUSED, SafeMode.NOMINAL, True))
+    return changed
+
+
+def is_delta_unused(log: FlightLog) -> bool:
+    """Returns True if every prediction of the base velocity was made with a zero Delta."""
+    errors = log["prediction_error_m_s"], log["nominal_prediction_error_m_s"]
+    return np.array_equal(*errors, equal_nan=True)
+
+
+def _event(time_s: float, cause: str, mode: SafeMode, is_triggered: bool) -> dict[str, Any]:
+    event = "triggered" if is_triggered else "cleared"
+    return {"time_s": float(time_s), "cause": cause, "mode": mode.label, "event": event}
 
 
 def safe_modes(log: FlightLog, period: float) -> dict[str, float]:

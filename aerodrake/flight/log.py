@@ -58,6 +58,8 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "rotor_effectiveness": (("rotor_effectiveness", "k"),),
     "reference_verdict": (("reference_verdict", "1"),),
     "learner_health": (("learner_cause", "1"), ("learner_gated_s", "1")),
+    "delta_source": (("delta_source", "1"),),
+    "stable_learning_rate": (("stable_learning_rate", "1"),),
 }
 """Ports of the closed loop that are logged, and the keys and widths of their parts.
 

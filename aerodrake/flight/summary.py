@@ -15,6 +15,7 @@ from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.result import QpStatus
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.reference.reference_curve import hover_then_follow
+from aerodrake.model.residual.delta_blend import DeltaSource
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.scenario import Scenario
 
@@ -52,13 +53,12 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
             largest d_o of the flight; s with d_o beyond d_h; and rad, smallest
             distance of a joint to its limits (negative: beyond one).
         residual: RMS error in m/s of predicting the base velocity over one
-            period, with and without the network.
+            period, with and without the network. Unless the mode is off: s with the
+            Delta of each layer, and without Delta. If the last layer learned: its learning
+            rate, and the least bound of the flight below which the step is stable.
     """
-    flown = log.time_s >= 0
     lap = _flown_lap(scenario, log)
     simulated_s = log.time_s[-1] + scenario.settle_s
-    # Each sample counts for the time until the next, so the last one does not count.
-    mode_s = np.bincount(log["mode"][:-1][flown[:-1]].astype(int), minlength=len(Mode))
     return {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -72,19 +72,11 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         "base_error": _errors(log.base_error_m, log.time_s, lap, scenario.allocation.d_h_m),
         "orientation": _spread(log.tool_angle_rad, log.time_s, "rad"),
         "mpc": _mpc(scenario, log, simulated_s),
-        "modes": {
-            mode.label: rounded(mode_s[mode] * scenario.rates.flight_period_s) for mode in Mode
-        },
+        "modes": _durations(log, "mode", Mode, scenario.rates.flight_period_s),
         "safe_modes": safe_modes(log, scenario.rates.flight_period_s),
         "events": events(scenario, log),
         "arm": _arm(scenario, log),
-        "residual": {
-            "mode": scenario.residual.mode,
-            "prediction_rmse_m_s": {
-                "with_network": _rms(log["prediction_error_m_s"][flown]),
-                "without_network": _rms(log["nominal_prediction_error_m_s"][flown]),
-            },
-        },
+        "residual": _residual(scenario, log),
     }
 
 
@@ -171,6 +163,36 @@ def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
         "outside_s": rounded(outside * scenario.rates.flight_period_s),
         "least_room_rad": rounded(clearance.min()) if len(d_o) else None,
     }
+
+
+def _residual(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
+    flown, config, period_s = log.time_s >= 0, scenario.residual, scenario.rates.flight_period_s
+    source_s = bound = None
+    if config.mode != "off":
+        source_s = _durations(log, "delta_source", DeltaSource, period_s)
+    if config.mode == "online":
+        bounds = log["stable_learning_rate"]  # 0 without samples.
+        bound = rounded(bounds.min(initial=np.inf, where=bounds > 0))
+    return {
+        "mode": config.mode,
+        "prediction_rmse_m_s": {
+            "with_network": _rms(log["prediction_error_m_s"][flown]),
+            "without_network": _rms(log["nominal_prediction_error_m_s"][flown]),
+        },
+        "source_s": source_s,
+        "learning_rate": None if bound is None else config.learning_rate,
+        "stable_learning_rate": bound,
+    }
+
+
+def _durations(
+    log: FlightLog, key: str, kind: type[Mode | DeltaSource], period_s: float
+) -> dict[str, float | None]:
+    """Returns the time in s with each value of an enumeration, from reference time 0 on."""
+    # Each sample counts for the time until the next, so the last one does not count.
+    values = log[key][:-1][log.time_s[:-1] >= 0].astype(int)
+    counts = np.bincount(values, minlength=len(kind))
+    return {value.label: rounded(counts[value] * period_s) for value in kind}
 
 
 def _spread(values: np.ndarray | None, time_s: np.ndarray, unit: str) -> dict[str, float | None]:

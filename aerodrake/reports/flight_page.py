@@ -7,7 +7,7 @@ from typing import Any
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.reports.flight_pictures import flight_pictures
-from aerodrake.reports.flight_table import highlights, table_rows
+from aerodrake.reports.flight_table import highlights, notes, table_rows
 from aerodrake.reports.page import render
 
 MOST_EVENTS = 200
@@ -39,6 +39,7 @@ def report_page(
         highlights=highlights(summary, scenario.reference.kind),
         most_events=MOST_EVENTS,
         rows=table_rows(summary, scenario.reference.kind),
+        notes=notes(summary),
         pictures=list(flight_pictures(log, scenario)),
         resolved=(folder / "scenario.yaml").read_text(encoding="utf-8"),
         commands=[shlex.join(["aerodrake", "run", str(target / "scenario.yaml")])],

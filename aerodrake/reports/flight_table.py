@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from aerodrake.flight.events import DELTA_UNUSED
 from aerodrake.flight.summary import HEADLINES, headline, millimetres
 from aerodrake.model.supervision.safe_mode import SafeMode
 
@@ -18,6 +19,9 @@ PAPER = {
 
 The prefix `integral_` marks those of its integral model; the others are of its method.
 """
+
+SOURCES = ("time with learned Delta", "time with offline Delta", "time without Delta")
+"""Labels of the durations in `summary["residual"]["source_s"]`."""
 
 MOST_EVENTS = 20
 """Largest number of events in a table."""
@@ -65,11 +69,41 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
         for mode, seconds in summary["modes"].items()
         if seconds
     ]
+    rows += _residual_rows(summary)
     rows += [
         ("largest reachable d_o", f"{summary['arm']['farthest_reach_m']:.2f} m", ""),
         ("  d_edge of allocation", f"{summary['arm']['d_edge_m']:.2f} m", "0.38 m"),
     ]
     return rows
+
+
+def _residual_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Returns the rows of Delta and its learning; none in the mode `off`."""
+    residual = summary["residual"]
+    if residual["source_s"] is None:
+        return []
+    rows = [
+        (label, _unit(seconds, "s"), "")
+        for label, seconds in zip(SOURCES, residual["source_s"].values(), strict=True)
+        if seconds
+    ]
+    if any(event["cause"] == DELTA_UNUSED for event in summary["events"]):
+        rows = [("residual Delta", "never used", "")]
+    if residual["stable_learning_rate"] is not None:
+        rows.append(("learning rate", f"{residual['learning_rate']:.2g}", ""))
+        rows.append(("  stable below", f"{residual['stable_learning_rate']:.2g}", ""))
+    return rows
+
+
+def notes(summary: dict[str, Any]) -> list[str]:
+    """Returns notes on the results of a flight."""
+    rate, bound = (summary["residual"][key] for key in ("learning_rate", "stable_learning_rate"))
+    if bound is None or rate < bound:
+        return []
+    return [
+        f"residual.learning_rate {rate:.2g} exceeds {bound:.2g}, the bound below which every step "
+        "of this flight's online learning is stable"
+    ]
 
 
 def highlights(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]:
@@ -99,7 +133,7 @@ def ending(summary: dict[str, Any]) -> str:
 
 
 def table(summary: dict[str, Any], kind: str) -> str:
-    """Returns the ending of a flight, `table_rows`, and its first events, as text."""
+    """Returns the ending of a flight, `table_rows`, its first events and `notes`, as text."""
     rows = table_rows(summary, kind)
     lines = [
         f"{summary['scenario']}: {ending(summary)}",
@@ -118,6 +152,7 @@ def table(summary: dict[str, Any], kind: str) -> str:
     left = len(summary["events"]) - MOST_EVENTS
     if left > 0:
         lines.append(f"{'':11} and {left} more, in summary.json")
+    lines += [f"\nnote: {note}" for note in notes(summary)]
     return "\n".join(lines)
 
 

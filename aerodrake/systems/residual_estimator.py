@@ -42,10 +42,14 @@ class ResidualEstimator(LeafSystem):
     one tick late.) The features of a sample are from t_{k-1}, with the input applied up to then,
     and therefore do not contain its label.
 
-    `LearningGate` gates Delta off while it does not improve the prediction. The learner then
-    restarts from the offline layer with an empty ring buffer, and keeps learning unless labels
-    are rejected. A tick with NaN or infinite inputs neither completes nor begins a sample, and
-    its Delta is zero.
+    `LearningGate` uses the Delta of the learned layer while that improves the prediction, else that
+    of the offline layer while that does, else zero. If the learned layer is gated off, the
+    learner restarts from the offline layer with an empty ring buffer, and keeps learning unless
+    labels are rejected. A tick with NaN or infinite inputs neither completes nor begins a
+    sample, and its Delta is zero.
+
+    The step of eq. 6 is stable for a learning rate below a bound that depends on the latest samples
+    (see `last_layer_step`). Above it the last layer diverges, and only the guards bound it.
 
     Ports:
         in `state` (13 + 2 n): measured `VehicleState`.
@@ -61,8 +65,11 @@ class ResidualEstimator(LeafSystem):
         out `prediction_error` (3): m/s, predicted minus measured velocity of the base, for the
             last completed sample, learned or not; zero before the first.
         out `nominal_prediction_error` (3): m/s, likewise of the model without Delta.
-        out `learner_health` (2): `GateCause` for which Delta is gated off, and time since
-            then in s; `OK` and 0 while Delta is used.
+        out `learner_health` (2): `GateCause` for which the learned layer, in the mode `offline`
+            the offline layer, is gated off, and time since then in s; `OK` and 0 while it is used.
+        out `delta_source` (1): `DeltaSource`, the layer whose Delta is used.
+        out `stable_learning_rate` (1): bound of the learning rate for the samples in the ring
+            buffer, below which the step is stable; 0 without samples.
     State:
         discrete, one group for each field of `LearnerState` (last layer, ring buffer, sample
         count), `PendingPrediction`, `PredictionErrors` and `GateState`.
@@ -93,11 +100,16 @@ class ResidualEstimator(LeafSystem):
             "tick", ValueProducer(lambda: Value[object](None), self._calc_tick), self._tickets()
         )
         self.DeclareVectorOutputPort("delta", 3, self._calc_delta, {self._tick.ticket()})
-        errors, gate = self.groups.errors.groups, self.groups.gate.groups
+        errors = self.groups.errors.groups
         self.DeclareStateOutputPort("prediction_error", errors["error"])
         self.DeclareStateOutputPort("nominal_prediction_error", errors["nominal_error"])
-        health = {self.discrete_state_ticket(gate[name]) for name in ("cause", "gated_s")}
-        self.DeclareVectorOutputPort("learner_health", 2, self._calc_health, health)
+        gate, learner = (
+            {self.discrete_state_ticket(group) for group in part.groups.values()}
+            for part in (self.groups.gate, self.groups.learner)
+        )
+        self.DeclareVectorOutputPort("learner_health", 2, self._calc_health, gate)
+        self.DeclareStateOutputPort("delta_source", self.groups.gate.groups["blend.source"])
+        self.DeclareVectorOutputPort("stable_learning_rate", 1, self._calc_stable_rate, learner)
         self.DeclarePeriodicDiscreteUpdateEvent(model.dt, 0.0, self._update)
 
     def _tickets(self) -> set[DependencyTicket]:
@@ -119,8 +131,12 @@ class ResidualEstimator(LeafSystem):
         output.set_value(self._tick.Eval(context)[0])
 
     def _calc_health(self, context: Context, output: BasicVector) -> None:
-        gate = self.groups.gate.read(context)
-        output.set_value(np.array([gate.cause, gate.gated_s]))
+        state = self._estimation.gate.best_layer(self.groups.gate.read(context))
+        output.set_value(np.array([state.cause, state.gated_s]))
+
+    def _calc_stable_rate(self, context: Context, output: BasicVector) -> None:
+        learner = self.groups.learner.read(context)
+        output[0] = self._estimation.learner.stable_learning_rate(learner)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         _, state = self._tick.Eval(context)

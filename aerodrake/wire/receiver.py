@@ -10,7 +10,8 @@ from scipy.interpolate import CubicHermiteSpline
 from aerodrake.model.mpc.tick import MISSED, TickStatus
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.reference.envelope import ReferenceVerdict
-from aerodrake.model.residual.gate import GateCause
+from aerodrake.model.residual.delta_blend import DeltaSource
+from aerodrake.model.residual.layer_gate import GateCause
 from aerodrake.model.sensing.sample_check import MAX_MAGNITUDE
 from aerodrake.model.setpoint.integration import Segment, split_segment
 from aerodrake.model.vehicle.vehicle import VehicleModel
@@ -23,6 +24,7 @@ ENUMERATIONS: dict[tuple[str, int], range] = {
     ("status", 0): range(MISSED + 1),
     ("reference_verdict", 0): range(len(ReferenceVerdict)),
     ("learner_health", 0): range(len(GateCause)),
+    ("delta_source", 0): range(len(DeltaSource)),
 }
 """Valid values of the enumerations in messages, by signal and index."""
 

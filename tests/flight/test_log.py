@@ -22,7 +22,8 @@ DIMENSIONLESS = {"estimated_quaternion",
     "quaternion", "measured_quaternion", "gamma", "mode", "w_q", "w_m", "w_d",
     "qp_status", "qp_iterations", "saturated", "tool_axis", "tool_axis_d",
     "supervisor_mode", "supervisor_cause", "conditions", "sample_verdict",
-    "rotor_effectiveness", "reference_verdict", "learner_cause",
+    "rotor_effectiveness", "reference_verdict", "learner_cause", "delta_source",
+    "stable_learning_rate",
 }  # fmt: skip
 
 

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, Self
 import numpy as np
 
 from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.residual.delta_blend import PerLayer
 from aerodrake.model.residual.features import PHI_SIZE, features
-from aerodrake.model.residual.gate import GateCause, GateState, LearningGate, VelocitySample
+from aerodrake.model.residual.gate import GateState, LearningGate, VelocitySample
+from aerodrake.model.residual.layer_gate import GateCause
 from aerodrake.model.residual.online_learner import LearnerState, OnlineLearner
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Residual
@@ -83,7 +85,7 @@ class ResidualEstimation:
         model: Its prediction error is learned.
         mode: In `offline`, the last layer is not updated; in `off`, Delta is zero.
         learner: Updates the last layer.
-        gate: Decides if Delta is used and if labels are learned.
+        gate: Decides which layer is used and if labels are learned.
     """
 
     network: ResidualNetwork | None
@@ -135,13 +137,15 @@ class ResidualEstimation:
         learner, gate = state.learner, state.gate
         correction, delta = np.zeros(3), np.zeros(3)
         if self.mode != "off":
-            learner, gate, cause = self.learn(state, sample, bool(inputs.saturated[0] > 0.5))
-            with np.errstate(invalid="ignore"):  # The check rejects NaN.
-                cause = max(cause, self.gate.check_layer(learner.theta, learner.theta @ phi))
-            if cause > GateCause.POISONED:
+            learner, gate, causes = self.learn(state, sample, bool(inputs.saturated[0] > 0.5))
+            thetas = PerLayer(self.learner.theta_offline, learner.theta)
+            with np.errstate(over="ignore", invalid="ignore"):  # The check rejects NaN.
+                corrections = PerLayer(*(theta @ phi for theta in thetas))
+            causes = PerLayer(*map(max, causes, map(self.gate.check_layer, thetas, corrections)))
+            if causes.learned > GateCause.POISONED:
                 learner = self.learner.start()
-            gate = self.gate.apply(gate, cause, state.prediction.correction)
-            correction = self.gate.output(gate, learner.theta @ phi)
+            last = state.prediction.correction
+            correction, gate = self.gate.apply(gate, causes, corrections, last)
             delta = correction / self.model.residual_gain
         prediction = PendingPrediction(True, inputs.x_0, phi, p_B, v_B, correction)
         return delta, EstimatorState(learner, prediction, errors, gate)
@@ -152,18 +156,18 @@ class ResidualEstimation:
 
     def learn(
         self, state: EstimatorState, sample: VelocitySample | None, is_saturated: bool
-    ) -> tuple[LearnerState, GateState, GateCause]:
-        """Updates gate and last layer by a sample, if any; also returns the gate's result."""
+    ) -> tuple[LearnerState, GateState, PerLayer[GateCause]]:
+        """Updates gate and last layer by a sample, if any; also returns the gate's results."""
         learner, gate = state.learner, state.gate
         if sample is None:
-            return learner, gate, GateCause.OK
+            return learner, gate, PerLayer(GateCause.OK, GateCause.OK)
         gate = self.gate.update(gate, sample)
-        cause = self.gate.check_statistics(gate)
-        if cause != GateCause.OK:
+        causes = self.gate.check_statistics(gate)
+        if causes.learned != GateCause.OK:
             learner = self.learner.start()
         elif self.mode == "online" and not self.gate.rejects_labels(gate):
             learner = self.learner.step(learner, state.prediction.phi, sample.target, is_saturated)
-        return learner, gate, cause
+        return learner, gate, causes
 
     def _complete(
         self, state: EstimatorState, p_B: np.ndarray, v_B: np.ndarray, u: np.ndarray
@@ -173,10 +177,11 @@ class ResidualEstimation:
         if not prediction.is_pending:
             return None, state.errors
         nominal = self.model.next_velocity(prediction.x, u)
-        correction = state.learner.theta @ prediction.phi
-        if not np.isfinite(correction).all():
+        thetas = PerLayer(self.learner.theta_offline, state.learner.theta)
+        corrections = PerLayer(*(theta @ prediction.phi for theta in thetas))
+        if not np.isfinite(corrections.learned).all():
             return None, state.errors
         offset = (prediction.v_B + v_B) / 2 - (p_B - prediction.p_B) / self.model.dt
         target = v_B - nominal
         error = nominal + prediction.correction - v_B
-        return VelocitySample(target, correction, offset), PredictionErrors(error, -target)
+        return VelocitySample(target, corrections, offset), PredictionErrors(error, -target)

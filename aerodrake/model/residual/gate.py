@@ -1,42 +1,26 @@
-"""Gate that passes the network's Delta only while Delta improves the prediction."""
+"""Gate that chooses which last layer estimates Delta: the learned one, the offline one or none."""
 
 import math
 from dataclasses import dataclass
-from enum import IntEnum
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from aerodrake.model.residual.delta_blend import BlendState, DeltaBlend, DeltaSource, PerLayer
+from aerodrake.model.residual.layer_gate import GateCause, LayerGate, LayerState, improvement
 from aerodrake.scenario import Residual
 
-ERROR_FLOOR_M_S = 1e-4
-"""Velocity errors below this value are negligible."""
 MAX_CORRECTION_M_S = 1.0
 """Largest plausible |c Delta|, the velocity that Delta adds in one period."""
 MAX_SAMPLE_OFFSET_M_S = 0.5
 """Bound on one label's offset in the running mean; larger offsets are outliers."""
-FADE_IN = 2.0
-"""Duration in which Delta returns, in units of `gate_s`: a step would disturb the flight."""
-FADE_OUT = 0.5
-"""Duration in which the last valid Delta fades out, in units of `gate_s`."""
 NOISE_DEVIATIONS = 5.0
 """Standard deviations of noise that a mean offset may have beyond its bound."""
 REJECTION_RATIO = 0.25
 """Ratio of the mean offset to its bound above which labels are not learned."""
-MIN_IMPROVEMENT = 0.25
-"""Mean improvement above which Delta is used: 1 for an exact Delta, 0 for one without effect."""
-
-
-class GateCause(IntEnum):
-    """Reason for which Delta is gated off; if several apply at one tick, the largest counts."""
-
-    OK = 0  # Delta is used.
-    UNPROVEN = 1
-    UNHELPFUL = 2
-    POISONED = 3
-    DIVERGED = 4
-    NOT_FINITE = 5
+MAX_DISADVANTAGE = 0.25
+"""Mean disadvantage of the learned layer to the offline one above which it is not used."""
 
 
 class VelocitySample(NamedTuple):
@@ -44,13 +28,13 @@ class VelocitySample(NamedTuple):
 
     Attributes:
         target: (3,) m/s, label: measured velocity minus the model's prediction without Delta.
-        correction: (3,) m/s, c Delta, the network's prediction of the label.
+        corrections: (3,) m/s each, c Delta, the layers' predictions of the label.
         offset: (3,) m/s, mean of the velocities measured at both ends, minus the
             measured displacement over the period: 0 if both measurements agree.
     """
 
     target: np.ndarray
-    correction: np.ndarray
+    corrections: PerLayer[np.ndarray]
     offset: np.ndarray
 
 
@@ -58,50 +42,50 @@ class GateState(NamedTuple):
     """State of the gate at a tick; means are running means over about `gate_s`.
 
     Attributes:
-        cause: `OK` while Delta is used.
-        gated_s: s, time since Delta was gated off; 0 while it is used.
-        blend: [0, 1], blend factor of Delta.
-        fade_out: (3,) m/s, c Delta from which the output fades to zero.
+        layers: State of each layer's gate.
+        blend: State of the blend of their Delta.
         mean_offset: (3,) m/s, mean offset of the labels.
         mean_square_offset: m^2/s^2, mean squared length of the offset.
-        mean_benefit: m^2/s^2, mean of e_0^2 - e_1^2 (see `LearningGate`).
-        mean_improvement: [-1, 1], mean of the improvement (see `LearningGate`).
+        mean_advantage: [-1, 1], mean improvement from the offline to the learned layer.
     """
 
-    cause: GateCause
-    gated_s: float
-    blend: float
-    fade_out: np.ndarray
+    layers: PerLayer[LayerState]
+    blend: BlendState
     mean_offset: np.ndarray
     mean_square_offset: float
-    mean_benefit: float
-    mean_improvement: float
+    mean_advantage: float
 
 
 @dataclass(frozen=True, eq=False)
 class LearningGate:
-    """Gates Delta off while it would not improve the prediction, and rejects suspect labels.
+    """Uses the learned layer while it is proven, else the offline layer while that is, else none.
 
-    e_0 and e_1 are the errors of the predicted velocity without and with Delta, the
-    mean offset of the labels removed. The improvement of a sample is
+    Both layers are evaluated by the same samples. e_0 and e_1 are the errors of the predicted
+    velocity without and with a layer's Delta, the mean offset of the labels removed. The
+    improvement of a sample is
 
         (e_0^2 - e_1^2) / (e_0^2 + e_1^2 + floor^2),
 
-    and its running mean r begins at -1 at the start and whenever Delta is gated off.
+    and its running mean r begins at -1 at the start and whenever the layer is gated off. The
+    advantage a is the mean improvement from the offline to the learned layer; it begins at 0.
 
-    | cause | entered when | left when | Delta meanwhile |
-    |---|---|---|---|
-    | UNPROVEN | at the start | r > 1/4 | 0 |
-    | UNHELPFUL | mean of e_0^2 - e_1^2 below -floor^2, or r < 0 | r > 1/4 | 0 at once |
-    | POISONED | mean offset > bound | r > 1/4 and mean offset < bound / 4 | fades out |
-    | DIVERGED | theta outside `max_drift`, or c Delta > 1 m/s | r > 1/4 | fades out |
-    | NOT_FINITE | theta or Delta NaN or infinite | r > 1/4 | fades out |
+    | cause | of layer | entered when | left when | its Delta fades out in |
+    |---|---|---|---|---|
+    | UNPROVEN | both | at the start | r > 1/4 | |
+    | UNHELPFUL | both | mean of e_0^2 - e_1^2 below -floor^2, or r < 0 | r > 1/4 | `gate_s` / 10 |
+    | UNHELPFUL | learned | a < -1/4 while the offline layer is proven | r > 1/4 | `gate_s` / 10 |
+    | POISONED | learned | mean offset > bound | r > 1/4, mean offset < bound / 4 | `gate_s` / 2 |
+    | DIVERGED | both | theta outside `max_drift`, or c Delta > 1 m/s | r > 1/4 | `gate_s` / 2 |
+    | NOT_FINITE | both | theta or Delta NaN or infinite | r > 1/4 | `gate_s` / 2 |
 
-    r exceeds 1/4 after about `gate_s` at the earliest. Delta then returns by a linear ramp
-    (`FADE_IN`), and fades out by another (`FADE_OUT`). The bound of the mean offset is
-    `max_offset_m_s` plus a margin for noise; above a quarter of it, labels are not learned. Where
-    e_0 is below the floor, r stays near 0 and Delta is not used. With `gate_s` = 0 only
-    NOT_FINITE gates Delta off.
+    Meanwhile Delta is that of the offline layer if its cause is OK, and zero otherwise. r exceeds
+    1/4 after about `gate_s` at the earliest; while the offline layer is proven, the learned
+    layer returns only with a >= 0. `DeltaBlend` makes these changes without steps, except that
+    it drops the larger part of a large unhelpful Delta at once.
+
+    The bound of the mean offset is `max_offset_m_s` plus a margin for noise; above a quarter of
+    it, labels are not learned. Where e_0 is below the floor, r stays near 0 and Delta is not
+    used. With `gate_s` = 0 only NOT_FINITE gates a layer off.
 
     Attributes:
         config: The gate uses `mode`, `gate_s`, `max_offset_m_s` and `max_drift`.
@@ -113,38 +97,57 @@ class LearningGate:
     theta_offline: np.ndarray
     dt: float
 
+    @cached_property
+    def _layer(self) -> LayerGate:
+        return LayerGate(self.config.guards.gate_s, self.dt)
+
+    @cached_property
+    def _blend(self) -> DeltaBlend:
+        return DeltaBlend(self.config.guards.gate_s, self.dt)
+
     def start(self) -> GateState:
         """Returns the state before the first sample: UNPROVEN, or OK without a gate."""
-        if self.config.guards.gate_s == 0 or self.config.mode == "off":
-            return GateState(GateCause.OK, 0.0, 1.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0)
-        return GateState(GateCause.UNPROVEN, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, -1.0)
+        layer = self._layer.start(self.config.guards.gate_s == 0 or self.config.mode == "off")
+        layers = PerLayer(layer, layer)
+        blend = self._blend.start(self._source(layers))
+        return GateState(layers, blend, np.zeros(3), 0.0, 0.0)
 
     def update(self, state: GateState, sample: VelocitySample) -> GateState:
         """Updates the running means by one sample; NaN and infinite samples are ignored."""
-        size = math.hypot(*sample.offset)
+        size, mean = math.hypot(*sample.offset), self._layer.mean
         if self.config.guards.gate_s == 0 or not math.isfinite(size):
             return state
         bounded = sample.offset * (MAX_SAMPLE_OFFSET_M_S / max(size, MAX_SAMPLE_OFFSET_M_S))
-        offset = self._mean(state.mean_offset, bounded)
-        square = self._mean(state.mean_square_offset, float(bounded @ bounded))
+        offset = mean(state.mean_offset, bounded)
+        square = mean(state.mean_square_offset, float(bounded @ bounded))
         state = state._replace(mean_offset=offset, mean_square_offset=square)
+        if size > MAX_SAMPLE_OFFSET_M_S:
+            return state
         target = sample.target - offset
         with np.errstate(over="ignore", invalid="ignore"):
-            error = sample.correction - target
-            e0_square, e1_square = float(target @ target), float(error @ error)
-        total, benefit = e0_square + e1_square, e0_square - e1_square
-        if size > MAX_SAMPLE_OFFSET_M_S or not math.isfinite(total):
-            return state
-        improvement = self._mean(state.mean_improvement, benefit / (total + ERROR_FLOOR_M_S**2))
-        benefit = self._mean(state.mean_benefit, benefit)
-        return state._replace(mean_benefit=benefit, mean_improvement=improvement)
+            nominal = float(target @ target)
+            offline, learned = (float(e @ e) for e in (c - target for c in sample.corrections))
+        advantage = state.mean_advantage
+        if math.isfinite(offline + learned):
+            advantage = mean(advantage, improvement(offline, learned))
+        layers = (
+            self._layer.update(layer, nominal, corrected)
+            for layer, corrected in zip(state.layers, (offline, learned), strict=True)
+        )
+        return state._replace(layers=PerLayer(*layers), mean_advantage=advantage)
 
-    def check_statistics(self, state: GateState) -> GateCause:
-        """Returns POISONED, UNHELPFUL or OK, from the running means."""
+    def check_statistics(self, state: GateState) -> PerLayer[GateCause]:
+        """Returns POISONED, UNHELPFUL or OK for each layer, from the running means."""
+        offline, learned = (
+            GateCause.UNHELPFUL if self._layer.is_harmful(layer) else GateCause.OK
+            for layer in state.layers
+        )
+        is_used = state.layers.learned.cause == GateCause.OK
+        if is_used and self._disadvantage(state) > MAX_DISADVANTAGE:
+            learned = GateCause.UNHELPFUL
         if self._offset_ratio(state) > 1:
-            return GateCause.POISONED
-        is_harmful = state.mean_benefit < -(ERROR_FLOOR_M_S**2) or state.mean_improvement < 0
-        return GateCause.UNHELPFUL if state.cause == GateCause.OK and is_harmful else GateCause.OK
+            learned = GateCause.POISONED
+        return PerLayer(offline, learned)
 
     def rejects_labels(self, state: GateState) -> bool:
         """Returns True if the labels' mean offset is too large to learn from them."""
@@ -161,42 +164,59 @@ class LearningGate:
             return GateCause.DIVERGED
         return GateCause.DIVERGED if math.hypot(*correction) > MAX_CORRECTION_M_S else GateCause.OK
 
-    def apply(self, state: GateState, cause: GateCause, last: np.ndarray) -> GateState:
-        """Returns the state after Delta is gated off, for the largest `cause` of this tick, or on.
+    def apply(
+        self,
+        state: GateState,
+        causes: PerLayer[GateCause],
+        corrections: PerLayer[np.ndarray],
+        last: np.ndarray,
+    ) -> tuple[np.ndarray, GateState]:
+        """Gates each layer off, for the largest of its causes at this tick, or on.
 
-        The output fades out from `last`, (3,) m/s, c Delta as used at the tick before.
+        Args:
+            state: After `update`.
+            causes: Of each layer.
+            corrections: (3,) m/s, c Delta of each layer at this tick.
+            last: (3,) m/s, c Delta used at the tick before.
+
+        Returns:
+            (3,) m/s, c Delta to use, and the state after the tick.
         """
-        was_used = state.cause == GateCause.OK
-        gated_s = 0.0 if was_used else state.gated_s + self.dt
-        if cause != GateCause.OK:
-            fade_out = last if was_used else state.fade_out
-            if was_used and cause == GateCause.UNHELPFUL:
-                fade_out = np.zeros(3)
-            return state._replace(
-                cause=cause, gated_s=gated_s, blend=0.0, fade_out=fade_out, mean_improvement=-1.0
-            )
-        if not self._is_proven(state):
-            return state._replace(gated_s=gated_s)
-        ramp_s = FADE_IN * self.config.guards.gate_s
-        blend = min(1.0, state.blend + self.dt / ramp_s) if ramp_s > 0 else 1.0
-        # Errors from before Delta was gated off must not gate it off again.
-        benefit = state.mean_benefit if was_used else max(state.mean_benefit, 0.0)
-        return state._replace(cause=GateCause.OK, gated_s=0.0, blend=blend, mean_benefit=benefit)
+        gate, (offline, learned) = self._layer, state.layers
+        offline = gate.apply(offline, causes.offline, gate.is_proven(offline))
+        state = state._replace(layers=PerLayer(offline, learned))
+        layers = PerLayer(offline, gate.apply(learned, causes.learned, self._may_return(state)))
+        was_learned = state.blend.source == DeltaSource.LEARNED
+        is_harmful = (causes.learned if was_learned else causes.offline) == GateCause.UNHELPFUL
+        correction, blend = self._blend.step(
+            state.blend, self._source(layers), is_harmful, corrections, last
+        )
+        # If the learned layer is gated off, the learner restarts from the offline layer.
+        advantage = state.mean_advantage if causes.learned == GateCause.OK else 0.0
+        return correction, state._replace(layers=layers, blend=blend, mean_advantage=advantage)
 
-    def output(self, state: GateState, correction: np.ndarray) -> np.ndarray:
-        """Returns the c Delta to use, (3,) m/s, from the network's `correction`, (3,) m/s."""
-        if state.cause == GateCause.OK:
-            return state.blend * correction
-        fade_s = FADE_OUT * self.config.guards.gate_s
-        if state.gated_s >= fade_s:
-            return np.zeros(3)
-        return state.fade_out * (1 - state.gated_s / fade_s)
+    def best_layer(self, state: GateState) -> LayerState:
+        """Returns the state of the learned layer in the mode `online`, else of the offline one."""
+        return state.layers.learned if self.config.mode == "online" else state.layers.offline
 
-    def _is_proven(self, state: GateState) -> bool:
-        if state.cause == GateCause.OK or self.config.guards.gate_s == 0:
-            return True
-        is_over = state.cause != GateCause.POISONED or not self.rejects_labels(state)
-        return is_over and state.mean_improvement > MIN_IMPROVEMENT
+    def _source(self, layers: PerLayer[LayerState]) -> DeltaSource:
+        """Returns the layer to use."""
+        if self.config.mode == "online" and layers.learned.cause == GateCause.OK:
+            return DeltaSource.LEARNED
+        if self.config.mode != "off" and layers.offline.cause == GateCause.OK:
+            return DeltaSource.OFFLINE
+        return DeltaSource.NONE
+
+    def _may_return(self, state: GateState) -> bool:
+        """Returns True if the learned layer is proven, and was not learned from suspect labels."""
+        is_poisoned = state.layers.learned.cause == GateCause.POISONED
+        is_suspect = is_poisoned and self.rejects_labels(state)
+        is_proven = self._layer.is_proven(state.layers.learned)
+        return is_proven and not is_suspect and self._disadvantage(state) <= 0
+
+    def _disadvantage(self, state: GateState) -> float:
+        """Returns that of the learned to the offline layer; 0 while the latter is not used."""
+        return -state.mean_advantage if state.layers.offline.cause == GateCause.OK else 0.0
 
     def _offset_ratio(self, state: GateState) -> float:
         """Returns the ratio of the labels' mean offset to its bound; 0 without a bound."""
@@ -204,14 +224,5 @@ class LearningGate:
         if bound == 0 or self.config.guards.gate_s == 0:
             return 0.0
         # Standard deviation of the mean: position noise is uncorrelated between samples.
-        noise = self._sample_weight * math.sqrt(state.mean_square_offset)
+        noise = self._layer.sample_weight * math.sqrt(state.mean_square_offset)
         return math.hypot(*state.mean_offset) / (bound + NOISE_DEVIATIONS * noise)
-
-    def _mean(self, mean: np.ndarray | float, newest: np.ndarray | float) -> Any:
-        """Returns a running mean after the newest value."""
-        return mean + self._sample_weight * (newest - mean)
-
-    @cached_property
-    def _sample_weight(self) -> float:
-        """Weight of the newest sample in a running mean."""
-        return -math.expm1(-self.dt / self.config.guards.gate_s)

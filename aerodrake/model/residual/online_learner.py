@@ -90,6 +90,19 @@ class OnlineLearner:
                 theta = state.theta
         return LearnerState(theta, phis, targets, count)
 
+    def stable_learning_rate(self, state: LearnerState) -> float:
+        """Returns the bound of `last_layer_step` on eta for the ring buffer; 0 if that is empty."""
+        count = min(state.sample_count, self.config.batch)
+        largest = np.abs(state.phis).max()
+        if count == 0 or largest == 0:
+            return 0.0
+        phis = state.phis / largest  # Scaled, since squares might overflow.
+        if phis.shape[0] > phis.shape[1]:
+            phis = phis.T
+        with np.errstate(over="ignore"):
+            curvature = np.linalg.eigvalsh(phis @ phis.T)[-1] / count * largest**2
+            return float(1 / curvature)
+
     def run(self, phi: np.ndarray, target: np.ndarray, saturated: np.ndarray) -> np.ndarray:
         """Returns c Delta (T, 3) m/s that the residual estimator infers along a recorded flight.
 

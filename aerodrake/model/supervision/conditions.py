@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from aerodrake.model.reference.envelope import ReferenceVerdict
-from aerodrake.model.residual.gate import GateCause
+from aerodrake.model.residual.layer_gate import GateCause
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.rotation import rotation_matrix
 from aerodrake.model.vehicle.state import split_state
@@ -41,7 +41,7 @@ class Signal(IntEnum):
     REFERENCE_OUT_OF_REACH = 9
     REFERENCE_TOO_FAST = 10
     REFERENCE_JUMPED = 11
-    LEARNER_GATED = 12  # Delta is zero because it, or its training samples, were harmful.
+    LEARNER_GATED = 12  # A layer is gated off because it, or its training samples, were harmful.
     ON_GROUND = 13  # The feet are on the ground, in NOMINAL or HOLD.
     LANDED = 14  # In DESCEND the feet are near the ground, which bears part of the weight.
     GROUND_EXPECTED = 15  # In DESCEND, without position samples, the feet are predicted on it.
@@ -198,7 +198,7 @@ class FlightStatus(NamedTuple):
         rotor_effectiveness: (k,) fraction of its thrust that each rotor gives.
         saturated: 1 while the flight controller is saturated.
         reference_verdict: A `ReferenceVerdict`.
-        learner_cause: The `GateCause` for which Delta is zero, or OK.
+        learner_cause: The `GateCause` for which the residual's layer is gated off, or OK.
     """
 
     state: np.ndarray
@@ -243,7 +243,7 @@ def compute_signals(status: FlightStatus, feet: float, mpc_period: float) -> np.
     values[Signal.REFERENCE_OUT_OF_REACH.value] = verdict == ReferenceVerdict.OUT_OF_REACH.value
     values[Signal.REFERENCE_TOO_FAST.value] = verdict == ReferenceVerdict.TOO_FAST.value
     values[Signal.REFERENCE_JUMPED.value] = verdict == ReferenceVerdict.JUMPED.value
-    # UNPROVEN, the lowest cause, is no harm: Delta has yet to improve predictions.
+    # UNPROVEN, the lowest cause, is no harm: the layer has yet to improve predictions.
     values[Signal.LEARNER_GATED.value] = status.learner_cause > GateCause.UNPROVEN.value
     values[Signal.ON_GROUND.value] = not is_descending and height <= ON_GROUND_M
     values[Signal.LANDED.value] = is_descending and not is_predicted and has_landed

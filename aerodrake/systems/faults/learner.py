@@ -10,8 +10,10 @@ import numpy as np
 from pydrake.systems.framework import Context, DependencyTicket
 
 from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.residual.delta_blend import PerLayer
 from aerodrake.model.residual.estimation import EstimatorState, ResidualEstimation
-from aerodrake.model.residual.gate import GateCause, GateState, VelocitySample
+from aerodrake.model.residual.gate import GateState, VelocitySample
+from aerodrake.model.residual.layer_gate import GateCause
 from aerodrake.model.residual.online_learner import LearnerState
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import (
@@ -46,10 +48,10 @@ class FaultyEstimation(ResidualEstimation):
 
     def learn(
         self, state: EstimatorState, sample: VelocitySample | None, is_saturated: bool
-    ) -> tuple[LearnerState, GateState, GateCause]:
+    ) -> tuple[LearnerState, GateState, PerLayer[GateCause]]:
         """Learns, then adds the offset to the last layer."""
-        learner, gate, cause = super().learn(state, sample, is_saturated)
-        return learner._replace(theta=learner.theta + self.theta_offset), gate, cause
+        learner, gate, causes = super().learn(state, sample, is_saturated)
+        return learner._replace(theta=learner.theta + self.theta_offset), gate, causes
 
 
 class FaultyResidualEstimator(ResidualEstimator):
