@@ -54,7 +54,13 @@ def main(arguments: argparse.Namespace) -> int:
     original = options.load(arguments)
     target = arguments.out or options.new_folder(f"{original.name}-comparison")
 
-    from aerodrake.comparison.compare import FILES, load_baseline, make_variants, notes
+    from aerodrake.comparison.compare import (
+        FILES,
+        load_baseline,
+        make_variants,
+        notes,
+        result_notes,
+    )
     from aerodrake.comparison.margins_report import FILES as MARGINS_FILES
     from aerodrake.comparison.margins_report import margins_table
     from aerodrake.comparison.page import comparison_page
@@ -73,6 +79,8 @@ def main(arguments: argparse.Namespace) -> int:
                 (folder / "report.html").write_text(page, encoding="utf-8")
     summaries, logs, margins = comparison.summaries, comparison.logs, comparison.margins
     say(comparison_table(summaries, scenario.reference.kind))
+    for note in result_notes(summaries):
+        say(f"note: {note}")
     if margins:
         say(f"\n{margins_table(margins)}")
     files = FILES + MARGINS_FILES if margins else FILES

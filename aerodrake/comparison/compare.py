@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.flight.summary import failure
+from aerodrake.flight.summary import Summaries, failure
 from aerodrake.reports.flight_folder import fly_into
+from aerodrake.reports.flight_table import notes as flight_notes
 from aerodrake.scenario import OrientationOff, Scenario, Weights
 from aerodrake.scenario.load import MAX_FILE_BYTES
 from aerodrake.scenario.plain_yaml import parse
@@ -184,6 +185,16 @@ def notes(scenario: Scenario) -> list[str]:
     return [
         "residual.checkpoint names no network: modified+offline is the same as modified, and "
         "modified+online begins with an untrained network"
+    ]
+
+
+def result_notes(summaries: Summaries) -> list[str]:
+    """Returns notes on the results of variants that did not fail."""
+    return [
+        f"{name}: {note}"
+        for name, summary in summaries.items()
+        if "residual" in summary
+        for note in flight_notes(summary)
     ]
 
 

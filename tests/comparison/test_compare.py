@@ -16,6 +16,7 @@ from aerodrake.comparison.compare import (
     make_variants,
     notes,
     own_variant,
+    result_notes,
 )
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import repeatable
@@ -123,6 +124,18 @@ def test_a_missing_network_is_noted(paper):
     untrained = replace(paper, residual=replace(paper.residual, checkpoint=""))
     (note,) = notes(untrained)
     assert "modified+offline is the same as modified" in note
+
+
+def test_notes_on_results_name_their_variant():
+    residual = {"learning_rate": 0.0015, "stable_learning_rate": 0.0003}
+    stable = residual | {"stable_learning_rate": 0.002}
+    summaries = {
+        "modified+online": {"residual": residual},
+        "modified+printed": {"residual": stable},
+        "clik": {"exit_reason": "failed", "exit_cause": "MemoryError"},
+    }
+    (note,) = result_notes(summaries)
+    assert note.startswith("modified+online: residual.learning_rate 0.0015 exceeds 0.0003")
 
 
 def test_baseline_weights_of_another_arm_are_refused(paper):

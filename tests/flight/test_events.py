@@ -1,5 +1,7 @@
 """Events and spans, from conditions as they are logged."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from aerodrake.flight.events import Span, events, safe_modes, spans
 from aerodrake.flight.log import FlightLog
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.supervision.safe_mode import SafeMode
-from aerodrake.scenario import MpcMissed, Push, Scenario
+from aerodrake.scenario import MpcMissed, Push, Residual, Scenario
 
 NAMES = [condition.name for condition in conditions(Scenario().supervisor)]
 TIME_S = np.round(np.arange(-1.0, 3.0, 0.01), 9)
@@ -42,6 +44,21 @@ def test_events_are_in_order_and_named(log):
 def test_a_condition_active_at_the_first_sample_is_an_event(log):
     log["conditions"][0, 0] = 1
     assert events(SCENARIO, log)[0]["time_s"] == -1.0
+
+
+@pytest.mark.parametrize("mode", ["off", "offline", "online"])
+@pytest.mark.parametrize("used_m_s", [0.0, 1e-9])
+def test_a_delta_that_is_never_used_is_an_event(log, mode, used_m_s):
+    """In the prediction of every tick; with NaN where a measurement is."""
+    errors = np.random.default_rng(0).normal(size=(len(TIME_S), 3))
+    errors[7] = np.nan
+    used = errors.copy()
+    used[50, 1] += used_m_s
+    log.signals.update(nominal_prediction_error_m_s=errors, prediction_error_m_s=used)
+    scenario = replace(SCENARIO, residual=Residual(mode=mode))
+    last = events(scenario, log)[-1]
+    unused = {"time_s": 2.99, "cause": "delta_unused", "mode": "nominal", "event": "triggered"}
+    assert (last == unused) == (mode != "off" and used_m_s == 0)
 
 
 def test_spans_are_within_the_flight(log):

@@ -15,7 +15,7 @@ from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.reference.reference_curve import hover_then_follow
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Clover, Hover, MovingTarget, Rates, Scenario, Supervisor
+from aerodrake.scenario import Clover, Hover, MovingTarget, Rates, Residual, Scenario, Supervisor
 
 VEHICLE = VehicleModel.load(Scenario())
 PERIOD_S = 0.01
@@ -216,6 +216,23 @@ def test_residual_is_measured_with_and_without_the_network():
     rmse = figures(log)["residual"]["prediction_rmse_m_s"]
     assert rmse["with_network"] == pytest.approx(5 * math.sqrt(1501 / 3001))
     assert rmse["without_network"] == pytest.approx(2 * rmse["with_network"])
+
+
+def test_the_time_with_each_delta_and_the_stable_learning_rate():
+    """In the hover before, the offline layer; then the learned one, from 20 s on none."""
+    time_s = made().time_s
+    source = np.select([time_s < 0, time_s < 20 - 1e-9], [1.0, 0.0], 2.0)
+    bound = np.where(time_s < -0.5, 0.0, 0.002 + 0.001 * (time_s > 3))
+    log = made(delta_source=source, stable_learning_rate=bound)
+    for mode in ("offline", "online"):
+        config = Residual(mode=mode, learning_rate=0.0012)
+        figures = summarize(replace(CLOVER, residual=config), log)["residual"]
+        assert figures["source_s"] == {"learned": 20.0, "offline": 0.0, "none": 10.0}
+        rates = figures["learning_rate"], figures["stable_learning_rate"]
+        assert rates == ((0.0012, 0.002) if mode == "online" else (None, None))
+    early = made(delta_source=source, stable_learning_rate=0 * bound)
+    figures = summarize(replace(CLOVER, residual=Residual(mode="online")), early)["residual"]
+    assert figures["learning_rate"] is None and figures["stable_learning_rate"] is None
 
 
 def test_facts_of_the_flight():

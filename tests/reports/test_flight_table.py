@@ -88,6 +88,41 @@ def test_highlights_begin_with_the_figure_by_which_flights_are_compared(summary)
     assert highlights(summary, "lissajous")[0] == (*lap[:2], "")
 
 
+def learning(summary, **changes) -> str:
+    """Returns the table of a flight that learned online."""
+    learned = {"learned": 20.0, "offline": 3.0, "none": 0.0}
+    rates = {"learning_rate": 0.0015, "stable_learning_rate": 0.0017}
+    summary["residual"] |= {"source_s": learned} | rates | changes
+    return table(summary, "clover")
+
+
+def test_the_layer_in_use_and_its_learning_are_shown(summary):
+    without = learning(summary, source_s=None, learning_rate=None, stable_learning_rate=None)
+    assert "Delta" not in without and "learning" not in without
+    text = learning(summary)
+    assert cell(text, "time with learned Delta") == ["20.00 s"]
+    assert cell(text, "time with offline Delta") == ["3.00 s"]
+    assert cell(text, "learning rate") == ["0.0015"] and cell(text, "stable below") == ["0.0017"]
+    assert "without Delta" not in text and "note" not in text
+    text = learning(summary, learning_rate=None, stable_learning_rate=None)
+    assert "learning rate" not in text and "note" not in text
+
+
+def test_a_learning_rate_above_its_bound_is_noted(summary):
+    text = learning(summary, stable_learning_rate=0.00026)
+    assert text.splitlines()[-1].startswith(
+        "note: residual.learning_rate 0.0015 exceeds 0.00026, the bound below which every step"
+    )
+
+
+def test_a_delta_that_was_never_used_is_shown(summary):
+    event = {"time_s": 27.0, "cause": "delta_unused", "mode": "nominal", "event": "triggered"}
+    summary["events"].append(event)
+    text = learning(summary, source_s={"learned": 0.0, "offline": 0.0, "none": 27.0})
+    assert cell(text, "residual Delta") == ["never used"] and "time without" not in text
+    assert "   27.00 s  delta_unused triggered: nominal" in text
+
+
 def test_missed_ticks_are_shown(summary):
     assert "MPC ticks missed" not in table(summary, "clover")
     summary["mpc"] |= {"ticks": 48, "missed": 277}

@@ -260,6 +260,23 @@ def test_the_argument_is_not_changed():
     assert np.all(theta == 0) and np.all(moved == 0.2)
 
 
+@pytest.mark.parametrize("ticks", [1, 3, 40])
+@pytest.mark.parametrize("batch", [4, 12])
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e170])
+def test_the_stable_learning_rate_is_of_the_samples_in_the_ring_buffer(ticks, batch, scale):
+    """The reference has the mean of the latest samples alone."""
+    plain = make_learner(batch=batch)
+    phi, target = make_samples(ticks)
+    state = states(plain, scale * phi, 0 * target)[-1]
+    latest = phi[-batch:]
+    largest = np.linalg.norm(latest, 2) ** 2 / len(latest)
+    assert plain.stable_learning_rate(state) == pytest.approx(1 / largest / scale / scale)
+
+
+def test_an_empty_ring_buffer_has_no_stable_learning_rate():
+    assert make_learner().stable_learning_rate(make_learner().start()) == 0
+
+
 @pytest.mark.parametrize(("ratio", "shrinks"), [(0.99, True), (1.01, False)])
 def test_stability_bound_of_the_docstring(ratio, shrinks):
     rng = np.random.default_rng(1)
