@@ -1,12 +1,11 @@
 """Quadratic programs as a `MathematicalProgram` for a solver of Drake."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from pydrake.solvers import (
     Binding,
-    BoundingBoxConstraint,
     LinearConstraint,
     MathematicalProgram,
     MathematicalProgramResult,
@@ -15,6 +14,7 @@ from pydrake.solvers import (
     SolverInterface,
     SolverOptions,
 )
+from scipy.linalg.lapack import dtrtrs
 
 from aerodrake.model.qp.quadratic_program import Constraints, QuadraticProgram
 from aerodrake.model.qp.refinement import estimated_active_set, exact_minimiser, residual
@@ -27,38 +27,42 @@ ACCEPTED_RESIDUAL = 1e-3
 INFEASIBLE = (SolutionResult.kInfeasibleConstraints, SolutionResult.kInfeasibleOrUnbounded)
 
 
-class BoundProgram(NamedTuple):
+class ScaledProgram(NamedTuple):
     """A `MathematicalProgram` in z (nz,) whose coefficients change from program to program."""
 
     program: MathematicalProgram
     cost: "Binding[QuadraticCost]"
-    box: "Binding[BoundingBoxConstraint]"
     rows: "Binding[LinearConstraint]"
 
     @classmethod
-    def make(cls, nz: int) -> "BoundProgram":
-        """Returns a program with one row, which is not bounded."""
-        program = MathematicalProgram()
+    def make(cls, nz: int) -> Self:
+        """Returns a program of nz variables with any coefficients."""
+        program, one = MathematicalProgram(), np.ones(nz)
         z = program.NewContinuousVariables(nz, "z")
         return cls(
             program,
-            program.AddQuadraticCost(np.eye(nz), np.zeros(nz), z, is_convex=True),
-            program.AddBoundingBoxConstraint(-1.0, 1.0, z),
-            # Drake adds no constraint without rows.
-            program.AddLinearConstraint(np.ones((1, nz)), [-np.inf], [np.inf], z),
+            program.AddQuadraticCost(np.eye(nz), 0 * one, z, is_convex=True),
+            program.AddLinearConstraint(np.eye(nz), -one, one, z),
         )
 
-    def update(self, program: QuadraticProgram, constraints: Constraints) -> None:
-        """Sets cost and rows to those of a program; the cost is divided by its scale."""
-        nz, scale = len(program.g), program.scale
-        self.cost.evaluator().UpdateCoefficients(program.H / scale, program.g / scale, 0, True)
-        N, lower, upper = (part[nz:] for part in constraints)
-        self.rows.evaluator().UpdateCoefficients(N, lower, upper)
+    def update(self, program: QuadraticProgram, constraints: Constraints) -> np.ndarray:
+        """Sets the coefficients to those of a program, with the cost divided by its scale.
 
-    def multipliers(self, result: MathematicalProgramResult) -> np.ndarray:
-        """Returns the multipliers (nc,) of the constraints, positive for upper bounds."""
-        bindings = [self.box, self.rows] if self.rows.evaluator().num_constraints() else [self.box]
-        return -np.concatenate([result.GetDualSolution(binding) for binding in bindings])
+        The rows are scaled so that N H^-1 N^T, the Hessian of the dual, has a unit diagonal: on
+        its condition number depends how fast operator splitting converges (Giselsson and Boyd
+        2017, doi 10.1109/TAC.2016.2564160).
+
+        Returns:
+            (nc,), factors of the rows.
+        """
+        scale = program.scale
+        self.cost.evaluator().UpdateCoefficients(program.H / scale, program.g / scale, 0, True)
+        L_inv_N, _ = dtrtrs(program.factor, constraints.N.T, lower=1)
+        norms = np.sqrt(scale * (L_inv_N**2).sum(axis=0))
+        factors = 1 / np.where(norms > 0, norms, 1.0)
+        N, lower, upper = factors[:, None] * constraints.N, constraints.lower, constraints.upper
+        self.rows.evaluator().UpdateCoefficients(N, factors * lower, factors * upper)
+        return factors
 
 
 class DrakeQpSolver(QpSolver):
@@ -81,22 +85,23 @@ class DrakeQpSolver(QpSolver):
         self._options = SolverOptions()
         for name, value in options.items():
             self._options.SetOption(solver.id(), name, value)
-        self._programs: dict[int, BoundProgram] = {}
+        self._programs: dict[int, ScaledProgram] = {}
 
     def _solve(self, program: QuadraticProgram, constraints: Constraints) -> QpResult:
         nz = len(program.g)
         if nz not in self._programs:
-            self._programs[nz] = BoundProgram.make(nz)
-        bound = self._programs[nz]
-        bound.update(program, constraints)
-        result = self._solver.Solve(bound.program, None, self._options)
+            self._programs[nz] = ScaledProgram.make(nz)
+        scaled = self._programs[nz]
+        factors = scaled.update(program, constraints)
+        result = self._solver.Solve(scaled.program, None, self._options)
         iterations = iterations_of(result)
         # The status alone does not tell: an infeasible program may have a finite, huge z,
         # `is_success` is also true of inaccurate ones, and an iteration limit may leave a good z.
         if result.get_solution_result() in INFEASIBLE:
             return QpResult.without_solution(nz, QpStatus.INFEASIBLE, iterations)
         z = result.get_x_val()
-        multipliers = bound.multipliers(result)
+        # Drake's multipliers of upper bounds are negative.
+        multipliers = -factors * result.GetDualSolution(scaled.rows)
         if self._is_refined:
             active = estimated_active_set(constraints, z, multipliers)
             exact = exact_minimiser(program, constraints, active)
