@@ -48,8 +48,9 @@ class ResidualEstimator(LeafSystem):
     labels are rejected. A tick with NaN or infinite inputs neither completes nor begins a
     sample, and its Delta is zero.
 
-    The step of eq. 6 is stable for a learning rate below a bound that depends on the latest samples
-    (see `last_layer_step`). Above it the last layer diverges, and only the guards bound it.
+    The step of eq. 6 is stable for a learning rate eta < 1 / lambda_max, the largest eigenvalue of
+    the mean of phi phi^T over the samples in the ring buffer (`last_layer_step`). With a larger
+    one the last layer may diverge; with `as_printed` nothing bounds it, otherwise the guards do.
 
     Ports:
         in `state` (13 + 2 n): measured `VehicleState`.
