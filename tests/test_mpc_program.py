@@ -58,7 +58,7 @@ def test_solvers_agree_on_the_program_with_explicit_states(kind, every, recorded
     for name, value in TIGHT[kind].items():
         options.SetOption(kind.id(), name, value)
     for tick in ticks[every - 1 :: every]:
-        qp, program = formulation.form(tick).qp, formulation.program(tick)
+        qp, program = formulation.form(tick), formulation.program(tick)
         best = exact_minimiser(qp.H, qp.g, qp.lower, qp.upper, qp.A)
         result = kind().Solve(program, None, options)
         assert result.is_success()

@@ -116,8 +116,8 @@ def _mpc(scenario: Scenario, log: FlightLog, simulated_s: float) -> dict[str, An
         solver: `mpc.solver` of the scenario; null for CLIK.
         ticks: Number of computed ticks.
         solved_by: These ticks by how they were solved: by the unconstrained minimiser, by the
-            solver, for CLIK with accelerations at a limit, by the solver with relaxed bounds, or
-            not at all.
+            solver, for CLIK with accelerations at a limit, by the solver with softened custom
+            constraints or with relaxed bounds, or not at all.
         median_ms, p99_ms: Wall time of a tick, forming and solving.
         solver_fallbacks: Ticks that were not solved and followed the last plan.
         missed: Ticks that were not computed.
@@ -134,6 +134,7 @@ def _mpc(scenario: Scenario, log: FlightLog, simulated_s: float) -> dict[str, An
     solved_by = {
         "unconstrained": counts[QpStatus.UNCONSTRAINED],
         solver or scenario.controller: counts[QpStatus.SOLVED] + counts[QpStatus.INACCURATE],
+        "softened": counts[QpStatus.SOFTENED],
         "relaxed": counts[QpStatus.RELAXED],
         "none": unsolved,
     }

@@ -1,21 +1,22 @@
 """Costs and constraints of one's own on quantities that the MPC predicts."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from aerodrake.model.mpc.objective import CostTerm
-from aerodrake.model.mpc.predictions import QUANTITIES, quantity_size
+from aerodrake.model.mpc.condensing import Condensing, rows_by_input
+from aerodrake.model.mpc.objective import CostTerm, combined
+from aerodrake.model.mpc.predictions import QUANTITIES, RATES, StagePredictions, quantity_size
 from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.support.errors import BadInput, nearest
 
 
 @dataclass(frozen=True, kw_only=True)
 class CustomTerm:
-    """Values M x_k of a predicted quantity x at some stages.
+    """Values M x of a predicted quantity x in some stages.
 
     Attributes:
         quantity: A key of `QUANTITIES`.
@@ -73,7 +74,7 @@ class CustomTerm:
 
 @dataclass(frozen=True, kw_only=True)
 class CustomCost(CustomTerm):
-    """Cost | M x_k - desired |^2 W at the chosen stages, times the ticks that each lasts.
+    """Cost | M x - desired |^2 W at the end of each chosen stage, times the ticks that it lasts.
 
     Attributes:
         weight: W's diagonal (d,), or one number; not negative.
@@ -100,43 +101,65 @@ class CustomCost(CustomTerm):
 
 @dataclass(frozen=True, kw_only=True)
 class CustomConstraint(CustomTerm):
-    """Constraint lower <= M x_k <= upper at the chosen stages.
+    """Constraint lower <= M (x + tau x') <= upper at the end of each chosen stage.
 
-    Where it cannot be satisfied it is softened: then the sum of squared violations is
-    minimised, and the tick's status is `SOFTENED`.
+    With the rate x', x approaches its bound no faster than as exp(-t / tau), and hence stays
+    within. Without it (tau = 0) the predicted x may reach the bound at full speed; delays that
+    the model does not contain, as that of the arm, then carry the vehicle beyond.
+    Quantities without an entry in `RATES` have no x'; their bounds are on x.
+
+    Where it cannot be satisfied it is softened: then the sum of squared violations is minimised
+    first, and the tick's status is `SOFTENED`.
 
     Attributes:
         lower, upper: (d,), or one number; infinite for no bound.
+        time_constant_s: tau.
     """
 
     lower: ArrayLike = -np.inf
     upper: ArrayLike = np.inf
+    time_constant_s: float = 0.1
 
-    def bounds(self, d: int) -> tuple[np.ndarray, np.ndarray]:
-        """Returns (lower, upper), (d,) each.
+    def at(self, M: np.ndarray, stages: np.ndarray) -> "StagesConstraint":
+        """Returns the constraint with M (d, size) and stages (S,).
 
         Raises:
-            BadInput: if they do not fit, or a lower bound exceeds its upper one.
+            BadInput: if bounds or time constant do not fit, or a lower bound exceeds its upper one.
         """
-        lower, upper = (self.vector(key, d, allows_infinite=True) for key in ("lower", "upper"))
+        lower, upper = (self.vector(key, len(M), True) for key in ("lower", "upper"))
         if (lower > upper).any():
             self._refuse("lower", "expected no more than upper")
-        return lower, upper
+        (tau,) = self.vector("time_constant_s", 1)
+        if not 0 <= tau <= 10:
+            self._refuse("time_constant_s", f"expected 0 to 10 s, got {tau}")
+        parts: tuple[tuple[str, np.ndarray], ...] = ((self.quantity, M),)
+        formula = f"M {self.quantity}"
+        if tau > 0 and self.quantity in RATES:
+            parts = (*parts, (RATES[self.quantity], tau * M))
+            formula = f"M ({self.quantity} + {tau:g} s x {RATES[self.quantity]})"
+        return StagesConstraint(self.name, formula, parts, lower, upper, stages)
 
 
 class StagesCost(NamedTuple):
-    """A cost term at some stages (S,), from 1 to N."""
+    """A cost term at the ends of some stages (S,), from 1 to N."""
 
     term: CostTerm
     stages: np.ndarray
 
 
 class StagesConstraint(NamedTuple):
-    """lower <= M x_k <= upper of a quantity x at some stages (S,), from 1 to N."""
+    """lower <= sum_i M_i x_i <= upper of quantities x_i at the ends of stages (S,), from 1 to N.
+
+    Attributes:
+        name, formula: For the printed program.
+        parts: (quantity, M_i (d, size)) of each quantity.
+        lower, upper: (d,).
+        stages: (S,).
+    """
 
     name: str
-    quantity: str
-    M: np.ndarray
+    formula: str
+    parts: tuple[tuple[str, np.ndarray], ...]
     lower: np.ndarray
     upper: np.ndarray
     stages: np.ndarray
@@ -151,45 +174,58 @@ class CustomTerms:
 
     Args:
         terms: Costs and constraints.
-        joints: n.
-        ticks: (N,), duration of each stage.
+        condensing: Constant part of the programs.
+        acceleration: (m,) m/s^2 and rad/s^2, inputs per unit of z.
 
     Raises:
         BadInput: if a term does not fit.
     """
 
-    def __init__(self, terms: Sequence[CustomTerm], joints: int, ticks: np.ndarray):
-        self.terms, self._ticks = tuple(terms), ticks
+    def __init__(
+        self, terms: Sequence[CustomTerm], condensing: Condensing, acceleration: np.ndarray
+    ):
+        self.terms, self._condensing, self._acceleration = tuple(terms), condensing, acceleration
         self.costs: list[StagesCost] = []
         self.constraints: list[StagesConstraint] = []
         for term in terms:
-            M, stages = term.selection(joints, len(ticks))
+            M, stages = term.selection(len(acceleration) - 3, len(condensing.ticks))
             if isinstance(term, CustomCost):
                 self.costs.append(StagesCost(term.term(M), stages))
             else:
-                bounds = term.bounds(len(M))
-                self.constraints.append(
-                    StagesConstraint(term.name, term.quantity, M, *bounds, stages)
-                )
+                self.constraints.append(term.at(M, stages))
 
-    def added_to(
-        self, program: MpcProgram, predict: Callable[[str], tuple[np.ndarray, np.ndarray]]
-    ) -> MpcProgram:
-        """Returns a program with the terms.
-
-        Args:
-            program: Program of one tick.
-            predict: Returns L (N, size, m N) and x_0 (N, size) of a quantity x = L z + x_0.
-        """
+    def added_to(self, program: MpcProgram, predictions: StagePredictions) -> MpcProgram:
+        """Returns the program of a tick, with its `predictions`, and the terms."""
         for term, stages in self.costs:
-            ((quantity, M),) = term.parts
-            L, x = predict(quantity)
-            L, error = M @ L[stages - 1], x[stages - 1] @ M.T - term.desired.T
-            weight = np.multiply.outer(self._ticks[stages - 1], term.weight)
-            program = program.with_cost(L.reshape(-1, L.shape[-1]), error.ravel(), weight.ravel())
-        for _, quantity, M, lower, upper, stages in self.constraints:
-            L, x = predict(quantity)
-            L, x = M @ L[stages - 1], x[stages - 1] @ M.T
-            bounds = ((bound - x).ravel() for bound in (lower, upper))
-            program = program.with_rows(L.reshape(-1, L.shape[-1]), *bounds)
+            L, x = self._values(term.parts, stages, program, predictions)
+            weight = np.multiply.outer(self._condensing.ticks[stages - 1], term.weight)
+            program = program.with_cost(L, (x - term.desired.T).ravel(), weight.ravel())
+        for constraint in self.constraints:
+            L, x = self._values(constraint.parts, constraint.stages, program, predictions)
+            lower, upper = (constraint.lower - x).ravel(), (constraint.upper - x).ravel()
+            program = program.with_rows(L, lower, upper)
         return program
+
+    def _values(
+        self,
+        parts: Sequence[tuple[str, np.ndarray]],
+        stages: np.ndarray,
+        program: MpcProgram,
+        predictions: StagePredictions,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Returns L (S d, m N) and x_0 (S, d) of sum_i M_i x_i = L z + x_0."""
+        if parts[0][0] == "input":
+            ((_, M),) = parts
+            L = M @ self._inputs()
+            x = np.zeros(L.shape[:2])
+        else:
+            rows, offset = combined(parts, predictions)
+            L = rows_by_input(self._condensing, rows)
+            x = (rows @ program.free_response + offset).T
+        return L[stages - 1].reshape(-1, L.shape[-1]), x[stages - 1]
+
+    def _inputs(self) -> np.ndarray:
+        """Returns L (N, m, m N) of the inputs."""
+        N, m = len(self._condensing.ticks), len(self._acceleration)
+        by_axis = np.diag(np.repeat(self._acceleration, N)).reshape(m, N, m * N)
+        return by_axis.swapaxes(0, 1)

@@ -1,7 +1,6 @@
 """Cost and bounds of the MPC (paper, section III-A, B): the program of one tick."""
 
 import copy
-from dataclasses import replace
 from typing import Self
 
 import numpy as np
@@ -12,7 +11,6 @@ from aerodrake.model.mpc.condensing import (
     gradient,
     hessian,
     outputs_under,
-    rows_by_input,
 )
 from aerodrake.model.mpc.custom_terms import CustomTerm, CustomTerms
 from aerodrake.model.mpc.horizon import StageResponses, stage_ticks
@@ -26,9 +24,6 @@ from aerodrake.model.qp.quadratic_program import QuadraticProgram
 from aerodrake.model.setpoint.integration import SetpointLimits, braking
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
-
-SLACK = 1e-6
-"""Margin of relaxed bounds around full braking, in scaled rows."""
 
 
 class MpcFormulation:
@@ -77,7 +72,7 @@ class MpcFormulation:
         responses = StageResponses(model, ticks, limits.acceleration)
         self.condensing = Condensing.make(responses, ticks.astype(float), H_input)
         self.bounds = StateBounds.make(model, limits)
-        self.custom = CustomTerms((), model.joints, ticks)
+        self.custom = CustomTerms((), self.condensing, limits.acceleration)
         self._form_rows(responses)
 
     def _form_rows(self, responses: StageResponses) -> None:
@@ -107,13 +102,15 @@ class MpcFormulation:
         Raises:
             BadInput: if a term does not fit this formulation.
         """
-        extended, joints = copy.copy(self), self.model.joints
-        extended.custom = CustomTerms((*self.custom.terms, *terms), joints, self.stage_ticks)
+        extended = copy.copy(self)
+        extended.custom = CustomTerms(
+            (*self.custom.terms, *terms), self.condensing, self.limits.acceleration
+        )
         return extended
 
     def form(self, tick: MpcInputs) -> MpcProgram:
         """Returns the condensed program of one tick."""
-        N, m = self.config.horizon, len(self.W_3)
+        N = self.config.horizon
         response = self._free_response @ np.concatenate([tick.x_0, tick.delta])
         rows, outputs = response[: len(self.A)], response[len(self.A) :]
         free_response, predictions = outputs.reshape(-1, N), self.predictions(tick)
@@ -129,18 +126,7 @@ class MpcFormulation:
             free_response=free_response,
             v_d=tick.x_0[self._setpoint_rates],
         )
-        if not self.custom.terms:
-            return program
-
-        def predict(quantity: str) -> tuple[np.ndarray, np.ndarray]:
-            """Returns L (N, size, m N) and the value (N, size) at z = 0."""
-            if quantity == "input":
-                by_axis = np.einsum("a,ab,kj->kabj", self.limits.acceleration, np.eye(m), np.eye(N))
-                return by_axis.reshape(N, m, m * N), np.zeros((N, m))
-            rows, offset = predictions[quantity]
-            return rows_by_input(self.condensing, rows), (rows @ free_response + offset).T
-
-        return self.custom.added_to(program, predict)
+        return self.custom.added_to(program, predictions)
 
     def program(self, tick: MpcInputs) -> TickProgram:
         """Returns the program of one tick with states, inputs and task vectors as variables.
@@ -171,21 +157,18 @@ class MpcFormulation:
         """Returns the program with bounds widened so far that full braking is feasible.
 
         Bounds that full braking satisfies are unchanged. The others cannot be satisfied by
-        any input, and the relaxed program exceeds them by no more than braking does.
+        any input, and the relaxed program exceeds them by no more than braking does. Custom
+        constraints are unchanged.
         """
-        hard = len(self.A)
-        rows = self.A @ self._braking(program)
-        lower, upper = program.lower.copy(), program.upper.copy()
-        lower[:hard] = np.minimum(lower[:hard], rows - SLACK)
-        upper[:hard] = np.maximum(upper[:hard], rows + SLACK)
-        return replace(program, lower=lower, upper=upper)
+        return program.admitting(self._braking(program), slice(len(self.A)))
 
-    def softened(self, program: MpcProgram) -> QuadraticProgram:
-        """Returns the relaxed program with slack in the custom constraints.
+    def least_violation(self, program: MpcProgram) -> QuadraticProgram:
+        """Returns the program of the least violation of the custom constraints.
 
-        Rows that full braking satisfies have none. The slacks follow the m N inputs in z.
+        The bounds of a program are relaxed first. z begins with the m N inputs.
         """
-        return self.relaxed(program).softened(len(self.A), self._braking(program))
+        relaxed = self.relaxed(program)
+        return relaxed.least_violation(len(self.A), self._braking(program))
 
     def _braking(self, program: MpcProgram) -> np.ndarray:
         """Returns full braking, as z."""

@@ -117,10 +117,11 @@ class Objective:
     def terms(self, tick: MpcInputs) -> list[CostTerm]:
         """Returns J_1, J_2, J_4 and, with an orientation task, J_6."""
         W_2 = self.W_2 * np.where(self._is_base, tick.w_q, tick.w_m)
-        v_s, p_EB = ("velocity", self._I_v), ("tool_position_base", self._I)
+        v_s = (("base_velocity", self._I_v[:, :3]), ("joint_velocity", self._I_v[:, 3:]))
+        p_EB = ("tool_position_base", self._I)
         terms = [
             self._tracking(self._position, tick.end_effector.p_E, tick.reference),
-            CostTerm("J_2", "| v_s |^2 W_2", (v_s,), self._at_rest, W_2),
+            CostTerm("J_2", "| v_s |^2 W_2", v_s, self._at_rest, W_2),
             CostTerm("J_4", "| p_EB - p_O |^2 W_4", (p_EB,), self._p_O, self._W_4 * tick.w_d),
         ]
         if tick.pointing is not None:

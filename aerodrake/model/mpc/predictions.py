@@ -16,19 +16,32 @@ QUANTITIES = {
     "tool_position": "p_E in m, world frame",
     "tool_velocity": "p_E' in m/s, world frame",
     "tool_position_base": "p_EB in m, base frame",
+    "tool_velocity_base": "p_EB' in m/s, base frame",
     "tool_axis": "t, a unit vector in the world frame; with an orientation task only",
     "tool_axis_rate": "t' in 1/s, world frame; with an orientation task only",
     "base_position": "p_B in m, world frame",
-    "velocity": "v_s = [p_B', q'] in m/s and rad/s",
+    "base_velocity": "p_B' in m/s, world frame",
     "joint_position": "q in rad",
+    "joint_velocity": "q' in rad/s",
     "input": "u = [p_B,d'', q''] in m/s^2 and rad/s^2, during the stage",
 }
 """Predicted quantities by name, with symbol, unit and frame."""
 
+RATES = {
+    "tool_position": "tool_velocity",
+    "tool_position_base": "tool_velocity_base",
+    "tool_axis": "tool_axis_rate",
+    "base_position": "base_velocity",
+    "joint_position": "joint_velocity",
+}
+"""Rates of the quantities that have one among them."""
+
 
 def quantity_size(quantity: str, joints: int) -> int:
     """Returns the number of entries of one of `QUANTITIES`, for n `joints`."""
-    return {"velocity": 3 + joints, "input": 3 + joints, "joint_position": joints}.get(quantity, 3)
+    if quantity == "input":
+        return 3 + joints
+    return joints if quantity.startswith("joint") else 3
 
 
 class Prediction(NamedTuple):
@@ -36,7 +49,7 @@ class Prediction(NamedTuple):
 
     Attributes:
         rows: (d, F).
-        offset: (d, N), or (d, 1) if it is the same at all stages.
+        offset: (d, 1).
     """
 
     rows: np.ndarray
@@ -70,13 +83,8 @@ class StagePredictions:
     """
 
     def __init__(self, tick: MpcInputs, model: EquivalentModel, tilts: bool, rpy_rates: np.ndarray):
-        self._tick, self._model, self._tilts, self._rpy_rates = tick, model, tilts, rpy_rates
+        self._tick, self._model, self.tilts, self._rpy_rates = tick, model, tilts, rpy_rates
         self._y = OutputSlices.of(model.joints)
-
-    @property
-    def stages(self) -> int:
-        """Number N of stages."""
-        return len(self._tick.reference) - 1
 
     def __getitem__(self, quantity: str) -> Prediction:
         return getattr(self, quantity)
@@ -104,29 +112,38 @@ class StagePredictions:
     @cached_property
     def tool_position_base(self) -> Prediction:
         """p_EB."""
-        rows, at = self._zeros(3), self._tick.end_effector
-        rows[:, self._y.joint_position] = at.J_B
-        return Prediction(rows, at.p_EB[:, None])
+        at = self._tick.end_effector
+        return Prediction(self._rows(self._y.joint_position, at.J_B), at.p_EB[:, None])
+
+    @cached_property
+    def tool_velocity_base(self) -> Prediction:
+        """p_EB'."""
+        return Prediction(
+            self._rows(self._y.joint_velocity, self._tick.end_effector.J_B), np.zeros((3, 1))
+        )
 
     @cached_property
     def base_position(self) -> Prediction:
         """p_B."""
-        rows, model = self._zeros(3), self._model
-        rows[:, self._y.base_position] = np.eye(3)
-        return Prediction(rows, self._tick.x_0[model.base_position, None])
+        p_B = self._tick.x_0[self._model.base_position, None]
+        return Prediction(self._rows(self._y.base_position, np.eye(3)), p_B)
+
+    @cached_property
+    def base_velocity(self) -> Prediction:
+        """p_B'."""
+        return Prediction(self._rows(self._y.base_velocity, np.eye(3)), np.zeros((3, 1)))
 
     @cached_property
     def joint_position(self) -> Prediction:
         """q."""
-        rows, model = self._zeros(self._model.joints), self._model
-        rows[:, self._y.joint_position] = np.eye(model.joints)
-        return Prediction(rows, self._tick.x_0[model.joint_position, None])
+        q, n = self._tick.x_0[self._model.joint_position, None], self._model.joints
+        return Prediction(self._rows(self._y.joint_position, np.eye(n)), q)
 
     @cached_property
-    def velocity(self) -> Prediction:
-        """v_s = [p_B', q']."""
-        m = 3 + self._model.joints
-        return Prediction(np.eye(m, 2 * m + 6), np.zeros((m, 1)))
+    def joint_velocity(self) -> Prediction:
+        """q'."""
+        n = self._model.joints
+        return Prediction(self._rows(self._y.joint_velocity, np.eye(n)), np.zeros((n, 1)))
 
     @property
     def _axis(self) -> ToolAxis:
@@ -134,20 +151,25 @@ class StagePredictions:
             raise BadInput("tool_axis", "", "expected a scenario with an orientation task")
         return self._tick.pointing.axis
 
-    def _zeros(self, size: int) -> np.ndarray:
-        return np.zeros((size, self._y.acceleration_rate.stop))
+    def _rows(self, part: slice, M: np.ndarray) -> np.ndarray:
+        """Returns the rows (d, F) of M times a part of y."""
+        rows = np.zeros((len(M), self._y.acceleration_rate.stop))
+        rows[:, part] = M
+        return rows
 
     def _task_vector(self, task: TaskVector) -> Prediction:
-        rows, y = self._zeros(3), self._y
-        rows[:, y.base_position], rows[:, y.joint_position] = task.J_c[:, :3], task.J_c[:, 4:]
-        if self._tilts:
+        y = self._y
+        rows = self._rows(y.base_position, task.J_c[:, :3])
+        rows[:, y.joint_position] = task.J_c[:, 4:]
+        if self.tilts:
             rows[:, y.acceleration] = tilt_matrix(task.r)
         return Prediction(rows, task.value[:, None])
 
     def _task_rate(self, task: TaskVector) -> Prediction:
-        rows, y = self._zeros(3), self._y
-        rows[:, y.base_velocity], rows[:, y.joint_velocity] = task.J_c[:, :3], task.J_c[:, 4:]
-        if self._tilts:
+        y = self._y
+        rows = self._rows(y.base_velocity, task.J_c[:, :3])
+        rows[:, y.joint_velocity] = task.J_c[:, 4:]
+        if self.tilts:
             rows[:, y.acceleration_rate] = tilt_matrix(task.r)
         turning = task.J_u @ self._rpy_rates[:2] + task.J_c[:, 3] * self._rpy_rates[2]
         return Prediction(rows, turning[:, None])

@@ -4,41 +4,32 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from aerodrake.model.qp.quadratic_program import QuadraticProgram
 
-SLACK_COST = 1e3
-"""Cost of the squared slack of a softened row, relative to the mean diagonal element of H."""
+MARGIN = 1e-6
+"""Margin of widened bounds."""
 
 LEAST_SLACK = 0.03
-"""Least range of the slack of a softened row: a small one would make H ill-conditioned."""
+"""Least range of a slack: a small one would make the program ill-conditioned."""
+
+INPUT_COST = 1e-5
+"""Cost of the inputs beside that of violations, which makes the solution unique."""
 
 
 @dataclass(frozen=True)
-class MpcProgram:
-    """Condensed program of one tick, as `QuadraticProgram`.
+class MpcProgram(QuadraticProgram):
+    """Condensed program of one tick.
 
     z (m N,) stacks the scaled inputs axis by axis, the stages of the first axis first.
 
     Attributes:
-        H, g, A, lower, upper: As in `QuadraticProgram`.
         free_response: (F, N), outputs of the stages with zero inputs.
         v_d: (m,) m/s and rad/s, current velocities of the setpoints.
     """
 
-    H: np.ndarray
-    g: np.ndarray
-    A: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
     free_response: np.ndarray
     v_d: np.ndarray
-
-    @property
-    def qp(self) -> QuadraticProgram:
-        """The program as a solver receives it."""
-        return QuadraticProgram(self.H, self.g, self.A, self.lower, self.upper)
 
     def with_cost(self, L: np.ndarray, error: np.ndarray, weight: np.ndarray) -> Self:
         """Returns the program with half of | L z + error |^2 W added to its cost.
@@ -67,17 +58,29 @@ class MpcProgram:
             upper=np.concatenate([self.upper, upper / norms]),
         )
 
-    def softened(self, hard: int, z: np.ndarray) -> QuadraticProgram:
-        """Returns the program with slack in rows that a feasible z violates.
+    def admitting(self, z: np.ndarray, rows: slice = slice(None)) -> Self:
+        """Returns the program with the bounds of some rows widened so far that z is feasible.
 
-        The slack of a row is a further variable at the end of z, whose square has a high cost.
+        Args:
+            z: (m N,).
+            rows: Rows that may be widened.
+        """
+        lower, upper, values = self.lower.copy(), self.upper.copy(), self.A @ z
+        lower[rows] = np.minimum(lower[rows], values[rows] - MARGIN)
+        upper[rows] = np.maximum(upper[rows], values[rows] + MARGIN)
+        return replace(self, lower=lower, upper=upper)
+
+    def least_violation(self, hard: int, z: np.ndarray) -> QuadraticProgram:
+        """Returns the program of the least sum of squared violations of the last rows.
+
+        The rows that z violates get a slack, which follows the m N inputs in the variables.
 
         Args:
             hard: Number of rows without slack, which come first.
             z: (m N,), satisfies the hard rows.
         """
-        rows = self.A @ z
-        violation = np.maximum(rows - self.upper, self.lower - rows)
+        values = self.A @ z
+        violation = np.maximum(values - self.upper, self.lower - values)
         soft = np.flatnonzero(violation > 0)
         soft = soft[soft >= hard]
         slack = np.maximum(1.01 * violation[soft], LEAST_SLACK)
@@ -85,10 +88,10 @@ class MpcProgram:
         by_slack[soft, np.arange(len(soft))] = slack
         norms = np.ones(len(self.A))
         norms[soft] = np.hypot(1.0, slack)
-        weight = SLACK_COST * np.diag(self.H).mean() * slack**2
+        costs = np.concatenate([np.full(len(self.g), INPUT_COST), slack**2])
         return QuadraticProgram(
-            H=np.ascontiguousarray(block_diag(self.H, np.diag(weight))),
-            g=np.concatenate([self.g, np.zeros(len(soft))]),
+            H=np.diag(costs),
+            g=np.zeros(len(costs)),
             A=np.hstack([self.A, by_slack]) / norms[:, None],
             lower=self.lower / norms,
             upper=self.upper / norms,

@@ -1,6 +1,5 @@
 """Solver of the MPC's programs."""
 
-from dataclasses import replace
 from typing import Self
 
 from aerodrake.model.mpc.formulation import MpcFormulation
@@ -16,9 +15,9 @@ class MpcSolver:
     """Solves the programs of one formulation.
 
     With the shortcut, the unconstrained minimiser is computed first, which is the solution if it
-    satisfies all bounds. All other programs are solved by one solver. Infeasible bounds are
-    relaxed as far as full braking requires, unless a lower bound exceeds its upper one, which is
-    an error.
+    satisfies all bounds. All other programs are solved by one solver. If a program is infeasible,
+    bounds are relaxed as far as full braking requires, and custom constraints as far as their
+    least violation requires. A lower bound that exceeds its upper one is an error.
 
     Args:
         formulation: Forms the programs.
@@ -42,12 +41,17 @@ class MpcSolver:
 
     def solve(self, program: MpcProgram) -> QpResult:
         """Solves one program, as formed by the formulation."""
-        qp = program.qp
-        if self._has_shortcut and is_within(qp.minimiser, qp.A, qp.lower, qp.upper):
-            return QpResult(qp.minimiser.clip(-1, 1), QpStatus.UNCONSTRAINED)
-        result = self._solver.solve(qp)
-        if is_solved(result.status) or not (qp.lower <= qp.upper).all():
+        z = program.minimiser if self._has_shortcut else None
+        if z is not None and is_within(z, program.A, program.lower, program.upper):
+            return QpResult(z.clip(-1, 1), QpStatus.UNCONSTRAINED)
+        result = self._solver.solve(program)
+        if is_solved(result.status) or not (program.lower <= program.upper).all():
             return result
-        relaxed = self._formulation.relaxed(program)
-        again = self._solver.solve(replace(qp, lower=relaxed.lower, upper=relaxed.upper))
-        return again._replace(status=QpStatus.RELAXED) if is_solved(again.status) else result
+        relaxed, status = self._formulation.relaxed(program), QpStatus.RELAXED
+        if self._formulation.custom.constraints:
+            least = self._solver.solve(self._formulation.least_violation(program))
+            if not is_solved(least.status):
+                return result
+            relaxed, status = relaxed.admitting(least.z[: len(program.g)]), QpStatus.SOFTENED
+        again = self._solver.solve(relaxed)
+        return again._replace(status=status) if is_solved(again.status) else result

@@ -21,19 +21,25 @@ SYMBOLS = {
     "tool_position": "p_E",
     "tool_velocity": "p_E'",
     "tool_position_base": "p_EB",
+    "tool_velocity_base": "p_EB'",
     "tool_axis": "t",
     "tool_axis_rate": "t'",
 }
 """Symbols of the quantities that are variables of their own, with equations for definitions."""
 
 DEFINITIONS = {
-    "tool_position": "p_E + J_s [p_B - p_B,0; q - q_0] + T (a - a_0)",
-    "tool_velocity": "J_s [p_B'; q'] + T a' + J_yaw yaw' + J_u xi_u'",
+    "tool_position": "p_E + J_s [p_B - p_B,0; q - q_0]",
+    "tool_velocity": "J_s [p_B'; q'] + J_yaw yaw' + J_u xi_u'",
     "tool_position_base": "p_EB + J_B (q - q_0)",
-    "tool_axis": "t + J_s [p_B - p_B,0; q - q_0] + T (a - a_0)",
-    "tool_axis_rate": "J_s [p_B'; q'] + T a' + J_yaw yaw' + J_u xi_u'",
+    "tool_velocity_base": "J_B q'",
+    "tool_axis": "t + J_s [p_B - p_B,0; q - q_0]",
+    "tool_axis_rate": "J_s [p_B'; q'] + J_yaw yaw' + J_u xi_u'",
 }
 """Their definitions, with the parts of `StagePredictions`."""
+
+TILTS = {"tool_position": " + T (a - a_0)", "tool_velocity": " + T a'"}
+TILTS |= {"tool_axis": TILTS["tool_position"], "tool_axis_rate": TILTS["tool_velocity"]}
+"""Their further parts if the base's acceleration tilts it."""
 
 
 class TickProblem(NamedTuple):
@@ -89,10 +95,9 @@ class TickProgram(MathematicalProgram):
         N = len(self._ticks)
         self.x = np.array([self._variables(_state_names(model), k) for k in range(N + 1)])
         self.u = np.array([self._variables(_input_names(model.joints), k) for k in range(N)])
-        self._described: dict[str, list[str]] = {"minimise": [], "subject to": []}
         quantities = {quantity: None for term in terms for quantity, _ in term.parts}
-        quantities |= {c.quantity: None for c in problem.custom.constraints}
-        quantities |= {c.term.parts[0][0]: None for c in problem.custom.costs}
+        custom = [c.term for c in problem.custom.costs] + problem.custom.constraints
+        quantities |= {quantity: None for term in custom for quantity, _ in term.parts}
         self.task = {
             name: np.array(
                 [self._variables([SYMBOLS[name] + axis for axis in AXES], k + 1) for k in range(N)]
@@ -109,9 +114,11 @@ class TickProgram(MathematicalProgram):
         self._add_custom_terms()
 
     def __str__(self) -> str:
-        return "\n".join(
-            line for title, lines in self._described.items() for line in (title, *lines)
-        )
+        equations, boxes = self.linear_equality_constraints(), self.bounding_box_constraints()
+        first = [*equations, *boxes]
+        others = [binding for binding in self.GetAllConstraints() if binding not in first]
+        lines = ["minimise", *map(_described, self.GetAllCosts()), "subject to"]
+        return "\n".join([*lines, *map(_described, [*first, *others])])
 
     def quantity(self, name: str, k: int) -> np.ndarray:
         """Returns the variables (size,) of one of `QUANTITIES` at stage k, from 1 to N."""
@@ -122,14 +129,11 @@ class TickProgram(MathematicalProgram):
             return self.u[k - 1]
         index = {
             "base_position": model.base_position,
+            "base_velocity": model.base_velocity,
             "joint_position": model.joint_position,
-            "velocity": np.concatenate([model.base_velocity, model.joint_velocity]),
+            "joint_velocity": model.joint_velocity,
         }
         return x[index[name]]
-
-    def _describe(self, binding: Binding, what: str, title: str = "subject to") -> None:
-        binding.evaluator().set_description(what)
-        self._described[title].append(f"  {what}")
 
     def _variables(self, names: Sequence[str], k: int) -> np.ndarray:
         variables = np.array([Variable(f"{name}[{k}]") for name in names])
@@ -138,7 +142,7 @@ class TickProgram(MathematicalProgram):
 
     def _add_equations(self, M: np.ndarray, variables: np.ndarray, value: np.ndarray, what: str):
         """Adds M variables = value."""
-        self._describe(self.AddLinearEqualityConstraint(M, value, variables), what)
+        self.AddLinearEqualityConstraint(M, value, variables).evaluator().set_description(what)
 
     def _add_model(self) -> None:
         """Adds x_0 and the equivalent model, over each stage."""
@@ -157,17 +161,17 @@ class TickProgram(MathematicalProgram):
         """Adds the definitions of the task vectors by the states."""
         model, predictions = self._problem.model, self._problem.predictions
         for name, variables in self.task.items():
+            definition = DEFINITIONS[name] + (TILTS.get(name, "") if predictions.tilts else "")
             rows, offset = predictions[name]
-            offsets = np.broadcast_to(offset, (3, len(self._ticks))).T
-            for k, (ticks, offset) in enumerate(zip(self._ticks, offsets, strict=True)):
+            for k, ticks in enumerate(self._ticks):
                 now, before, first = (rows @ y for y in OutputMap.of(model, ticks * model.dt))
                 by_states = (now, before, first) if k else (now, before + first)
                 states = (self.x[k + 1], self.x[k], self.x[0])[: len(by_states)]
                 self._add_equations(
                     np.hstack([np.eye(3), *(-M for M in by_states)]),
                     np.concatenate([variables[k], *states]),
-                    offset,
-                    f"{SYMBOLS[name]}[{k + 1}] = {DEFINITIONS[name]}",
+                    offset[:, 0],
+                    f"{SYMBOLS[name]}[{k + 1}] = {definition}",
                 )
 
     def _add_cost(self, term: CostTerm, stages: Iterable[int]) -> None:
@@ -189,7 +193,7 @@ class TickProgram(MathematicalProgram):
         cost = self.AddQuadraticCost(
             2 * weighted @ M, -2 * weighted @ d, W @ d**2, variables, is_convex=True
         )
-        self._describe(cost, what, "minimise")
+        cost.evaluator().set_description(what)
 
     def _add_acceleration_steps(self) -> None:
         """Adds J_5 if it has a weight."""
@@ -224,20 +228,27 @@ class TickProgram(MathematicalProgram):
             bounds.stop, bounds.stop_lower, bounds.stop_upper, self.x[-1]
         )
         N = len(self.u)
-        self._describe(stop, f"q[{N}] + t_s q'[{N}] in X: the joints can stop")
+        stop.evaluator().set_description(f"q[{N}] + t_s q'[{N}] in X: the joints can stop")
 
     def _add_box(self, variables: np.ndarray, low: np.ndarray, high: np.ndarray, what: str) -> None:
-        self._describe(self.AddBoundingBoxConstraint(low, high, variables), what)
+        box = self.AddBoundingBoxConstraint(low, high, variables)
+        box.evaluator().set_description(what)
 
     def _add_custom_terms(self) -> None:
         """Adds the costs and constraints of `MpcFormulation.extended`."""
         custom = self._problem.custom
         for term, stages in custom.costs:
             self._add_cost(term, stages)
-        for name, quantity, M, lower, upper, stages in custom.constraints:
+        for name, formula, parts, lower, upper, stages in custom.constraints:
+            M = np.hstack([M for _, M in parts])
             for k in stages:
-                rows = self.AddLinearConstraint(M, lower, upper, self.quantity(quantity, k))
-                self._describe(rows, f"{name}[{k}]: lower <= M {quantity} <= upper")
+                variables = np.concatenate([self.quantity(quantity, k) for quantity, _ in parts])
+                rows = self.AddLinearConstraint(M, lower, upper, variables)
+                rows.evaluator().set_description(f"{name}[{k}]: lower <= {formula} <= upper")
+
+
+def _described(binding: Binding) -> str:
+    return f"  {binding.evaluator().get_description() or binding}"
 
 
 def _ticks(count: int) -> str:

@@ -12,6 +12,7 @@ class QpStatus(IntEnum):
     UNCONSTRAINED: exact, the unconstrained minimiser.
     SOLVED: exact, the optimality conditions of the solver's active set were verified.
     INACCURATE: the solver's iterate, with small residuals.
+    SOFTENED: exact or inaccurate, with the least violation of custom constraints.
     RELAXED: exact or inaccurate for widened bounds; with the given ones it is infeasible.
     INFEASIBLE: no z satisfies all bounds.
     ITERATION_LIMIT: the solver ended without a solution, mostly by its iteration limit.
@@ -21,6 +22,7 @@ class QpStatus(IntEnum):
     UNCONSTRAINED = 0
     SOLVED = 1
     INACCURATE = 2
+    SOFTENED = 3
     RELAXED = 4
     INFEASIBLE = 5
     ITERATION_LIMIT = 6

@@ -68,7 +68,7 @@ class FaultyMpc(MpcSystem):
         match self.active_fault(context):
             case MpcStarved(iterations=iterations):
                 name = self.formulation.config.solver
-                return make_solver(name, iterations, is_refined=False).solve(program.qp)
+                return make_solver(name, iterations, is_refined=False).solve(program)
             case MpcInfeasible():
                 ones = np.ones_like(program.lower)
                 program = replace(program, lower=ones, upper=-ones)

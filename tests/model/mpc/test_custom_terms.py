@@ -9,6 +9,9 @@ from aerodrake.bench.exact import exact_minimiser
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.mpc.custom_terms import CustomConstraint, CustomCost
 from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.mpc.solver import MpcSolver
+from aerodrake.model.qp.result import QpStatus
+from aerodrake.model.qp.solvers import make_solver
 from aerodrake.support.errors import BadInput
 
 
@@ -20,7 +23,7 @@ def formulation(vehicle, tight_scenario) -> MpcFormulation:
 
 def optimum(formulation, tick) -> np.ndarray:
     """Returns the best inputs (N, m)."""
-    qp = formulation.form(tick).qp
+    qp = formulation.form(tick)
     return formulation.inputs(exact_minimiser(qp.H, qp.g, qp.lower, qp.upper, qp.A).z)
 
 
@@ -57,7 +60,12 @@ def test_a_constraint_binds_at_its_stages_only(formulation, ticks, stages):
     bound = (free.min() + free.max()) / 2
     side = {"upper": bound} if free[-1] > bound else {"lower": bound}
     box = CustomConstraint(
-        quantity="base_position", name="box", matrix=[[1, 0, 0]], stages=stages, **side
+        quantity="base_position",
+        name="box",
+        matrix=[[1, 0, 0]],
+        stages=stages,
+        time_constant_s=0.0,
+        **side,
     )
     extended = formulation.extended(box)
     held = flown(extended, ticks[80], optimum(extended, ticks[80]))[:, x]
@@ -77,6 +85,7 @@ def test_a_tool_constraint_bounds_the_prediction(formulation, ticks):
         matrix=[[0, 0, 1]],
         lower=lowest,
         stages=range(8, 16),
+        time_constant_s=0.0,
     )
     extended = formulation.extended(above)
     U = optimum(extended, tick)
@@ -86,7 +95,7 @@ def test_a_tool_constraint_bounds_the_prediction(formulation, ticks):
 
 
 def test_terms_add_up_and_leave_the_formulation_alone(formulation, ticks):
-    slow = CustomCost(quantity="velocity", name="slow", weight=2.0)
+    slow = CustomCost(quantity="joint_velocity", name="slow", weight=2.0)
     quiet = CustomCost(quantity="input", name="quiet", weight=3.0)
     rows, H = formulation.form(ticks[0]).A.shape[0], formulation.form(ticks[0]).H
     both = formulation.extended(slow).extended(quiet).form(ticks[0])
@@ -103,32 +112,55 @@ def test_terms_add_up_and_leave_the_formulation_alone(formulation, ticks):
 
 def test_an_infeasible_constraint_gets_the_least_violation(formulation, ticks):
     """The base cannot be 1 m higher at once; it rises as fast as it can."""
-    tick = ticks[0]
-    z_0 = tick.x_0[formulation.model.base_position[2]]
+    tick, z_B = ticks[0], formulation.model.base_position[2]
     up = CustomConstraint(
-        quantity="base_position", name="up", matrix=[[0, 0, 1]], lower=z_0 + 1.0, stages=[15]
+        quantity="base_position",
+        name="up",
+        matrix=[[0, 0, 1]],
+        lower=tick.x_0[z_B] + 1.0,
+        stages=[15],
+        time_constant_s=0.0,
     )
     extended = formulation.extended(up)
     program = extended.form(tick)
     with pytest.raises(ValueError, match="infeasible"):
-        exact_minimiser(*(program.H, program.g, program.lower, program.upper, program.A))
-    soft = extended.softened(program)
-    assert len(soft.g) == len(program.g) + 1
-    z = exact_minimiser(soft.H, soft.g, soft.lower, soft.upper, soft.A).z
-    states = flown(extended, tick, extended.inputs(z[: len(program.g)]))
-    fastest = np.concatenate([[0, 0, 1], np.zeros(6)]) * formulation.limits.acceleration
-    climb = flown(extended, tick, np.tile(fastest, (15, 1)))[:, formulation.model.base_position[2]]
-    reached = states[-1, formulation.model.base_position[2]]
-    assert z_0 + 0.4 < reached < min(z_0 + 1.0, climb[-1])
+        exact_minimiser(program.H, program.g, program.lower, program.upper, program.A)
+    result = MpcSolver(extended, make_solver("active_set", 200)).solve(program)
+    assert result.status is QpStatus.SOFTENED
+    reached = flown(extended, tick, extended.inputs(result.z))[-1, z_B]
+    # The fastest climb within the limits of the setpoint's acceleration and velocity.
+    limits, speed, climb = formulation.limits, 0.0, np.zeros((15, 9))
+    for u, stage_s in zip(climb, formulation.stage_ticks * formulation.model.dt, strict=True):
+        u[2] = min(limits.acceleration[2], (limits.velocity[2] - speed) / stage_s)
+        speed += u[2] * stage_s
+    fastest = flown(extended, tick, climb)[-1, z_B]
+    assert reached == pytest.approx(fastest, abs=1e-3)
 
 
-def test_bounds_of_the_vehicle_are_not_softened(formulation, ticks):
-    stop = CustomConstraint(quantity="velocity", name="stop", lower=5.0)
+def test_bounds_of_the_vehicle_have_no_slack(formulation, ticks):
+    stop = CustomConstraint(quantity="base_velocity", name="fast", lower=5.0)
     program = formulation.extended(stop).form(ticks[0])
-    soft = formulation.extended(stop).softened(program)
-    rows = len(formulation.A)
-    assert np.abs(soft.A[:rows, len(program.g) :]).max() == 0
-    np.testing.assert_allclose(np.linalg.norm(soft.A, axis=1), 1.0)
+    least = formulation.extended(stop).least_violation(program)
+    assert len(least.g) == len(program.g) + 3 * 15
+    assert np.abs(least.A[: len(formulation.A), len(program.g) :]).max() == 0
+    np.testing.assert_allclose(np.linalg.norm(least.A, axis=1), 1.0)
+
+
+def test_the_rate_keeps_a_distance_from_the_bound(formulation, ticks):
+    """x approaches its bound as exp(-t / tau): x + tau x' stays within."""
+    tick, tau = ticks[80], 0.5
+    x, v = formulation.model.base_position[0], formulation.model.base_velocity[0]
+    free = flown(formulation, tick, optimum(formulation, tick))
+    side = 1 if free[-1, x] > free[0, x] else -1
+    bound = free[:, x].mean()
+    limits = {"upper": bound} if side > 0 else {"lower": bound}
+    box = CustomConstraint(
+        quantity="base_position", name="box", matrix=[[1, 0, 0]], time_constant_s=tau, **limits
+    )
+    extended = formulation.extended(box)
+    states = flown(extended, tick, optimum(extended, tick))
+    assert np.all(side * (states[:, x] + tau * states[:, v] - bound) < 1e-9)
+    assert np.max(side * (states[:, x] + tau * states[:, v] - bound)) > -1e-6
 
 
 @pytest.mark.parametrize(
@@ -156,6 +188,13 @@ def test_crossed_bounds_are_refused(formulation):
     crossed = CustomConstraint(quantity="tool_position", name="mine", lower=1.0, upper=[2, 0, 2])
     with pytest.raises(BadInput, match="lower: expected no more than upper"):
         formulation.extended(crossed)
+
+
+@pytest.mark.parametrize("tau", [-0.1, 11.0, float("nan"), "slow", [0.1, 0.2]])
+def test_time_constants_out_of_range_are_refused(formulation, tau):
+    box = CustomConstraint(quantity="base_position", name="mine", upper=2.0, time_constant_s=tau)
+    with pytest.raises(BadInput, match="time_constant_s: expected"):
+        formulation.extended(box)
 
 
 def test_the_axis_needs_an_orientation_task(formulation, ticks):

@@ -83,7 +83,7 @@ def test_optimum_is_that_of_the_explicit_problem(option, prepared, tight_scenari
     statuses, active, gaps = [], [], []
     for tick in prepared(ours.model)[::8]:
         program = ours.form(tick)
-        result = solver.solve(program.qp)
+        result = solver.solve(program)
         u_0, active_fraction = theirs.solve(tick)
         statuses.append(result.status)
         active.append(active_fraction)

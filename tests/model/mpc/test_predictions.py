@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from aerodrake.model.mpc.predictions import QUANTITIES, quantity_size, tilt_matrix
+from aerodrake.model.mpc.predictions import QUANTITIES, RATES, quantity_size, tilt_matrix
 from tests.explicit_mpc import UP, G
 
 
@@ -18,6 +18,7 @@ def test_tilt_matrix_is_the_rotation_of_the_thrust_axis():
 
 def test_sizes_of_the_quantities(vehicle):
     sizes = {name: quantity_size(name, vehicle.joints) for name in QUANTITIES}
-    assert sizes.pop("velocity") == sizes.pop("input") == 9
-    assert sizes.pop("joint_position") == 6
+    assert sizes.pop("input") == 9
+    assert sizes.pop("joint_position") == sizes.pop("joint_velocity") == 6
     assert set(sizes.values()) == {3}
+    assert set(RATES) | set(RATES.values()) <= set(QUANTITIES)

@@ -21,7 +21,7 @@ CUSTOM = (
     CustomConstraint(
         quantity="base_position", name="box", lower=[-2, -2, 0.5], upper=3, stages=[2]
     ),
-    CustomConstraint(quantity="velocity", name="slow", upper=1.0, stages=[1, 2]),
+    CustomConstraint(quantity="joint_velocity", name="slow", upper=1.0, stages=[1, 2]),
 )
 
 
