@@ -12,7 +12,7 @@ import hypothesis.strategies as st
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from aerodrake.scenario import AxisAlong, Flight, Residual, Scenario, Vehicle, Waypoints
+from aerodrake.scenario import AxisAlong, Flight, Model, Residual, Scenario, Vehicle, Waypoints
 from aerodrake.scenario.load import load_scenario, packaged_scenarios
 from aerodrake.scenario.plain_yaml import dump, parse
 from aerodrake.scenario.schema import as_mapping, build
@@ -187,6 +187,7 @@ def named(key: str, path: Path) -> Scenario:
         "vehicle.robot": Scenario(vehicle=Vehicle(robot=str(path))),
         "residual.checkpoint": Scenario(
             flight=Flight(interface="position"),
+            model=Model(kind="paper"),
             residual=Residual(mode="offline", checkpoint=str(path)),
         ),
     }
