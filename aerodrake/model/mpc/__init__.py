@@ -1,1 +1,1 @@
-"""MPC (paper, section III): objective, bounds, program, weight allocation; CLIK as its baseline."""
+"""MPC (paper, section III): problem, condensed program, weight allocation; CLIK as its baseline."""

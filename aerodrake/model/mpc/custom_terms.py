@@ -174,58 +174,59 @@ class CustomTerms:
 
     Args:
         terms: Costs and constraints.
-        condensing: Constant part of the programs.
-        acceleration: (m,) m/s^2 and rad/s^2, inputs per unit of z.
+        joints: n.
+        ticks: (N,), duration of each stage.
 
     Raises:
         BadInput: if a term does not fit.
     """
 
-    def __init__(
-        self, terms: Sequence[CustomTerm], condensing: Condensing, acceleration: np.ndarray
-    ):
-        self.terms, self._condensing, self._acceleration = tuple(terms), condensing, acceleration
+    def __init__(self, terms: Sequence[CustomTerm], joints: int, ticks: np.ndarray):
+        self.terms, self._ticks = tuple(terms), ticks
         self.costs: list[StagesCost] = []
         self.constraints: list[StagesConstraint] = []
         for term in terms:
-            M, stages = term.selection(len(acceleration) - 3, len(condensing.ticks))
+            M, stages = term.selection(joints, len(ticks))
             if isinstance(term, CustomCost):
                 self.costs.append(StagesCost(term.term(M), stages))
             else:
                 self.constraints.append(term.at(M, stages))
 
-    def added_to(self, program: MpcProgram, predictions: StagePredictions) -> MpcProgram:
-        """Returns the program of a tick, with its `predictions`, and the terms."""
+    def added_to(
+        self,
+        program: MpcProgram,
+        predictions: StagePredictions,
+        condensing: Condensing,
+        scale: np.ndarray,
+    ) -> MpcProgram:
+        """Returns the program of a tick with the terms.
+
+        Args:
+            program: Program without them.
+            predictions: Predictions of the tick.
+            condensing: Constant part of the programs.
+            scale: (m N,) m/s^2 and rad/s^2, inputs per unit of z.
+        """
+
+        def values(
+            parts: Sequence[tuple[str, np.ndarray]], stages: np.ndarray
+        ) -> tuple[np.ndarray, np.ndarray]:
+            """Returns L (S d, m N) and x_0 (S, d) of sum_i M_i x_i = L z + x_0."""
+            if parts[0][0] == "input":
+                ((_, M),) = parts
+                L = M @ np.diag(scale).reshape(-1, len(self._ticks), len(scale)).swapaxes(0, 1)
+                x = np.zeros(L.shape[:2])
+            else:
+                rows, offset = combined(parts, predictions)
+                L, x = rows_by_input(condensing, rows), (rows @ program.free_response + offset).T
+            return L[stages - 1].reshape(-1, len(scale)), x[stages - 1]
+
         for term, stages in self.costs:
-            L, x = self._values(term.parts, stages, program, predictions)
-            weight = np.multiply.outer(self._condensing.ticks[stages - 1], term.weight)
+            L, x = values(term.parts, stages)
+            weight = np.multiply.outer(self._ticks[stages - 1], term.weight)
             program = program.with_cost(L, (x - term.desired.T).ravel(), weight.ravel())
         for constraint in self.constraints:
-            L, x = self._values(constraint.parts, constraint.stages, program, predictions)
+            L, x = values(constraint.parts, constraint.stages)
             lower, upper = (constraint.lower - x).ravel(), (constraint.upper - x).ravel()
             program = program.with_rows(L, lower, upper)
         return program
-
-    def _values(
-        self,
-        parts: Sequence[tuple[str, np.ndarray]],
-        stages: np.ndarray,
-        program: MpcProgram,
-        predictions: StagePredictions,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Returns L (S d, m N) and x_0 (S, d) of sum_i M_i x_i = L z + x_0."""
-        if parts[0][0] == "input":
-            ((_, M),) = parts
-            L = M @ self._inputs()
-            x = np.zeros(L.shape[:2])
-        else:
-            rows, offset = combined(parts, predictions)
-            L = rows_by_input(self._condensing, rows)
-            x = (rows @ program.free_response + offset).T
-        return L[stages - 1].reshape(-1, L.shape[-1]), x[stages - 1]
-
-    def _inputs(self) -> np.ndarray:
-        """Returns L (N, m, m N) of the inputs."""
-        N, m = len(self._condensing.ticks), len(self._acceleration)
-        by_axis = np.diag(np.repeat(self._acceleration, N)).reshape(m, N, m * N)
-        return by_axis.swapaxes(0, 1)

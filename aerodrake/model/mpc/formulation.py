@@ -1,78 +1,44 @@
-"""Cost and bounds of the MPC (paper, section III-A, B): the program of one tick."""
-
-import copy
-from typing import Self
+"""Condensed program of the MPC (paper, section III-A, B)."""
 
 import numpy as np
 
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.mpc.condensing import (
-    Condensing,
-    gradient,
-    hessian,
-    outputs_under,
-)
-from aerodrake.model.mpc.custom_terms import CustomTerm, CustomTerms
-from aerodrake.model.mpc.horizon import StageResponses, stage_ticks
-from aerodrake.model.mpc.objective import Objective, input_cost, stage_cost
-from aerodrake.model.mpc.predictions import StagePredictions
+from aerodrake.model.mpc.condensing import Condensing, gradient, hessian, outputs_under
+from aerodrake.model.mpc.horizon import StageResponses
+from aerodrake.model.mpc.objective import stage_cost
+from aerodrake.model.mpc.problem import MpcProblem
 from aerodrake.model.mpc.program import MpcProgram
-from aerodrake.model.mpc.state_bounds import StateBounds
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.mpc.tick_program import TickProblem, TickProgram
+from aerodrake.model.mpc.tick_program import TickProgram
 from aerodrake.model.qp.quadratic_program import QuadraticProgram
-from aerodrake.model.setpoint.integration import SetpointLimits, braking
+from aerodrake.model.setpoint.integration import braking
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
 
 
-class MpcFormulation:
-    """Forms the program of one tick; constant parts are computed once.
-
-    The objective is the sum over the stages 1 ... N (of J_3 and J_5: 0 ... N-1, since u_N has no
-    effect) of the terms of `Objective` and of
-
-        J_3 = | u_k |^2                     W_3
-        J_5 = | p_B,d,k'' - p_B,d,k-1'' |^2 W_5
-
-    All but J_5 are multiplied by the ticks that a stage lasts. J_5 is not in the paper. It
-    penalises steps of the base acceleration, from the current one on: such steps
-    require attitude rates beyond those of the rotors, and rotate the end-effector.
-
-    `config.tilt` selects the prediction of roll and pitch. `none`: they are constant. `held`:
-    their measured rates are constant over the horizon. `flatness`: the thrust axis tilts with the
-    model's acceleration a of the base, which moves the end-effector by T a, T = -[r]x [z]x / g,
-    at the mean rate T (a_k - a_{k-1}) / (t_k - t_{k-1}); in models without a, as `none`.
+class MpcFormulation(MpcProblem):
+    """Forms the condensed program of one tick; constant parts are computed once.
 
     Attributes:
         A: (rows, m N), bounds on states as rows of unit norm.
+        scale: (m N,) m/s^2 and rad/s^2, inputs per unit of z.
+        condensing: Constant part of the programs.
 
     Args:
-        config: Weights, horizon and limits of the base.
-        model: The equivalent model.
-        vehicle: Gives the centre of the learning space and the limits of the joints.
+        config, model, vehicle: As for `MpcProblem`.
     """
 
     def __init__(self, config: Mpc, model: EquivalentModel, vehicle: VehicleModel):
-        self.config, self.model = config, model
-        self.limits = limits = SetpointLimits.make(config, vehicle)
-        self.stage_ticks = ticks = stage_ticks(config)
-        self.scale = np.repeat(limits.acceleration, config.horizon)
-        self.objective = Objective(config, vehicle)
+        super().__init__(config, model, vehicle)
+        N, ticks, acceleration = config.horizon, self.stage_ticks, self.limits.acceleration
+        self.scale = np.repeat(acceleration, N)
         self._setpoint_rates = np.concatenate([model.setpoint_velocity, model.joint_velocity])
-        # The measured yaw rate is used always, those of roll and pitch only with tilt `held`.
-        self._rates = np.array([1.0, 1.0, 1.0] if config.tilt == "held" else [0.0, 0.0, 1.0])
-        w_3_joints = vehicle.per_joint(config.w_3_joints, "mpc.w_3_joints")
-        self.W_3 = np.array([*config.w_3_base, *w_3_joints])
-        self.W_5 = np.array([*config.w_5, *np.zeros(model.joints)])
-        change = np.eye(config.horizon) - np.eye(config.horizon, k=-1)
-        H_input = np.multiply.outer(self.W_3, np.diag(ticks))
-        H_input += np.multiply.outer(self.W_5, change.T @ change)
-        H_input *= limits.acceleration[:, None, None] ** 2
-        responses = StageResponses(model, ticks, limits.acceleration)
+        change = np.eye(N) - np.eye(N, k=-1)
+        H_input = np.multiply.outer(self.objective.W_3, np.diag(ticks))
+        H_input[:3] += np.multiply.outer(self.W_5, change.T @ change)
+        H_input *= acceleration[:, None, None] ** 2
+        responses = StageResponses(model, ticks, acceleration)
         self.condensing = Condensing.make(responses, ticks.astype(float), H_input)
-        self.bounds = StateBounds.make(model, limits)
-        self.custom = CustomTerms((), self.condensing, limits.acceleration)
         self._form_rows(responses)
 
     def _form_rows(self, responses: StageResponses) -> None:
@@ -96,18 +62,6 @@ class MpcFormulation:
         of_outputs = responses.free.reshape(-1, of_rows.shape[1])
         self._free_response = np.vstack([of_rows, of_outputs])
 
-    def extended(self, *terms: CustomTerm) -> Self:
-        """Returns a formulation with further costs and constraints.
-
-        Raises:
-            BadInput: if a term does not fit this formulation.
-        """
-        extended = copy.copy(self)
-        extended.custom = CustomTerms(
-            (*self.custom.terms, *terms), self.condensing, self.limits.acceleration
-        )
-        return extended
-
     def form(self, tick: MpcInputs) -> MpcProgram:
         """Returns the condensed program of one tick."""
         N = self.config.horizon
@@ -116,7 +70,7 @@ class MpcFormulation:
         free_response, predictions = outputs.reshape(-1, N), self.predictions(tick)
         cost = stage_cost(self.objective.terms(tick), predictions)
         H, g = hessian(self.condensing, cost.C), gradient(self.condensing, cost, free_response)
-        g[::N] -= self.W_5 * self.limits.acceleration * tick.u_last
+        g[: 3 * N : N] -= self.W_5 * self.limits.acceleration[:3] * tick.u_last[:3]
         program = MpcProgram(
             H=H,
             g=g,
@@ -126,32 +80,15 @@ class MpcFormulation:
             free_response=free_response,
             v_d=tick.x_0[self._setpoint_rates],
         )
-        return self.custom.added_to(program, predictions)
+        return self.custom.added_to(program, predictions, self.condensing, self.scale)
 
     def program(self, tick: MpcInputs) -> TickProgram:
-        """Returns the program of one tick with states, inputs and task vectors as variables.
+        """Returns the problem of one tick with states, inputs and task vectors as variables.
 
         It has the definitions from which `form` derives the condensed program, for reading, for
         extending and for any solver.
         """
-        return TickProgram(
-            TickProblem(
-                model=self.model,
-                ticks=self.stage_ticks,
-                terms=[*self.objective.terms(tick), input_cost(self.W_3)],
-                W_5=self.W_5[:3],
-                acceleration=self.limits.acceleration,
-                bounds=self.bounds,
-                custom=self.custom,
-                predictions=self.predictions(tick),
-                tick=tick,
-            )
-        )
-
-    def predictions(self, tick: MpcInputs) -> StagePredictions:
-        """Returns the predicted quantities of one tick."""
-        rpy_rates = tick.rpy_rates * self._rates
-        return StagePredictions(tick, self.model, self.config.tilt == "flatness", rpy_rates)
+        return TickProgram(self, tick)
 
     def relaxed(self, program: MpcProgram) -> MpcProgram:
         """Returns the program with bounds widened so far that full braking is feasible.
@@ -182,5 +119,5 @@ class MpcFormulation:
     def predict(self, tick: MpcInputs, program: MpcProgram, U: np.ndarray) -> np.ndarray:
         """Returns the linearised p_E (N + 1, 3) m now and at each stage under U (N, 3 + n)."""
         y = outputs_under(self.condensing, program.free_response, U.T.ravel() / self.scale)
-        rows, offset = self.predictions(tick).tool_position
+        rows, offset = self.predictions(tick)["tool_position"]
         return np.vstack([tick.end_effector.p_E, (rows @ y + offset).T])

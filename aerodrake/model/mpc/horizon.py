@@ -85,20 +85,18 @@ class OutputMap(NamedTuple):
 
 
 class OutputSlices(NamedTuple):
-    """Positions in y of the parts of an `OutputMap`: p_B', q', p_B, q, a and a'."""
+    """Parts of y that belong together: p_B, q and a, or their rates."""
 
-    base_velocity: slice
-    joint_velocity: slice
-    base_position: slice
-    joint_position: slice
-    acceleration: slice
-    acceleration_rate: slice
+    base: slice
+    joint: slice
+    tilt: slice
 
-    @classmethod
-    def of(cls, joints: int) -> Self:
-        """Returns the slices for n `joints`."""
-        ends = np.cumsum([0, 3, joints, 3, joints, 3, 3]).tolist()
-        return cls(*(slice(start, end) for start, end in pairwise(ends)))
+
+def output_slices(joints: int) -> tuple[OutputSlices, OutputSlices]:
+    """Returns the parts (p_B, q, a) and (p_B', q', a') of the y of `OutputMap`, for n `joints`."""
+    ends = np.cumsum([0, 3, joints, 3, joints, 3, 3]).tolist()
+    v_B, v_q, p_B, q, a, a_rate = (slice(start, end) for start, end in pairwise(ends))
+    return OutputSlices(p_B, q, a), OutputSlices(v_B, v_q, a_rate)
 
 
 class StageResponses:

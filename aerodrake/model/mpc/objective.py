@@ -63,12 +63,13 @@ class TrackingTask(NamedTuple):
 
 
 class Objective:
-    """Terms of the objective that penalise predicted quantities, at the stages k = 1 ... N.
+    """Terms of the objective.
 
     With v_s = [p_B', q'] and e_E = p_E - p_Ed,
 
         J_1 = | p_E' - p_Ed' + K_e e_E |^2  W_1
         J_2 = | v_s |^2                     W_2
+        J_3 = | u |^2                       W_3
         J_4 = | p_EB - p_O |^2              W_4
         J_6 = | t' - d' + K_o (t - d) |^2   W_6
 
@@ -81,6 +82,7 @@ class Objective:
 
     Attributes:
         W_2: (m,), diagonal of the paper's W_2,0.
+        W_3: (m,), diagonal.
 
     Args:
         config: Weights and gains.
@@ -91,6 +93,8 @@ class Objective:
         self._config, self._p_O = config, vehicle.p_O[:, None]
         joints = vehicle.per_joint(config.w_2_joints, "mpc.w_2_joints")
         self.W_2 = np.array([*config.w_2_base, *joints])
+        joints = vehicle.per_joint(config.w_3_joints, "mpc.w_3_joints")
+        self.W_3 = np.array([*config.w_3_base, *joints])
         self._is_base = np.arange(len(self.W_2)) < 3
         self._W_4 = np.array(config.w_4)
         self._position = TrackingTask(
@@ -129,6 +133,11 @@ class Objective:
             terms.append(self._tracking(self._pointing, axis, reference))
         return terms
 
+    def input_cost(self) -> CostTerm:
+        """Returns J_3, whose u is the input during the stage."""
+        u = ("input", self._I_v)
+        return CostTerm("J_3", "| u |^2 W_3", (u,), self._at_rest, self.W_3)
+
     def _tracking(self, task: TrackingTask, value: np.ndarray, reference: np.ndarray) -> CostTerm:
         """Returns the term of a task vector with the current `value` (3,)."""
         error = value - reference[0, :3]
@@ -139,12 +148,6 @@ class Objective:
         else:
             desired = desired - K * error
         return CostTerm(task.name, task.formula, parts, desired.T, task.weight)
-
-
-def input_cost(W_3: np.ndarray) -> CostTerm:
-    """Returns J_3 with the diagonal W_3 (m,); x_k is the input during the stage k."""
-    u = ("input", np.eye(len(W_3)))
-    return CostTerm("J_3", "| u |^2 W_3", (u,), np.zeros((len(W_3), 1)), W_3)
 
 
 def stage_cost(terms: Sequence[CostTerm], predictions: StagePredictions) -> StageCost:

@@ -1,14 +1,13 @@
 """Quantities that the MPC predicts at each stage, affine in the outputs of the model."""
 
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.mpc.horizon import OutputSlices
+from aerodrake.model.mpc.horizon import OutputSlices, output_slices
 from aerodrake.model.mpc.tick import MpcInputs
-from aerodrake.model.vehicle.kinematics import TaskVector, ToolAxis
+from aerodrake.model.vehicle.kinematics import TaskVector
 from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.support.errors import BadInput
 
@@ -57,7 +56,7 @@ class Prediction(NamedTuple):
 
 
 class StagePredictions:
-    """Predictions of one tick, an attribute for each of `QUANTITIES` but the input.
+    """Predictions of one tick, by the names of `QUANTITIES` but the input.
 
     The end-effector is linearised at the measured state, with r from the base to it,
 
@@ -69,8 +68,8 @@ class StagePredictions:
     yaw' and xi_u' are constant in the rates, as printed in the paper (or zero, see
     `MpcFormulation`), but p_E,k does not advance with them: the attitude loop returns to its
     setpoint long before the end of the horizon. Advancing p_E,k with yaw', constant or decaying
-    with the yaw loop, or leaving yaw' out of the rate changes the errors by 2 % or less, also with
-    noisy rates; advancing it with xi_u' destabilises the flight.
+    with the yaw loop, or leaving yaw' out of the rate changes the errors by about 2 % or less, also
+    with noisy rates; advancing it with xi_u' destabilises the flight.
 
     Args:
         tick: Inputs of the tick.
@@ -84,93 +83,41 @@ class StagePredictions:
 
     def __init__(self, tick: MpcInputs, model: EquivalentModel, tilts: bool, rpy_rates: np.ndarray):
         self._tick, self._model, self.tilts, self._rpy_rates = tick, model, tilts, rpy_rates
-        self._y = OutputSlices.of(model.joints)
+        self._positions, self._rates = output_slices(model.joints)
 
     def __getitem__(self, quantity: str) -> Prediction:
-        return getattr(self, quantity)
-
-    @cached_property
-    def tool_position(self) -> Prediction:
-        """p_E."""
-        return self._task_vector(self._tick.end_effector)
-
-    @cached_property
-    def tool_velocity(self) -> Prediction:
-        """p_E'."""
-        return self._task_rate(self._tick.end_effector)
-
-    @cached_property
-    def tool_axis(self) -> Prediction:
-        """t."""
-        return self._task_vector(self._axis)
-
-    @cached_property
-    def tool_axis_rate(self) -> Prediction:
-        """t'."""
-        return self._task_rate(self._axis)
-
-    @cached_property
-    def tool_position_base(self) -> Prediction:
-        """p_EB."""
-        at = self._tick.end_effector
-        return Prediction(self._rows(self._y.joint_position, at.J_B), at.p_EB[:, None])
-
-    @cached_property
-    def tool_velocity_base(self) -> Prediction:
-        """p_EB'."""
-        return Prediction(
-            self._rows(self._y.joint_velocity, self._tick.end_effector.J_B), np.zeros((3, 1))
-        )
-
-    @cached_property
-    def base_position(self) -> Prediction:
-        """p_B."""
-        p_B = self._tick.x_0[self._model.base_position, None]
-        return Prediction(self._rows(self._y.base_position, np.eye(3)), p_B)
-
-    @cached_property
-    def base_velocity(self) -> Prediction:
-        """p_B'."""
-        return Prediction(self._rows(self._y.base_velocity, np.eye(3)), np.zeros((3, 1)))
-
-    @cached_property
-    def joint_position(self) -> Prediction:
-        """q."""
-        q, n = self._tick.x_0[self._model.joint_position, None], self._model.joints
-        return Prediction(self._rows(self._y.joint_position, np.eye(n)), q)
-
-    @cached_property
-    def joint_velocity(self) -> Prediction:
-        """q'."""
-        n = self._model.joints
-        return Prediction(self._rows(self._y.joint_velocity, np.eye(n)), np.zeros((n, 1)))
-
-    @property
-    def _axis(self) -> ToolAxis:
-        if self._tick.pointing is None:
-            raise BadInput("tool_axis", "", "expected a scenario with an orientation task")
-        return self._tick.pointing.axis
+        """Returns the prediction of one of `QUANTITIES`."""
+        tick, model, is_rate = self._tick, self._model, quantity in RATES.values()
+        at, y = tick.end_effector, self._rates if is_rate else self._positions
+        match quantity:
+            case "tool_position" | "tool_velocity":
+                return self._task(at, y, is_rate)
+            case "tool_axis" | "tool_axis_rate":
+                if tick.pointing is None:
+                    raise BadInput(quantity, "", "expected a scenario with an orientation task")
+                return self._task(tick.pointing.axis, y, is_rate)
+            case "tool_position_base" | "tool_velocity_base":
+                rows, now = self._rows(y.joint, at.J_B), at.p_EB
+            case "base_position" | "base_velocity":
+                rows, now = self._rows(y.base, np.eye(3)), tick.x_0[model.base_position]
+            case _:
+                identity, now = np.eye(model.joints), tick.x_0[model.joint_position]
+                rows = self._rows(y.joint, identity)
+        return Prediction(rows, np.zeros((len(rows), 1)) if is_rate else now[:, None])
 
     def _rows(self, part: slice, M: np.ndarray) -> np.ndarray:
         """Returns the rows (d, F) of M times a part of y."""
-        rows = np.zeros((len(M), self._y.acceleration_rate.stop))
+        rows = np.zeros((len(M), self._rates.tilt.stop))
         rows[:, part] = M
         return rows
 
-    def _task_vector(self, task: TaskVector) -> Prediction:
-        y = self._y
-        rows = self._rows(y.base_position, task.J_c[:, :3])
-        rows[:, y.joint_position] = task.J_c[:, 4:]
+    def _task(self, task: TaskVector, y: OutputSlices, is_rate: bool) -> Prediction:
+        rows = self._rows(y.base, task.J_c[:, :3])
+        rows[:, y.joint] = task.J_c[:, 4:]
         if self.tilts:
-            rows[:, y.acceleration] = tilt_matrix(task.r)
-        return Prediction(rows, task.value[:, None])
-
-    def _task_rate(self, task: TaskVector) -> Prediction:
-        y = self._y
-        rows = self._rows(y.base_velocity, task.J_c[:, :3])
-        rows[:, y.joint_velocity] = task.J_c[:, 4:]
-        if self.tilts:
-            rows[:, y.acceleration_rate] = tilt_matrix(task.r)
+            rows[:, y.tilt] = tilt_matrix(task.r)
+        if not is_rate:
+            return Prediction(rows, task.value[:, None])
         turning = task.J_u @ self._rpy_rates[:2] + task.J_c[:, 3] * self._rpy_rates[2]
         return Prediction(rows, turning[:, None])
 

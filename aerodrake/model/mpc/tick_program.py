@@ -1,18 +1,15 @@
 """Problem of one tick as a `MathematicalProgram` that can be read, extended and solved."""
 
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from pydrake.solvers import Binding, MathematicalProgram
 from pydrake.symbolic import Variable
 
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.mpc.custom_terms import CustomTerms
 from aerodrake.model.mpc.horizon import OutputMap, StageTransition
 from aerodrake.model.mpc.objective import CostTerm
-from aerodrake.model.mpc.predictions import StagePredictions
-from aerodrake.model.mpc.state_bounds import StateBounds
+from aerodrake.model.mpc.problem import MpcProblem
 from aerodrake.model.mpc.tick import MpcInputs
 
 AXES = "xyz"
@@ -42,32 +39,6 @@ TILTS |= {"tool_axis": TILTS["tool_position"], "tool_axis_rate": TILTS["tool_vel
 """Their further parts if the base's acceleration tilts it."""
 
 
-class TickProblem(NamedTuple):
-    """Definitions from which the program of one tick follows.
-
-    Attributes:
-        model: The equivalent model.
-        ticks: (N,), duration of each stage.
-        terms: Terms of the objective but J_5.
-        W_5: (3,), diagonal.
-        acceleration: (m,) m/s^2 and rad/s^2, bounds of the inputs.
-        bounds: Bounds of the states.
-        custom: Costs and constraints of one's own.
-        predictions: Quantities predicted at this tick.
-        tick: Inputs of the tick.
-    """
-
-    model: EquivalentModel
-    ticks: np.ndarray
-    terms: Sequence[CostTerm]
-    W_5: np.ndarray
-    acceleration: np.ndarray
-    bounds: StateBounds
-    custom: CustomTerms
-    predictions: StagePredictions
-    tick: MpcInputs
-
-
 class TickProgram(MathematicalProgram):
     """The MPC's problem at one tick (paper, eq. 7), with all its variables.
 
@@ -85,13 +56,15 @@ class TickProgram(MathematicalProgram):
         task: Variables (N, 3) of each task vector, by its name in `QUANTITIES`.
 
     Args:
-        problem: Model, objective and bounds at the tick.
+        problem: Model, objective and bounds.
+        tick: Inputs of the tick.
     """
 
-    def __init__(self, problem: TickProblem):
+    def __init__(self, problem: MpcProblem, tick: MpcInputs):
         super().__init__()
-        self._problem, self._ticks = problem, problem.ticks
-        model, terms = problem.model, problem.terms
+        self._problem, self._tick, self._ticks = problem, tick, problem.stage_ticks
+        model, objective = problem.model, problem.objective
+        terms = [*objective.terms(tick), objective.input_cost()]
         N = len(self._ticks)
         self.x = np.array([self._variables(_state_names(model), k) for k in range(N + 1)])
         self.u = np.array([self._variables(_input_names(model.joints), k) for k in range(N)])
@@ -146,7 +119,7 @@ class TickProgram(MathematicalProgram):
 
     def _add_model(self) -> None:
         """Adds x_0 and the equivalent model, over each stage."""
-        tick, identity = self._problem.tick, np.eye(self.x.shape[1])
+        tick, identity = self._tick, np.eye(self.x.shape[1])
         self._add_equations(identity, self.x[0], tick.x_0, "x[0] = x_init")
         for k, ticks in enumerate(self._ticks):
             A, B, C = StageTransition.of(self._problem.model, ticks)
@@ -159,7 +132,7 @@ class TickProgram(MathematicalProgram):
 
     def _add_task_vectors(self) -> None:
         """Adds the definitions of the task vectors by the states."""
-        model, predictions = self._problem.model, self._problem.predictions
+        model, predictions = self._problem.model, self._problem.predictions(self._tick)
         for name, variables in self.task.items():
             definition = DEFINITIONS[name] + (TILTS.get(name, "") if predictions.tilts else "")
             rows, offset = predictions[name]
@@ -197,7 +170,7 @@ class TickProgram(MathematicalProgram):
 
     def _add_acceleration_steps(self) -> None:
         """Adds J_5 if it has a weight."""
-        u_last = self._problem.tick.u_last
+        u_last = self._tick.u_last
         M, W_5 = np.eye(3), self._problem.W_5
         if not W_5.any():
             return
@@ -211,11 +184,8 @@ class TickProgram(MathematicalProgram):
 
     def _add_bounds(self) -> None:
         """Adds the sets U and X."""
-        bounds, most, n = (
-            self._problem.bounds,
-            self._problem.acceleration,
-            self._problem.model.joints,
-        )
+        bounds, most = self._problem.bounds, self._problem.limits.acceleration
+        n = self._problem.model.joints
         for k, u in enumerate(self.u):
             self._add_box(u, -most, most, f"u[{k}] in U: accelerations of base and joints")
         for k, x in enumerate(self.x[1:], start=1):

@@ -104,7 +104,7 @@ def test_terms_add_up_and_leave_the_formulation_alone(formulation, ticks):
     assert formulation.form(ticks[0]).A.shape[0] == rows
     np.testing.assert_array_equal(formulation.form(ticks[0]).H, H)
     diagonal = formulation.extended(quiet).form(ticks[0]).H - H
-    ticks_of_z = np.tile(formulation.stage_ticks, len(formulation.W_3))
+    ticks_of_z = np.tile(formulation.stage_ticks, len(formulation.objective.W_3))
     np.testing.assert_allclose(
         diagonal, np.diag(3.0 * ticks_of_z * formulation.scale**2), atol=1e-6
     )

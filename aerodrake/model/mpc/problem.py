@@ -1,0 +1,74 @@
+"""Definition of the MPC's problem (paper, section III-A, B)."""
+
+import copy
+from typing import Self
+
+import numpy as np
+
+from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.custom_terms import CustomTerm, CustomTerms
+from aerodrake.model.mpc.horizon import stage_ticks
+from aerodrake.model.mpc.objective import Objective
+from aerodrake.model.mpc.predictions import StagePredictions
+from aerodrake.model.mpc.state_bounds import StateBounds
+from aerodrake.model.mpc.tick import MpcInputs
+from aerodrake.model.setpoint.integration import SetpointLimits
+from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.scenario import Mpc
+
+
+class MpcProblem:
+    """Objective, model, bounds and predictions of the MPC.
+
+    The objective is the sum over the stages 1 ... N (of J_3 and J_5: 0 ... N-1, since u_N has no
+    effect) of the terms of `Objective` and of
+
+        J_5 = | p_B,d,k'' - p_B,d,k-1'' |^2 W_5
+
+    All but J_5 are multiplied by the ticks that a stage lasts. J_5 is not in the paper. It
+    penalises steps of the base acceleration, from the current one on: such steps
+    require attitude rates beyond those of the rotors, and rotate the end-effector.
+
+    `config.tilt` selects the prediction of roll and pitch. `none`: they are constant. `held`:
+    their measured rates are constant over the horizon. `flatness`: the thrust axis tilts with the
+    model's acceleration a of the base, which moves the end-effector by T a, T = -[r]x [z]x / g,
+    at the mean rate T (a_k - a_{k-1}) / (t_k - t_{k-1}); in models without a, as `none`.
+
+    Attributes:
+        limits: Bounds of the setpoints; those of the inputs are `limits.acceleration`, the set U.
+        bounds: Bounds of the states, the set X.
+        stage_ticks: (N,), ticks that each stage lasts.
+        objective: Terms of the objective but J_5.
+        W_5: (3,), diagonal.
+        custom: Costs and constraints of one's own.
+
+    Args:
+        config: Weights, horizon and limits of the base.
+        model: The equivalent model.
+        vehicle: Gives the centre of the learning space and the limits of the joints.
+    """
+
+    def __init__(self, config: Mpc, model: EquivalentModel, vehicle: VehicleModel):
+        self.config, self.model = config, model
+        self.limits = SetpointLimits.make(config, vehicle)
+        self.bounds = StateBounds.make(model, self.limits)
+        self.stage_ticks = stage_ticks(config)
+        self.objective, self.W_5 = Objective(config, vehicle), np.array(config.w_5)
+        self.custom = CustomTerms((), model.joints, self.stage_ticks)
+        # The measured yaw rate is used always, those of roll and pitch only with tilt `held`.
+        self._rates = np.array([1.0, 1.0, 1.0] if config.tilt == "held" else [0.0, 0.0, 1.0])
+
+    def extended(self, *terms: CustomTerm) -> Self:
+        """Returns the same with further costs and constraints.
+
+        Raises:
+            BadInput: if a term does not fit.
+        """
+        extended, joints = copy.copy(self), self.model.joints
+        extended.custom = CustomTerms((*self.custom.terms, *terms), joints, self.stage_ticks)
+        return extended
+
+    def predictions(self, tick: MpcInputs) -> StagePredictions:
+        """Returns the predicted quantities of one tick."""
+        rpy_rates = tick.rpy_rates * self._rates
+        return StagePredictions(tick, self.model, self.config.tilt == "flatness", rpy_rates)
