@@ -98,7 +98,7 @@ def replay(
     Args:
         recorded: The ticks.
         peers: Makers of solvers from A (rows, nz), by name, beside the MPC's own.
-        passes: Number of passes; slow solvers take part in the first one only.
+        passes: Number of passes; slow solvers but the MPC's own take part in the first one only.
         variants: Further solvers of the MPC by name: changes of the section `mpc`.
     """
     formulation, inputs = recorded.formulation, recorded.inputs
@@ -110,7 +110,7 @@ def replay(
     statuses: dict[str, list[QpStatus]] = {name: [] for name in own}
     with single_thread(), _no_garbage_collection():
         for number in range(passes):
-            slow = {n for n in names if number and np.median(solving[n]) > SLOW_MS}
+            slow = {n for n in names if number and np.median(solving[n]) > SLOW_MS} - {OWN}
             fast = [name for name in names if name not in slow]
             solvers = {n: peers[n](formulation.A).solve for n in fast if n in peers}
             solvers |= {n: MpcSolver.make(formulation, own[n]).solve for n in fast if n in own}

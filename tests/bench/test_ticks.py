@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from aerodrake.bench import ticks
 from aerodrake.bench.peers import Peer
 from aerodrake.bench.solvers import evaluate
 from aerodrake.bench.ticks import OWN, record_ticks, replay
@@ -68,6 +69,14 @@ def test_peers_get_the_same_programs_and_cannot_change_them(recorded):
         assert measured.u_0[name].shape == (25, INPUTS)
         assert (measured.solving_ms[name] > 0).all()
         assert (measured.tick_ms(name) > measured.forming_ms[name]).all()
+
+
+def test_slow_solvers_take_part_in_the_first_pass_only(recorded, monkeypatch):
+    monkeypatch.setattr(ticks, "SLOW_MS", 0.0)
+    Never.seen.clear()
+    measured = replay(recorded, {"never": Never}, 2, {"osqp": {"shortcut": False}})
+    assert len(Never.seen) == 25 + ticks.UNMEASURED
+    assert len(measured.statuses[OWN]) == len(measured.statuses["osqp"]) == 25
 
 
 def test_errors_are_those_against_the_exact_minimiser(recorded):
