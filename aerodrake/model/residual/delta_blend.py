@@ -13,8 +13,6 @@ FADE_OUT = 0.5
 """Duration in which the last valid Delta fades out, in units of `gate_s`."""
 FADE_OUT_UNHELPFUL = 0.1
 """Likewise, of a Delta that worsens the prediction."""
-MAX_UNHELPFUL_M_S = 0.02
-"""Largest |c Delta| of such a Delta that fades out; the rest is dropped at once, as harmful."""
 ROUNDING = 1e-9
 """Weights below this value are rounding errors of zero."""
 
@@ -65,7 +63,9 @@ class DeltaBlend:
 
     The weight of the source's Delta increases to 1 in `FADE_IN`; that of the other one decreases
     with it. At a change to a worse source the layer that was used may be invalid. Its last
-    output therefore fades out, and the worse source has the former sum of weights at once.
+    output therefore fades out, and the worse source has the former sum of weights at once. Of a
+    harmful output only as much fades out as is no longer than the new source's; without a
+    source, none.
 
     Attributes:
         gate_s: s, unit of durations; with 0 changes take one tick.
@@ -110,7 +110,8 @@ class DeltaBlend:
             excess, fade_s = last - blended, FADE_OUT * self.gate_s
             if is_harmful:
                 fade_s = FADE_OUT_UNHELPFUL * self.gate_s
-                excess *= MAX_UNHELPFUL_M_S / max(MAX_UNHELPFUL_M_S, math.hypot(*excess))
+                size = math.hypot(*excess)
+                excess *= min(1.0, math.hypot(*blended) / size) if size > 0 else 0.0
             state = state._replace(fade=1.0, fade_step=self.dt / fade_s, excess=excess)
         return blended + state.fade * state.excess, state
 

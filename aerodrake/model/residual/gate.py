@@ -81,7 +81,7 @@ class LearningGate:
     Meanwhile Delta is that of the offline layer if its cause is OK, and zero otherwise. r exceeds
     1/4 after about `gate_s` at the earliest; while the offline layer is proven, the learned
     layer returns only with a >= 0. `DeltaBlend` makes these changes without steps, except that
-    it drops the larger part of a large unhelpful Delta at once.
+    it drops the larger part of a large unhelpful Delta at once, and all of it without a layer.
 
     The bound of the mean offset is `max_offset_m_s` plus a margin for noise; above a quarter of
     it, labels are not learned. Where e_0 is below the floor, r stays near 0 and Delta is not
