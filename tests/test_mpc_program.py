@@ -10,6 +10,8 @@ from pydrake.systems.analysis import Simulator
 from aerodrake.bench.exact import exact_minimiser
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.tick import MpcInputs
+from aerodrake.model.qp.result import is_solved
+from aerodrake.model.qp.solvers import make_solver
 from aerodrake.scenario.load import load_scenario, packaged_scenarios
 from aerodrake.station import make_closed_loop, make_context
 from tests.elimination import assert_same_program
@@ -64,3 +66,18 @@ def test_solvers_agree_on_the_program_with_explicit_states(kind, every, recorded
         assert result.is_success()
         u_0 = result.GetSolution(program.u[0])
         np.testing.assert_allclose(u_0, formulation.inputs(best.z)[0], atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "accuracy"), [("osqp", 1e-3), ("clarabel", 1e-3), ("active_set", 1e-8)]
+)
+def test_solvers_agree_on_the_condensed_program(name, accuracy, recorded):
+    formulation, ticks = recorded
+    solver = make_solver(name, formulation.config.max_iterations)
+    for tick in ticks[9::10]:
+        qp = formulation.form(tick)
+        best = exact_minimiser(qp.H, qp.g, qp.lower, qp.upper, qp.A)
+        result = solver.solve(qp)
+        assert is_solved(result.status)
+        gap = np.abs(formulation.inputs(result.z) - formulation.inputs(best.z))[0].max()
+        assert gap < accuracy
