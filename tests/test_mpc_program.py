@@ -20,14 +20,7 @@ TICKS = 100
 
 TIGHT = {
     ClarabelSolver: {"tol_gap_abs": 1e-12, "tol_gap_rel": 1e-12, "tol_feas": 1e-12},
-    # States of very different size need a small regularisation.
-    OsqpSolver: {
-        "eps_abs": 1e-9,
-        "eps_rel": 1e-9,
-        "sigma": 1e-9,
-        "polishing": 1,
-        "max_iter": 30000,
-    },
+    OsqpSolver: {"eps_abs": 1e-7, "eps_rel": 1e-7, "polishing": 1, "max_iter": 30000},
 }
 """Options with which solvers find u_0 to 1e-4 m/s^2 and rad/s^2 with explicit states."""
 
@@ -59,6 +52,8 @@ def test_solvers_agree_on_the_program_with_explicit_states(kind, every, recorded
     options = SolverOptions()
     for name, value in TIGHT[kind].items():
         options.SetOption(kind.id(), name, value)
+    if kind is OsqpSolver and "b" in formulation.model.axis_states:
+        options.SetOption(kind.id(), "sigma", 1e-9)  # The states' sizes are very different.
     for tick in ticks[every - 1 :: every]:
         qp, program = formulation.form(tick), formulation.program(tick)
         best = exact_minimiser(qp.H, qp.g, qp.lower, qp.upper, qp.A)
