@@ -222,15 +222,19 @@ def _wiring(maker: Callable[..., Diagram] | None) -> Iterator[str]:
 
 
 def _equations(system: System) -> Iterator[str]:
-    """Yields the functions and classes of the model that the system's module imports."""
+    """Yields the functions and classes of the model that the system's module imports.
+
+    Classes are followed by their base classes.
+    """
     if isinstance(system, Diagram) or not _is_ours(system):
         return
     equations = []
     for thing in vars(sys.modules[type(system).__module__]).values():
         thing = getattr(thing, "py_func", thing)  # Of a compiled function.
-        is_named = inspect.isclass(thing) or inspect.isfunction(thing)
-        if is_named and thing.__module__.startswith(EQUATIONS) and inspect.getdoc(thing):
-            equations.append(f"### {_place(thing)}\n\n```text\n{inspect.getdoc(thing)}\n```")
+        is_function = inspect.isfunction(thing)
+        for part in (thing,) if is_function else getattr(thing, "__mro__", ()):
+            if part.__module__.startswith(EQUATIONS) and inspect.getdoc(part):
+                equations.append(f"### {_place(part)}\n\n```text\n{inspect.getdoc(part)}\n```")
     if equations:
         yield "## Equations"
         yield from equations

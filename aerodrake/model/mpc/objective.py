@@ -63,15 +63,7 @@ class TrackingTask(NamedTuple):
 
 
 class Objective:
-    """Terms of the objective.
-
-    With v_s = [p_B', q'] and e_E = p_E - p_Ed,
-
-        J_1 = | p_E' - p_Ed' + K_e e_E |^2  W_1
-        J_2 = | v_s |^2                     W_2
-        J_3 = | u |^2                       W_3
-        J_4 = | p_EB - p_O |^2              W_4
-        J_6 = | t' - d' + K_o (t - d) |^2   W_6
+    """Terms J_1 to J_4 and J_6 of `MpcProblem`.
 
     e_E is predicted, or frozen at its current value as printed in the paper (`mpc.error`).
     K_e is scaled down if the correction of the current e_E would exceed `approach_speed_m_s`.

@@ -66,7 +66,7 @@ class StagePredictions:
     and so is the tool's axis t with its own Jacobians and r = t. T is zero unless `tilts`.
 
     yaw' and xi_u' are constant in the rates, as printed in the paper (or zero, see
-    `MpcFormulation`), but p_E,k does not advance with them: the attitude loop returns to its
+    `MpcProblem`), but p_E,k does not advance with them: the attitude loop returns to its
     setpoint long before the end of the horizon. Advancing p_E,k with yaw', constant or decaying
     with the yaw loop, or leaving yaw' out of the rate changes the errors by about 2 % or less, also
     with noisy rates; advancing it with xi_u' destabilises the flight.

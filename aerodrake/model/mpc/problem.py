@@ -18,16 +18,24 @@ from aerodrake.scenario import Mpc
 
 
 class MpcProblem:
-    """Objective, model, bounds and predictions of the MPC.
+    """Objective, model and bounds of the MPC (paper, eq. 7 and 8).
 
-    The objective is the sum over the stages 1 ... N (of J_3 and J_5: 0 ... N-1, since u_N has no
-    effect) of the terms of `Objective` and of
+        min   sum of J_1 ... J_6 over the stages 1 ... N  (J_3, J_5: 0 ... N-1)
+        s.t.  x_0 = x_init,  x_{k+1} = A x_k + B u_k + C Delta,  x_k in X,  u_k in U
 
-        J_5 = | p_B,d,k'' - p_B,d,k-1'' |^2 W_5
+    With v_s = [p_B', q'] and e_E = p_E - p_Ed,
 
-    All but J_5 are multiplied by the ticks that a stage lasts. J_5 is not in the paper. It
-    penalises steps of the base acceleration, from the current one on: such steps
-    require attitude rates beyond those of the rotors, and rotate the end-effector.
+        J_1 = | p_E' - p_Ed' + K_e e_E |^2       W_1
+        J_2 = | v_s |^2                          W_2
+        J_3 = | u |^2                            W_3
+        J_4 = | p_EB - p_O |^2                   W_4
+        J_5 = | p_B,d,k'' - p_B,d,k-1'' |^2      W_5
+        J_6 = | t' - d' + K_o (t - d) |^2        W_6
+
+    All but J_5 are multiplied by the ticks that a stage lasts. u_N has no effect and no cost.
+
+    J_5 is not in the paper. It penalises steps of the base acceleration, from the current one
+    on: such steps require attitude rates beyond those of the rotors, and rotate the end-effector.
 
     `config.tilt` selects the prediction of roll and pitch. `none`: they are constant. `held`:
     their measured rates are constant over the horizon. `flatness`: the thrust axis tilts with the
