@@ -57,7 +57,7 @@ def test_state_and_equations(name):
 @pytest.mark.parametrize("name", OURS)
 def test_discrete_groups_have_names(name):
     groups = [row["discrete group"] for row in table(system_page(name, SYSTEMS[name], 1), "State")]
-    assert all(re.fullmatch(r"`[a-zA-Z]\w*(\.\w+)?`", group) for group in groups)
+    assert all(re.fullmatch(r"`[a-zA-Z]\w*(\.\w+)*`", group) for group in groups)
     assert len(groups) == len(set(groups))
 
 
