@@ -42,11 +42,11 @@ class CustomTerm:
         M = np.eye(size) if self.matrix is None else self._array("matrix", self.matrix)
         if M.ndim != 2 or M.shape[1] != size:
             self._refuse("matrix", f"expected shape (d, {size}), got {M.shape}")
-        every = range(1, horizon + 1)
-        stages = np.array(every if self.stages is None else list(self.stages), dtype=object)
-        if not len(stages) or any(stage not in every for stage in stages):
+        stages = np.array(range(1, horizon + 1) if self.stages is None else self.stages)
+        in_range = stages.dtype.kind in "iu" and ((stages >= 1) & (stages <= horizon)).all()
+        if stages.ndim != 1 or not len(stages) or not in_range:
             self._refuse("stages", f"expected integers from 1 to {horizon}, got {self.stages}")
-        return M, stages.astype(int)
+        return M, stages
 
     def vector(self, key: str, size: int, allows_infinite: bool = False) -> np.ndarray:
         """Returns an attribute as an array (size,); a single number counts for all entries.
@@ -77,7 +77,7 @@ class CustomCost(CustomTerm):
     """Cost | M x - desired |^2 W at the end of each chosen stage, times the ticks that it lasts.
 
     Attributes:
-        weight: W's diagonal (d,), or one number; not negative.
+        weight: W's diagonal (d,), or one number; from 0 to 1e9.
         desired: (d,), or one number.
     """
 
@@ -92,8 +92,8 @@ class CustomCost(CustomTerm):
         """
         d = len(M)
         weight = self.vector("weight", d)
-        if (weight < 0).any():
-            self._refuse("weight", "expected 0 or more")
+        if (weight < 0).any() or (weight > 1e9).any():
+            self._refuse("weight", "expected 0 to 1e9")
         desired = self.vector("desired", d)[:, None]
         formula = f"| M {self.quantity} - desired |^2 W"
         return CostTerm(self.name, formula, ((self.quantity, M),), desired, weight)
@@ -129,6 +129,9 @@ class CustomConstraint(CustomTerm):
         lower, upper = (self.vector(key, len(M), True) for key in ("lower", "upper"))
         if (lower > upper).any():
             self._refuse("lower", "expected no more than upper")
+        for key, bound, none in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
+            if (bound == -none).any():
+                self._refuse(key, f"expected numbers, or {none} for no bound")
         (tau,) = self.vector("time_constant_s", 1)
         if not 0 <= tau <= 10:
             self._refuse("time_constant_s", f"expected 0 to 10 s, got {tau}")
@@ -186,6 +189,9 @@ class CustomTerms:
         self.costs: list[StagesCost] = []
         self.constraints: list[StagesConstraint] = []
         for term in terms:
+            if not isinstance(term, CustomCost | CustomConstraint):
+                expected = "expected CustomCost or CustomConstraint"
+                raise BadInput("custom terms", "", f"{expected}, got {type(term).__name__}")
             M, stages = term.selection(joints, len(ticks))
             if isinstance(term, CustomCost):
                 self.costs.append(StagesCost(term.term(M), stages))

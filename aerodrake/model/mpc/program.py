@@ -13,6 +13,9 @@ MARGIN = 1e-6
 LEAST_SLACK = 0.03
 """Least range of a slack: a small one would make the program ill-conditioned."""
 
+LEAST_EFFECT = 1e-9
+"""Norm of a row below which it is rounding error."""
+
 INPUT_COST = 1e-5
 """Cost of the inputs beside that of violations, which makes the solution unique."""
 
@@ -50,7 +53,8 @@ class MpcProgram(QuadraticProgram):
             lower, upper: (k,).
         """
         norms = np.linalg.norm(L, axis=1)
-        norms[norms == 0] = 1.0  # A row without effect is infeasible or redundant.
+        has_effect = norms > LEAST_EFFECT  # A row without effect is infeasible or redundant.
+        L, norms = np.where(has_effect[:, None], L, 0.0), np.where(has_effect, norms, 1.0)
         return replace(
             self,
             A=np.vstack([self.A, L / norms[:, None]]),

@@ -2,8 +2,11 @@
 
 from typing import Self
 
+from pydrake.solvers import ClarabelSolver
+
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.program import MpcProgram
+from aerodrake.model.qp.drake_solver import DrakeQpSolver
 from aerodrake.model.qp.quadratic_program import is_within
 from aerodrake.model.qp.result import QpResult, QpStatus, is_solved
 from aerodrake.model.qp.solver import QpSolver
@@ -16,8 +19,12 @@ class MpcSolver:
 
     With the shortcut, the unconstrained minimiser is computed first, which is the solution if it
     satisfies all bounds. All other programs are solved by one solver. If a program is infeasible,
-    bounds are relaxed as far as full braking requires, and custom constraints as far as their
-    least violation requires. A lower bound that exceeds its upper one is an error.
+    bounds are relaxed as far as full braking requires, and, if that is not enough, custom
+    constraints as far as their least violation requires. A lower bound that exceeds its upper one
+    is an error.
+
+    Softened programs are ill-conditioned, with feasible sets that are hardly more than a point.
+    An interior-point method solves them; operator splitting does not converge.
 
     Args:
         formulation: Forms the programs.
@@ -28,6 +35,7 @@ class MpcSolver:
     def __init__(self, formulation: MpcFormulation, solver: QpSolver, has_shortcut: bool = True):
         self._formulation, self._solver = formulation, solver
         self._has_shortcut = has_shortcut
+        self._interior_point = DrakeQpSolver(ClarabelSolver(), {})
 
     @classmethod
     def make(cls, formulation: MpcFormulation, config: Mpc) -> Self:
@@ -47,11 +55,17 @@ class MpcSolver:
         result = self._solver.solve(program)
         if is_solved(result.status) or not (program.lower <= program.upper).all():
             return result
-        relaxed, status = self._formulation.relaxed(program), QpStatus.RELAXED
-        if self._formulation.custom.constraints:
-            least = self._solver.solve(self._formulation.least_violation(program))
-            if not is_solved(least.status):
-                return result
-            relaxed, status = relaxed.admitting(least.z[: len(program.g)]), QpStatus.SOFTENED
-        again = self._solver.solve(relaxed)
-        return again._replace(status=status) if is_solved(again.status) else result
+        relaxed = self._solver.solve(self._formulation.relaxed(program))
+        if is_solved(relaxed.status):
+            return relaxed._replace(status=QpStatus.RELAXED)
+        softened = self._softened(program) if self._formulation.custom.constraints else result
+        return softened if is_solved(softened.status) else result
+
+    def _softened(self, program: MpcProgram) -> QpResult:
+        """Solves a program with the least violation of the custom constraints."""
+        least = self._interior_point.solve(self._formulation.least_violation(program))
+        if not is_solved(least.status):
+            return least
+        softened = self._formulation.relaxed(program).admitting(least.z[: len(program.g)])
+        result = self._interior_point.solve(softened)
+        return result._replace(status=QpStatus.SOFTENED) if is_solved(result.status) else result

@@ -172,7 +172,9 @@ def test_the_rate_keeps_a_distance_from_the_bound(formulation, ticks):
         ({"stages": [0]}, r"stages: expected integers from 1 to 15, got \[0\]"),
         ({"stages": [1.5]}, "stages: expected integers"),
         ({"stages": []}, "stages: expected integers"),
-        ({"weight": -1.0}, "weight: expected 0 or more"),
+        ({"stages": 5}, "stages: expected integers"),
+        ({"weight": -1.0}, "weight: expected 0 to 1e9"),
+        ({"weight": 1e10}, "weight: expected 0 to 1e9"),
         ({"weight": [1, 2]}, r"weight: expected one number or 3, got shape \(2,\)"),
         ({"desired": "high"}, "desired: expected numbers"),
         ({"desired": float("inf")}, "desired: expected finite numbers"),
@@ -188,6 +190,49 @@ def test_crossed_bounds_are_refused(formulation):
     crossed = CustomConstraint(quantity="tool_position", name="mine", lower=1.0, upper=[2, 0, 2])
     with pytest.raises(BadInput, match="lower: expected no more than upper"):
         formulation.extended(crossed)
+
+
+@pytest.mark.parametrize(("key", "bound"), [("lower", float("inf")), ("upper", -float("inf"))])
+def test_infinite_bounds_on_the_wrong_side_are_refused(formulation, key, bound):
+    never = CustomConstraint(quantity="tool_position", name="mine", **{key: bound})
+    with pytest.raises(BadInput, match=f"{key}: expected numbers"):
+        formulation.extended(never)
+
+
+def test_other_objects_are_refused(formulation):
+    above = CustomConstraint(quantity="tool_position", name="mine", lower=1.0)
+    with pytest.raises(BadInput, match="expected CustomCost or CustomConstraint, got list"):
+        formulation.extended([above])
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-14])
+@pytest.mark.parametrize("lower", [-1.0, 1.0])
+def test_rows_without_effect_change_nothing(formulation, ticks, size, lower):
+    term = CustomConstraint(
+        quantity="base_position", name="none", matrix=[[size, 0, 0]], lower=lower
+    )
+    extended = formulation.extended(term)
+    result = MpcSolver.make(extended, extended.config).solve(extended.form(ticks[80]))
+    free = MpcSolver.make(formulation, formulation.config).solve(formulation.form(ticks[80]))
+    assert result.status is (free.status if lower < 0 else QpStatus.SOFTENED)
+    np.testing.assert_allclose(result.z, free.z, atol=1e-3)
+
+
+IMPOSSIBLE = {
+    "far above": {"quantity": "tool_position", "matrix": [[0, 0, 1]], "lower": 5.0},
+    "far away at once": {"quantity": "base_position", "lower": 5.0, "time_constant_s": 0.0},
+    "bent at once": {"quantity": "joint_position", "matrix": [[0, 0, 1, 0, 0, 0]], "upper": 0.5},
+    "beyond the motors": {"quantity": "input", "lower": 1e3},
+}
+
+
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+@pytest.mark.parametrize("solver", ["osqp", "active_set", "clarabel"])
+def test_every_solver_softens_what_is_impossible(formulation, ticks, name, solver):
+    extended = formulation.extended(CustomConstraint(name=name, **IMPOSSIBLE[name]))
+    for tick in (ticks[0], ticks[80]):
+        result = MpcSolver(extended, make_solver(solver, 400)).solve(extended.form(tick))
+        assert result.status is QpStatus.SOFTENED
 
 
 @pytest.mark.parametrize("tau", [-0.1, 11.0, float("nan"), "slow", [0.1, 0.2]])
