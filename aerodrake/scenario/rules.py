@@ -4,7 +4,7 @@ import dataclasses
 import math
 from collections.abc import Iterator
 
-from aerodrake.scenario.faults import SAMPLE_GROUPS, LearnerFault, MpcFault
+from aerodrake.scenario.faults import SAMPLE_GROUPS, LearnerFault, MpcFault, MpcStarved
 from aerodrake.scenario.references import AxisAlong, FixedAxis, OrientationOff, Waypoints
 from aerodrake.scenario.residual import Guards, Residual
 from aerodrake.scenario.sections import Scenario
@@ -158,5 +158,11 @@ def warnings(scenario: Scenario) -> list[str]:
             f"faults[{i}] {fault.kind} has no effect: residual.mode off has no learner"
             for i, fault in enumerate(scenario.faults)
             if isinstance(fault, LearnerFault)
+        ]
+    if (solver := scenario.mpc.solver) not in ("osqp", "active_set"):
+        notes += [
+            f"faults[{i}] {fault.kind}: mpc.solver {solver} has its own limit of iterations"
+            for i, fault in enumerate(scenario.faults)
+            if isinstance(fault, MpcStarved)
         ]
     return notes

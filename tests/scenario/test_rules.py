@@ -131,6 +131,10 @@ def test_warns_if_d_h_exceeds_the_learning_space(scenario):
             "residual.as_printed: residual.gate_s is not used",
         ),
         ({"faults": "[{kind: learner_nan}]"}, "faults[0] learner_nan has no effect: residual.mode"),
+        (
+            {"faults": "[{kind: mpc_starved}]", "mpc.solver": "scs"},
+            "faults[0] mpc_starved: mpc.solver scs has its own limit",
+        ),
     ],
 )
 def test_warns_of_values_that_degrade_the_flight(changes, expected):
