@@ -9,6 +9,9 @@ from aerodrake.model.qp.quadratic_program import FEASIBILITY, Constraints, Quadr
 DEPENDENT = 1e-9
 """Relative singular value below which active constraints are linearly dependent."""
 
+CORRECTIONS = 5
+"""Largest number of corrections of the active set."""
+
 
 def estimated_active_set(
     constraints: Constraints, z: np.ndarray, multipliers: np.ndarray
@@ -33,34 +36,57 @@ def estimated_active_set(
 def exact_minimiser(
     program: QuadraticProgram, constraints: Constraints, active: np.ndarray
 ) -> np.ndarray | None:
-    """Returns the minimiser (nz,) if `active` is its active set, else None.
+    """Returns the minimiser (nz,) if `active` is nearly its active set, else None.
 
     Solves the program with the active constraints N z = b as equalities, by the Schur
     complement N H^-1 N^T, and verifies that no constraint is violated and no multiplier
-    negative. Active constraints may be linearly dependent.
+    negative. Otherwise the violated constraints join the active ones, those with negative
+    multipliers leave, and it is solved again, a few times (primal-dual active set method:
+    Hintermueller, Ito and Kunisch 2002, doi 10.1137/S1052623401383558). Active constraints may
+    be linearly dependent.
 
     Args:
         program: A program that has a Cholesky factor.
         constraints: Its constraints.
         active: (nc,): 1 where the upper bound is active, -1 the lower one, else 0.
     """
-    z, indices = program.minimiser, np.flatnonzero(active)
-    is_optimal = True
-    if len(indices):
-        side = active[indices]
-        N = side[:, None] * constraints.N[indices]
-        b = np.where(side > 0, constraints.upper[indices], -constraints.lower[indices])
-        L_inv_N, _ = dtrtrs(program.factor, N.T, lower=1)
-        S, violation = L_inv_N.T @ L_inv_N, N @ z - b
-        _, multipliers, is_singular = dposv(S, violation)
-        if is_singular:
-            multipliers = np.linalg.lstsq(S, violation, rcond=DEPENDENT)[0]
-        z = z - dtrtrs(program.factor, L_inv_N @ multipliers, lower=1, trans=1)[0]
-        is_optimal = multipliers.min() >= -FEASIBILITY * program.scale
-        if is_singular and not is_optimal:  # Other multipliers of the same z may be positive.
-            is_optimal = _is_in_cone(N, (program.H @ z + program.g) / program.scale)
-    is_feasible = constraints.violations(z).max() <= FEASIBILITY
-    return z.clip(-1, 1) if is_feasible and is_optimal else None
+    for _ in range(CORRECTIONS + 1):
+        z, multipliers, is_optimal = _equality_minimiser(program, constraints, active)
+        values = constraints.N @ z
+        is_above = values - constraints.upper > FEASIBILITY
+        is_below = constraints.lower - values > FEASIBILITY
+        if is_optimal and not (is_above | is_below).any():
+            return z.clip(-1, 1)
+        stays = multipliers > -FEASIBILITY * program.scale
+        corrected = np.where(stays, active, 0)
+        corrected[is_above], corrected[is_below] = 1, -1
+        if (corrected == active).all():
+            return None
+        active = corrected
+    return None
+
+
+def _equality_minimiser(
+    program: QuadraticProgram, constraints: Constraints, active: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Returns z (nz,), its multipliers (nc,), and True if none need be negative."""
+    z, indices, multipliers = program.minimiser, np.flatnonzero(active), np.zeros(len(active))
+    if not len(indices):
+        return z, multipliers, True
+    side = active[indices]
+    N = side[:, None] * constraints.N[indices]
+    b = np.where(side > 0, constraints.upper[indices], -constraints.lower[indices])
+    L_inv_N, _ = dtrtrs(program.factor, N.T, lower=1)
+    S, violation = L_inv_N.T @ L_inv_N, N @ z - b
+    _, of_active, is_singular = dposv(S, violation)
+    if is_singular:
+        of_active = np.linalg.lstsq(S, violation, rcond=DEPENDENT)[0]
+    z = z - dtrtrs(program.factor, L_inv_N @ of_active, lower=1, trans=1)[0]
+    is_optimal = bool(of_active.min() >= -FEASIBILITY * program.scale)
+    if is_singular and not is_optimal:  # Other multipliers of the same z may be positive.
+        is_optimal = _is_in_cone(N, (program.H @ z + program.g) / program.scale)
+    multipliers[indices] = of_active
+    return z, multipliers, is_optimal
 
 
 def _is_in_cone(N: np.ndarray, gradient: np.ndarray) -> bool:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from aerodrake.model.qp.quadratic_program import Constraints
+from aerodrake.model.qp.quadratic_program import Constraints, QuadraticProgram
 from aerodrake.model.qp.refinement import estimated_active_set, exact_minimiser, residual
 from tests.qp_programs import best, random_program
 
@@ -51,6 +51,21 @@ def test_linearly_dependent_constraints(seed):
     is_same = active[indices][:-1] == active[indices][1:]  # Else the sum is not active.
     sides = np.concatenate([active, active[indices], is_same * active[indices][1:]])
     np.testing.assert_allclose(exact_minimiser(program, more, sides), z, atol=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_nearly_right_active_set_is_corrected(seed):
+    """H is an M-matrix, with bounds on z alone: the method converges from any active set."""
+    nz, random = 12, np.random.default_rng(seed)
+    H = 2.5 * np.eye(nz) - np.eye(nz, k=1) - np.eye(nz, k=-1)
+    none = np.zeros(0)
+    program = QuadraticProgram(H, random.normal(size=nz), np.zeros((0, nz)), none, none)
+    z, constraints = best(program), Constraints.of(program)
+    active = (z > 1 - 1e-6).astype(int) - (z < -1 + 1e-6)
+    wrong = active.copy()
+    wrong[random.integers(nz)] = 0
+    wrong[random.integers(nz)] = 1
+    np.testing.assert_allclose(exact_minimiser(program, constraints, wrong), z, atol=1e-6)
 
 
 def test_contradictory_constraints_are_refused():
