@@ -45,7 +45,7 @@ class MpcSystem(KinematicController):
     with zero acceleration.
 
     Args:
-        formulation: Cost and bounds.
+        formulation: Forms the program of each tick.
     """
 
     def __init__(self, formulation: MpcFormulation):

@@ -132,7 +132,7 @@ class ResidualEstimator(LeafSystem):
         output.set_value(self._tick.Eval(context)[0])
 
     def _calc_health(self, context: Context, output: BasicVector) -> None:
-        state = self._estimation.gate.best_layer(self.groups.gate.read(context))
+        state = self._estimation.gate.reported_layer(self.groups.gate.read(context))
         output.set_value(np.array([state.cause, state.gated_s]))
 
     def _calc_stable_rate(self, context: Context, output: BasicVector) -> None:

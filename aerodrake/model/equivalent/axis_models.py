@@ -1,4 +1,4 @@
-"""Models of one axis of the base, the response to its setpoint: x+ = A x + B u + C Delta.
+"""Models of one axis of the base and its response to the setpoint: x+ = A x + B u + C Delta.
 
 The states of an axis begin with position, velocity, and those of the setpoint,
 [p, p', p_d, p_d']; u is the acceleration of the setpoint.
@@ -71,8 +71,8 @@ class AxisModel(NamedTuple):
 def paper_axis(k: float, dt: float) -> AxisModel:
     """Returns p' = k (p_d - p) + Delta by semi-implicit Euler, as printed; k in 1/s, dt in s.
 
-    The paper's A_1 has `k delta^2` for k delta_t squared. The second column of A is
-    zero: the measured velocity has no effect on the prediction except through Delta.
+    The printed `k delta^2` of A_1 is read as k dt^2. The second column of A is zero: the measured
+    velocity has no effect on the prediction except through Delta.
     """
     A = np.array(
         [
@@ -102,9 +102,9 @@ def exact_axis(k: float, dt: float) -> AxisModel:
 
 
 def velocity_aware_axis(k: float, dt: float) -> AxisModel:
-    """Returns p' = v_d + k (p_d - p) + Delta, exact for u and Delta constant over dt.
+    """Returns p' = p_d' + k (p_d - p) + Delta, exact for u and Delta constant over dt.
 
-    It models a flight controller with the inputs p_d, v_d and a_d. k in 1/s, dt in s.
+    It models a flight controller with the inputs p_d, p_d' and p_d''. k in 1/s, dt in s.
     """
     E = math.exp(-k * dt)
     setpoint, input_ = np.array([[0, 0, 1, dt], [0, 0, 0, 1]]), np.array([dt**2 / 2, dt])

@@ -50,7 +50,6 @@ def hessian(form: Condensing, C: np.ndarray) -> np.ndarray:
 
     The cost is the sum over stages of ticks (y^T C y + 2 c_k^T y), plus that of the inputs.
     The block of axes a and b is H_ab, the sum of C_fg G_f^T D G_g over outputs f of a, g of b.
-    Outputs of axes beyond the m of `form.H_input` are ignored.
 
     Args:
         form: Constant part of the program.
@@ -63,7 +62,7 @@ def hessian(form: Condensing, C: np.ndarray) -> np.ndarray:
     for f in range(len(form.axis)):
         for g in range(len(form.axis)):
             a, b, c = form.axis[f], form.axis[g], C[f, g]
-            if a <= b < m and c != 0:
+            if a <= b and c != 0:
                 product = form.products[form.kind[f], form.kind[g]]
                 for i in range(N):
                     for j in range(N):
@@ -103,7 +102,7 @@ def outputs_under(form: Condensing, free: np.ndarray, z: np.ndarray) -> np.ndarr
 
 
 def rows_by_input(form: Condensing, rows: np.ndarray) -> np.ndarray:
-    """Returns L (N, d, m N), where rows y_k = L_k z for y_k without its free response.
+    """Returns L (N, d, m N), where rows y_k = L_k z if x_0 and Delta are zero.
 
     Args:
         form: Constant part of the program.

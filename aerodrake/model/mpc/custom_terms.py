@@ -1,4 +1,4 @@
-"""Costs and constraints of one's own on quantities that the MPC predicts."""
+"""Custom costs and constraints on quantities that the MPC predicts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class CustomTerm:
         quantity: A key of `QUANTITIES`.
         name: Name in messages and in the printed program.
         matrix: M (d, size of the quantity); None for the identity.
-        stages: Numbers from 1 to N; None for all.
+        stages: Numbers from 1 to N; None for all. Stage k ends at x_k; its input is u_{k-1}.
     """
 
     quantity: str
@@ -104,12 +104,12 @@ class CustomConstraint(CustomTerm):
     """Constraint lower <= M (x + tau x') <= upper at the end of each chosen stage.
 
     With the rate x', x approaches its bound no faster than as exp(-t / tau), and hence stays
-    within. Without it (tau = 0) the predicted x may reach the bound at full speed; delays that
-    the model does not contain, as that of the arm, then carry the vehicle beyond.
-    Quantities without an entry in `RATES` have no x'; their bounds are on x.
+    within. With tau = 0 the predicted x may reach the bound at full speed; delays that the model
+    does not contain, such as the arm's, then carry the vehicle beyond. Quantities without an
+    entry in `RATES` have no x'; their bounds are on x.
 
-    Where it cannot be satisfied it is softened: then the sum of squared violations is minimised
-    first, and the tick's status is `SOFTENED`.
+    A constraint that cannot be satisfied is softened: the sum of squared violations is minimised
+    before the cost, and the tick's status is `SOFTENED`.
 
     Attributes:
         lower, upper: (d,), or one number; infinite for no bound.
@@ -120,7 +120,7 @@ class CustomConstraint(CustomTerm):
     upper: ArrayLike = np.inf
     time_constant_s: float = 0.1
 
-    def at(self, M: np.ndarray, stages: np.ndarray) -> "StagesConstraint":
+    def at(self, M: np.ndarray, stages: np.ndarray) -> "ConstraintAtStages":
         """Returns the constraint with M (d, size) and stages (S,).
 
         Raises:
@@ -140,17 +140,17 @@ class CustomConstraint(CustomTerm):
         if tau > 0 and self.quantity in RATES:
             parts = (*parts, (RATES[self.quantity], tau * M))
             formula = f"M ({self.quantity} + {tau:g} s x {RATES[self.quantity]})"
-        return StagesConstraint(self.name, formula, parts, lower, upper, stages)
+        return ConstraintAtStages(self.name, formula, parts, lower, upper, stages)
 
 
-class StagesCost(NamedTuple):
+class CostAtStages(NamedTuple):
     """A cost term at the ends of some stages (S,), from 1 to N."""
 
     term: CostTerm
     stages: np.ndarray
 
 
-class StagesConstraint(NamedTuple):
+class ConstraintAtStages(NamedTuple):
     """lower <= sum_i M_i x_i <= upper of quantities x_i at the ends of stages (S,), from 1 to N.
 
     Attributes:
@@ -186,15 +186,15 @@ class CustomTerms:
 
     def __init__(self, terms: Sequence[CustomTerm], joints: int, ticks: np.ndarray):
         self.terms, self._ticks = tuple(terms), ticks
-        self.costs: list[StagesCost] = []
-        self.constraints: list[StagesConstraint] = []
+        self.costs: list[CostAtStages] = []
+        self.constraints: list[ConstraintAtStages] = []
         for term in terms:
             if not isinstance(term, CustomCost | CustomConstraint):
                 expected = "expected CustomCost or CustomConstraint"
                 raise BadInput("custom terms", "", f"{expected}, got {type(term).__name__}")
             M, stages = term.selection(joints, len(ticks))
             if isinstance(term, CustomCost):
-                self.costs.append(StagesCost(term.term(M), stages))
+                self.costs.append(CostAtStages(term.term(M), stages))
             else:
                 self.constraints.append(term.at(M, stages))
 
@@ -217,22 +217,22 @@ class CustomTerms:
         def values(
             parts: Sequence[tuple[str, np.ndarray]], stages: np.ndarray
         ) -> tuple[np.ndarray, np.ndarray]:
-            """Returns L (S d, m N) and x_0 (S, d) of sum_i M_i x_i = L z + x_0."""
+            """Returns L (S d, m N) and b (S, d), where sum_i M_i x_i = L z + b."""
             if parts[0][0] == "input":
                 ((_, M),) = parts
                 L = M @ np.diag(scale).reshape(-1, len(self._ticks), len(scale)).swapaxes(0, 1)
-                x = np.zeros(L.shape[:2])
+                b = np.zeros(L.shape[:2])
             else:
                 rows, offset = combined(parts, predictions)
-                L, x = rows_by_input(condensing, rows), (rows @ program.free_response + offset).T
-            return L[stages - 1].reshape(-1, len(scale)), x[stages - 1]
+                L, b = rows_by_input(condensing, rows), (rows @ program.free_response + offset).T
+            return L[stages - 1].reshape(-1, len(scale)), b[stages - 1]
 
         for term, stages in self.costs:
-            L, x = values(term.parts, stages)
+            L, b = values(term.parts, stages)
             weight = np.multiply.outer(self._ticks[stages - 1], term.weight)
-            program = program.with_cost(L, (x - term.desired.T).ravel(), weight.ravel())
+            program = program.with_cost(L, (b - term.desired.T).ravel(), weight.ravel())
         for constraint in self.constraints:
-            L, x = values(constraint.parts, constraint.stages)
-            lower, upper = (constraint.lower - x).ravel(), (constraint.upper - x).ravel()
+            L, b = values(constraint.parts, constraint.stages)
+            lower, upper = (constraint.lower - b).ravel(), (constraint.upper - b).ravel()
             program = program.with_rows(L, lower, upper)
         return program

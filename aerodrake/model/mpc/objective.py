@@ -43,14 +43,14 @@ class StageCost(NamedTuple):
 
 
 class TrackingTask(NamedTuple):
-    """Task vector r that follows a reference, with the cost | r' - r_d' + K (r - r_d) |^2 W.
+    """Quantity x that follows a reference, with the cost | x' - x_d' + K (x - x_d) |^2 W.
 
     Attributes:
         name, formula: As in `CostTerm`.
-        quantity, rate: Names of r and r' in `QUANTITIES`.
+        quantity, rate: Names of x and x' in `QUANTITIES`.
         gain: (3,) 1/s, diagonal of K.
         weight: (3,), diagonal of W.
-        speed: m/s or 1/s, bound of | K (r - r_d) | now.
+        speed: m/s or rad/s, bound of | K (x - x_d) | now.
     """
 
     name: str
@@ -64,6 +64,9 @@ class TrackingTask(NamedTuple):
 
 class Objective:
     """Terms J_1 to J_4 and J_6 of `MpcProblem`.
+
+    `MpcFormulation` and `TickProgram` sum the same `terms`; a further cost of predicted quantities
+    belongs there. Each of them adds J_3 and J_5, the costs of the inputs, in its own form.
 
     e_E is predicted, or frozen at its current value as printed in the paper (`mpc.error`).
     K_e is scaled down if the correction of the current e_E would exceed `approach_speed_m_s`.
@@ -90,22 +93,22 @@ class Objective:
         self._is_base = np.arange(len(self.W_2)) < 3
         self._W_4 = np.array(config.w_4)
         self._position = TrackingTask(
-            "J_1",
-            "| p_E' - p_Ed' + K_e e_E |^2 W_1",
-            "tool_position",
-            "tool_velocity",
-            np.array(config.k_e),
-            np.array(config.w_1),
-            config.approach_speed_m_s,
+            name="J_1",
+            formula="| p_E' - p_Ed' + K_e e_E |^2 W_1",
+            quantity="tool_position",
+            rate="tool_velocity",
+            gain=np.array(config.k_e),
+            weight=np.array(config.w_1),
+            speed=config.approach_speed_m_s,
         )
         self._pointing = TrackingTask(
-            "J_6",
-            "| t' - d' + K_o (t - d) |^2 W_6",
-            "tool_axis",
-            "tool_axis_rate",
-            np.full(3, config.k_o),
-            np.full(3, config.w_6),
-            config.approach_speed_rad_s,
+            name="J_6",
+            formula="| t' - d' + K_o (t - d) |^2 W_6",
+            quantity="tool_axis",
+            rate="tool_axis_rate",
+            gain=np.full(3, config.k_o),
+            weight=np.full(3, config.w_6),
+            speed=config.approach_speed_rad_s,
         )
         self._I, self._I_v = np.eye(3), np.eye(len(self.W_2))
         self._at_rest = np.zeros((len(self.W_2), 1))
@@ -131,7 +134,7 @@ class Objective:
         return CostTerm("J_3", "| u |^2 W_3", (u,), self._at_rest, self.W_3)
 
     def _tracking(self, task: TrackingTask, value: np.ndarray, reference: np.ndarray) -> CostTerm:
-        """Returns the term of a task vector with the current `value` (3,)."""
+        """Returns the term of a task whose quantity has the `value` (3,) now."""
         error = value - reference[0, :3]
         K, desired = limited_gain(task.gain, error, task.speed), reference[1:, 3:]
         parts: tuple[tuple[str, np.ndarray], ...] = ((task.rate, self._I),)
@@ -159,12 +162,10 @@ def combined(parts: Sequence[tuple[str, np.ndarray]], predictions: StagePredicti
         parts: Name of the quantity x_i and M_i (d, size), of each i.
         predictions: Predictions of the tick.
     """
-    (quantity, M), *others = parts
-    rows, offset = predictions[quantity]
-    rows, offset = M @ rows, M @ offset
-    for quantity, M in others:
-        more = predictions[quantity]
-        rows, offset = rows + M @ more.rows, offset + M @ more.offset
+    rows, offset = 0.0, 0.0
+    for quantity, M in parts:
+        x = predictions[quantity]
+        rows, offset = rows + M @ x.rows, offset + M @ x.offset
     return Prediction(rows, offset)
 
 

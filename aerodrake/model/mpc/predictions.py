@@ -24,7 +24,11 @@ QUANTITIES = {
     "joint_velocity": "q' in rad/s",
     "input": "u = [p_B,d'', q''] in m/s^2 and rad/s^2, during the stage",
 }
-"""Predicted quantities by name, with symbol, unit and frame."""
+"""Predicted quantities by name, with symbol, unit and frame.
+
+A further one needs a case in `StagePredictions` and either an index in `TickProgram.quantity` or,
+with variables of its own, an entry in its `SYMBOLS` and `DEFINITIONS`.
+"""
 
 RATES = {
     "tool_position": "tool_velocity",
@@ -33,7 +37,7 @@ RATES = {
     "base_position": "base_velocity",
     "joint_position": "joint_velocity",
 }
-"""Rates of the quantities that have one among them."""
+"""Name of the rate of each quantity that has one in `QUANTITIES`."""
 
 
 def quantity_size(quantity: str, joints: int) -> int:
@@ -44,7 +48,7 @@ def quantity_size(quantity: str, joints: int) -> int:
 
 
 class Prediction(NamedTuple):
-    """rows y_k + offset_k, a quantity at the end of stage k, with y of `OutputMap`.
+    """rows y_k + offset, a quantity at the end of stage k, with y of `OutputMap`.
 
     Attributes:
         rows: (d, F).
@@ -76,9 +80,6 @@ class StagePredictions:
         model: The equivalent model.
         tilts: True if the base's predicted acceleration tilts it (`mpc.tilt` is `flatness`).
         rpy_rates: (3,) rad/s, roll', pitch' and yaw'.
-
-    Raises:
-        BadInput: by the tool's axis and its rate, without an orientation task.
     """
 
     def __init__(self, tick: MpcInputs, model: EquivalentModel, tilts: bool, rpy_rates: np.ndarray):
@@ -86,7 +87,11 @@ class StagePredictions:
         self._positions, self._rates = output_slices(model.joints)
 
     def __getitem__(self, quantity: str) -> Prediction:
-        """Returns the prediction of one of `QUANTITIES`."""
+        """Returns the prediction of one of `QUANTITIES`.
+
+        Raises:
+            BadInput: if it is the tool's axis or its rate, without an orientation task.
+        """
         tick, model, is_rate = self._tick, self._model, quantity in RATES.values()
         at, y = tick.end_effector, self._rates if is_rate else self._positions
         match quantity:
@@ -100,9 +105,11 @@ class StagePredictions:
                 rows, now = self._rows(y.joint, at.J_B), at.p_EB
             case "base_position" | "base_velocity":
                 rows, now = self._rows(y.base, np.eye(3)), tick.x_0[model.base_position]
+            case "joint_position" | "joint_velocity":
+                rows = self._rows(y.joint, np.eye(model.joints))
+                now = tick.x_0[model.joint_position]
             case _:
-                identity, now = np.eye(model.joints), tick.x_0[model.joint_position]
-                rows = self._rows(y.joint, identity)
+                raise KeyError(quantity)
         return Prediction(rows, np.zeros((len(rows), 1)) if is_rate else now[:, None])
 
     def _rows(self, part: slice, M: np.ndarray) -> np.ndarray:

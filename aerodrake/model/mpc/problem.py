@@ -23,7 +23,8 @@ class MpcProblem:
         min   sum of J_1 ... J_6 over the stages 1 ... N  (J_3, J_5: 0 ... N-1)
         s.t.  x_0 = x_init,  x_{k+1} = A x_k + B u_k + C Delta,  x_k in X,  u_k in U
 
-    With v_s = [p_B', q'] and e_E = p_E - p_Ed,
+    Stage k begins at x_{k-1} and ends at x_k, with the input u_{k-1}. A, B and C are those of its
+    duration (`StageTransition`). With v_s = [p_B', q'] and e_E = p_E - p_Ed,
 
         J_1 = | p_E' - p_Ed' + K_e e_E |^2       W_1
         J_2 = | v_s |^2                          W_2
@@ -43,12 +44,13 @@ class MpcProblem:
     at the mean rate T (a_k - a_{k-1}) / (t_k - t_{k-1}); in models without a, as `none`.
 
     Attributes:
+        config, model: As given.
         limits: Bounds of the setpoints; those of the inputs are `limits.acceleration`, the set U.
         bounds: Bounds of the states, the set X.
         stage_ticks: (N,), ticks that each stage lasts.
         objective: Terms of the objective but J_5.
         W_5: (3,), diagonal.
-        custom: Costs and constraints of one's own.
+        custom: Custom costs and constraints.
 
     Args:
         config: Weights, horizon and limits of the base.
@@ -63,11 +65,11 @@ class MpcProblem:
         self.stage_ticks = stage_ticks(config)
         self.objective, self.W_5 = Objective(config, vehicle), np.array(config.w_5)
         self.custom = CustomTerms((), model.joints, self.stage_ticks)
-        # The measured yaw rate is used always, those of roll and pitch only with tilt `held`.
+        # The measured yaw rate is always used, those of roll and pitch only with tilt `held`.
         self._rates = np.array([1.0, 1.0, 1.0] if config.tilt == "held" else [0.0, 0.0, 1.0])
 
     def extended(self, *terms: CustomTerm) -> Self:
-        """Returns the same with further costs and constraints.
+        """Returns a copy with further costs and constraints.
 
         Raises:
             BadInput: if a term does not fit.

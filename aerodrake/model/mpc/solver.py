@@ -18,17 +18,17 @@ class MpcSolver:
     """Solves the programs of one formulation.
 
     With the shortcut, the unconstrained minimiser is computed first, which is the solution if it
-    satisfies all bounds. All other programs are solved by one solver. If a program is infeasible,
-    bounds are relaxed as far as full braking requires, and, if that is not enough, custom
-    constraints as far as their least violation requires. A lower bound that exceeds its upper one
-    is an error.
+    satisfies all bounds. One solver solves all other programs. If it finds no solution, the bounds
+    of the vehicle are relaxed as far as full braking requires; if that is not enough, custom
+    constraints are softened as far as their least violation requires. A program with a lower
+    bound above its upper one is neither relaxed nor softened.
 
     Softened programs are ill-conditioned, with feasible sets that are hardly more than a point.
     An interior-point method solves them; operator splitting does not converge.
 
     Args:
         formulation: Forms the programs.
-        solver: Solves them.
+        solver: Solves the programs that the shortcut does not.
         has_shortcut: False if `solver` solves every program.
     """
 

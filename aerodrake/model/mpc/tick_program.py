@@ -7,6 +7,7 @@ from pydrake.solvers import Binding, MathematicalProgram
 from pydrake.symbolic import Variable
 
 from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.custom_terms import ConstraintAtStages
 from aerodrake.model.mpc.horizon import OutputMap, StageTransition
 from aerodrake.model.mpc.objective import CostTerm
 from aerodrake.model.mpc.problem import MpcProblem
@@ -32,21 +33,21 @@ DEFINITIONS = {
     "tool_axis": "t + J_s [p_B - p_B,0; q - q_0]",
     "tool_axis_rate": "J_s [p_B'; q'] + J_yaw yaw' + J_u xi_u'",
 }
-"""Their definitions, with the parts of `StagePredictions`."""
+"""Definitions of these variables, in the symbols of `StagePredictions`."""
 
 TILTS = {"tool_position": " + T (a - a_0)", "tool_velocity": " + T a'"}
 TILTS |= {"tool_axis": TILTS["tool_position"], "tool_axis_rate": TILTS["tool_velocity"]}
-"""Their further parts if the base's acceleration tilts it."""
+"""Summands of the definitions if the base's acceleration tilts it."""
 
 
 class TickProgram(MathematicalProgram):
     """The MPC's problem at one tick (paper, eq. 7), with all its variables.
 
     Costs and constraints are described; `str` lists them. Units are SI. Decision variables at
-    the stages k = 0 ... N:
+    the beginning (k = 0) and at the end of each stage k:
 
     - x[k], the states of the equivalent model, such as `p_Bx[1]` and `q_2'[1]`;
-    - u[k] up to N - 1, such as `p_Bx,d''[0]`;
+    - u[k] from then on, such as `p_Bx,d''[0]`, up to k = N - 1;
     - the task vectors p_E, p_E', p_EB and, with an orientation task, t and t', such as
       `p_Ez[1]`, from k = 1 on.
 
@@ -68,9 +69,8 @@ class TickProgram(MathematicalProgram):
         N = len(self._ticks)
         self.x = np.array([self._variables(_state_names(model), k) for k in range(N + 1)])
         self.u = np.array([self._variables(_input_names(model.joints), k) for k in range(N)])
-        quantities = {quantity: None for term in terms for quantity, _ in term.parts}
-        custom = [c.term for c in problem.custom.costs] + problem.custom.constraints
-        quantities |= {quantity: None for term in custom for quantity, _ in term.parts}
+        custom = [cost.term for cost in problem.custom.costs] + problem.custom.constraints
+        quantities = dict.fromkeys(name for term in terms + custom for name, _ in term.parts)
         self.task = {
             name: np.array(
                 [self._variables([SYMBOLS[name] + axis for axis in AXES], k + 1) for k in range(N)]
@@ -113,17 +113,17 @@ class TickProgram(MathematicalProgram):
         self.AddDecisionVariables(variables)
         return variables
 
-    def _add_equations(self, M: np.ndarray, variables: np.ndarray, value: np.ndarray, what: str):
-        """Adds M variables = value."""
-        self.AddLinearEqualityConstraint(M, value, variables).evaluator().set_description(what)
+    def _add_equation(self, M: np.ndarray, variables: np.ndarray, b: np.ndarray, what: str) -> None:
+        """Adds M variables = b."""
+        self.AddLinearEqualityConstraint(M, b, variables).evaluator().set_description(what)
 
     def _add_model(self) -> None:
-        """Adds x_0 and the equivalent model, over each stage."""
+        """Adds x_0 and the equivalent model over each stage."""
         tick, identity = self._tick, np.eye(self.x.shape[1])
-        self._add_equations(identity, self.x[0], tick.x_0, "x[0] = x_init")
+        self._add_equation(identity, self.x[0], tick.x_0, "x[0] = x_init")
         for k, ticks in enumerate(self._ticks):
             A, B, C = StageTransition.of(self._problem.model, ticks)
-            self._add_equations(
+            self._add_equation(
                 np.hstack([identity, -A, -B]),
                 np.concatenate([self.x[k + 1], self.x[k], self.u[k]]),
                 C @ tick.delta,
@@ -131,7 +131,7 @@ class TickProgram(MathematicalProgram):
             )
 
     def _add_task_vectors(self) -> None:
-        """Adds the definitions of the task vectors by the states."""
+        """Adds the definitions of the task vectors in terms of the states."""
         model, predictions = self._problem.model, self._problem.predictions(self._tick)
         for name, variables in self.task.items():
             definition = DEFINITIONS[name] + (TILTS.get(name, "") if predictions.tilts else "")
@@ -140,7 +140,7 @@ class TickProgram(MathematicalProgram):
                 now, before, first = (rows @ y for y in OutputMap.of(model, ticks * model.dt))
                 by_states = (now, before, first) if k else (now, before + first)
                 states = (self.x[k + 1], self.x[k], self.x[0])[: len(by_states)]
-                self._add_equations(
+                self._add_equation(
                     np.hstack([np.eye(3), *(-M for M in by_states)]),
                     np.concatenate([variables[k], *states]),
                     offset[:, 0],
@@ -154,8 +154,8 @@ class TickProgram(MathematicalProgram):
         weights = ", ".join(f"{w:.4g}" for w in term.weight)
         for k in stages:
             variables = np.concatenate([self.quantity(name, k) for name, _ in term.parts])
-            ticks, start = self._ticks[k - 1], k - 1 if term.parts[0][0] == "input" else k
-            what = f"{term.name}[{start}] = {term.formula} x {_ticks(ticks)}, W = diag({weights})"
+            ticks, name = self._ticks[k - 1], _indexed(term, k)
+            what = f"{name} = {term.formula} x {_ticks(ticks)}, W = diag({weights})"
             self._add_squares(M, variables, desired[k - 1], ticks * term.weight, what)
 
     def _add_squares(
@@ -170,27 +170,25 @@ class TickProgram(MathematicalProgram):
 
     def _add_acceleration_steps(self) -> None:
         """Adds J_5 if it has a weight."""
-        u_last = self._tick.u_last
         M, W_5 = np.eye(3), self._problem.W_5
         if not W_5.any():
             return
         for k, u in enumerate(self.u[:, :3]):
             what = f"J_5[{k}] = | p_B,d''[{k}] - p_B,d''[{k - 1}] |^2 W_5"
             if k == 0:
-                self._add_squares(M, u, u_last[:3], W_5, what)
+                self._add_squares(M, u, self._tick.u_last[:3], W_5, what)
             else:
                 both = np.concatenate([u, self.u[k - 1, :3]])
                 self._add_squares(np.hstack([M, -M]), both, np.zeros(3), W_5, what)
 
     def _add_bounds(self) -> None:
         """Adds the sets U and X."""
-        bounds, most = self._problem.bounds, self._problem.limits.acceleration
-        n = self._problem.model.joints
+        bounds, u_max = self._problem.bounds, self._problem.limits.acceleration
+        n, names = self._problem.model.joints, ("p_B,d'", "q", "q'")
+        parts = np.split(np.arange(3 + 2 * n), [3, 3 + n])
         for k, u in enumerate(self.u):
-            self._add_box(u, -most, most, f"u[{k}] in U: accelerations of base and joints")
+            self._add_box(u, -u_max, u_max, f"u[{k}] in U: accelerations of base and joints")
         for k, x in enumerate(self.x[1:], start=1):
-            parts = np.split(np.arange(3 + 2 * n), [3, 3 + n])
-            names = ("p_B,d'", "q", "q'")
             for name, part in zip(names, parts, strict=True):
                 low, high = bounds.lower[part], bounds.upper[part]
                 self._add_box(x[bounds.index[part]], low, high, f"{name}[{k}] in X")
@@ -207,18 +205,24 @@ class TickProgram(MathematicalProgram):
     def _add_custom_terms(self) -> None:
         """Adds the costs and constraints of `MpcFormulation.extended`."""
         custom = self._problem.custom
-        for term, stages in custom.costs:
-            self._add_cost(term, stages)
-        for name, formula, parts, lower, upper, stages in custom.constraints:
-            M = np.hstack([M for _, M in parts])
-            for k in stages:
-                variables = np.concatenate([self.quantity(quantity, k) for quantity, _ in parts])
-                rows = self.AddLinearConstraint(M, lower, upper, variables)
-                rows.evaluator().set_description(f"{name}[{k}]: lower <= {formula} <= upper")
+        for cost, stages in custom.costs:
+            self._add_cost(cost, stages)
+        for term in custom.constraints:
+            M = np.hstack([M for _, M in term.parts])
+            for k in term.stages:
+                variables = np.concatenate([self.quantity(name, k) for name, _ in term.parts])
+                rows = self.AddLinearConstraint(M, term.lower, term.upper, variables)
+                what = f"{_indexed(term, k)}: lower <= {term.formula} <= upper"
+                rows.evaluator().set_description(what)
 
 
 def _described(binding: Binding) -> str:
     return f"  {binding.evaluator().get_description() or binding}"
+
+
+def _indexed(term: CostTerm | ConstraintAtStages, k: int) -> str:
+    """Returns the name of a term in stage k, with the index of its variables."""
+    return f"{term.name}[{k - 1 if term.parts[0][0] == 'input' else k}]"
 
 
 def _ticks(count: int) -> str:

@@ -19,7 +19,7 @@ which it is linearly dependent on them."""
 class ActiveSetSolver(QpSolver):
     """Solves programs exactly by the dual active-set method of Goldfarb and Idnani (1983).
 
-    From the unconstrained minimiser on it adds the most violated constraint, dropping those
+    Starts at the unconstrained minimiser. Adds the most violated constraint, dropping those
     whose multipliers reach zero, until none is violated. z minimises the Lagrangian
     throughout. At the end the optimality conditions are verified.
 
@@ -50,8 +50,9 @@ class ActiveSet:
     """Active constraints n_j z = b_j with outward normals n_j, of the Lagrangian's minimiser z.
 
     Attributes:
-        indices, sides: Of each active constraint; side 1 for its upper bound, -1 for the lower.
-        multipliers: (k,), of each.
+        indices, sides: Index of each active constraint, and 1 for its upper or -1 for its lower
+            bound.
+        multipliers: (k,), Lagrange multiplier of each.
         z: (nz,), minimiser of the Lagrangian.
     """
 

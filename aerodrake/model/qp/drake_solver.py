@@ -36,7 +36,7 @@ class ScaledProgram(NamedTuple):
 
     @classmethod
     def make(cls, nz: int) -> Self:
-        """Returns a program of nz variables with any coefficients."""
+        """Returns a program of nz variables with placeholder coefficients."""
         program, one = MathematicalProgram(), np.ones(nz)
         z = program.NewContinuousVariables(nz, "z")
         return cls(
@@ -68,9 +68,9 @@ class ScaledProgram(NamedTuple):
 class DrakeQpSolver(QpSolver):
     """A solver of Drake, whose approximate solution is made exact where possible.
 
-    Programs in equally many variables share one `MathematicalProgram`. From the multipliers
-    follows the active set, and from that the exact minimiser, if it satisfies the optimality
-    conditions. Otherwise the iterate is used if its residuals are small.
+    Programs with equally many variables share one `MathematicalProgram`. The solver's multipliers
+    give the active set, and the active set gives the exact minimiser if the optimality
+    conditions hold. Otherwise the iterate is used if its residual is small.
 
     Args:
         solver: The solver.
@@ -95,8 +95,8 @@ class DrakeQpSolver(QpSolver):
         factors = scaled.update(program, constraints)
         result = self._solver.Solve(scaled.program, None, self._options)
         iterations = iterations_of(result)
-        # The status alone does not tell: an infeasible program may have a finite, huge z,
-        # `is_success` is also true of inaccurate ones, and an iteration limit may leave a good z.
+        # Of the solver's status only infeasibility is used: `is_success` may be True for an
+        # inaccurate z, and False for a good one at the iteration limit.
         if result.get_solution_result() in INFEASIBLE:
             return QpResult.without_solution(nz, QpStatus.INFEASIBLE, iterations)
         z = result.get_x_val()

@@ -5,13 +5,13 @@ from pydrake.solvers import OsqpSolver
 from aerodrake.model.qp.drake_solver import DrakeQpSolver
 
 OPTIONS = {
-    "scaling": 0,  # `ScaledProgram` does it, since convergence depends on it.
+    "scaling": 0,  # `ScaledProgram.update` scales.
     "rho": 0.3,
-    "adaptive_rho_interval": 25,  # Automatically it depends on wall time.
+    "adaptive_rho_interval": 25,  # The default depends on wall time.
     "check_termination": 25,
     "eps_abs": 1e-6,
     "eps_rel": 1e-6,
-    "polishing": 0,  # `DrakeQpSolver` does it with the Cholesky factor of H.
+    "polishing": 0,  # `exact_minimiser` does it with the Cholesky factor of H.
 }
 
 

@@ -20,7 +20,7 @@ class QuadraticProgram:
     Attributes:
         H: (nz, nz), symmetric and positive definite, C-contiguous.
         g: (nz,).
-        A: (rows, nz), rows of unit norm.
+        A: (rows, nz), rows of unit norm or zero.
         lower, upper: (rows,); infinite where there is no bound.
     """
 
@@ -66,7 +66,7 @@ class Constraints(NamedTuple):
     """Bounds lower <= N z <= upper of a program: those of z first, then those of its rows.
 
     Attributes:
-        N: (nc, nz), of unit norm; its first nz rows are the identity.
+        N: (nc, nz), rows of unit norm or zero; the first nz are the identity.
         lower, upper: (nc,).
     """
 

@@ -13,7 +13,7 @@ class QpStatus(IntEnum):
     SOLVED: exact, the optimality conditions of the solver's active set were verified.
     INACCURATE: the solver's iterate, with small residuals.
     SOFTENED: exact or inaccurate, with the least violation of custom constraints.
-    RELAXED: exact or inaccurate for widened bounds; with the given ones it is infeasible.
+    RELAXED: exact or inaccurate for widened bounds; with the given ones there was no solution.
     INFEASIBLE: no z satisfies all bounds.
     ITERATION_LIMIT: the solver ended without a solution, mostly by its iteration limit.
     NON_FINITE: an input is NaN or infinite, or H is not positive definite.

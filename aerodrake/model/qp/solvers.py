@@ -34,8 +34,8 @@ SOLVERS = ("osqp", "active_set", *OTHERS)
 
 def available_solvers() -> tuple[str, ...]:
     """Returns the names of the solvers that are built in, and licensed if they need it."""
-    own = (n for n, kind in OTHERS.items() if kind().available() and kind().enabled())
-    return ("osqp", "active_set", *own)
+    others = (name for name, make in OTHERS.items() if make().available() and make().enabled())
+    return ("osqp", "active_set", *others)
 
 
 def make_solver(name: str, max_iterations: int, is_refined: bool = True) -> QpSolver:

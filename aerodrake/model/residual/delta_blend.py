@@ -12,7 +12,7 @@ FADE_IN = 2.0
 FADE_OUT = 0.5
 """Duration in which the last valid Delta fades out, in units of `gate_s`."""
 FADE_OUT_UNHELPFUL = 0.1
-"""Likewise, of a Delta that worsens the prediction."""
+"""Duration in which a Delta that worsens the prediction fades out, in units of `gate_s`."""
 ROUNDING = 1e-9
 """Weights below this value are rounding errors of zero."""
 
@@ -63,9 +63,9 @@ class DeltaBlend:
 
     The weight of the source's Delta increases to 1 in `FADE_IN`; that of the other one decreases
     with it. At a change to a worse source the layer that was used may be invalid. Its last
-    output therefore fades out, and the worse source has the former sum of weights at once. Of a
-    harmful output only as much fades out as is no longer than the new source's; without a
-    source, none.
+    output therefore fades out, and the worse source has the former sum of weights at once. If the
+    output was harmful, its excess over the new source's Delta is first shortened to the length
+    of the latter; without a new source it is dropped.
 
     Attributes:
         gate_s: s, unit of durations; with 0 changes take one tick.

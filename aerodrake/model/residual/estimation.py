@@ -38,7 +38,7 @@ class PendingPrediction(NamedTuple):
 
     Attributes:
         is_pending: False if there is no prediction to compare.
-        x: (nx,) state of the model.
+        x: (nx,) state of the model at that tick.
         phi: (33,) last hidden activations and a 1.
         p_B, v_B: (3,) m and m/s, measured position and velocity of the base.
         correction: (3,) m/s, c Delta as used.
@@ -78,14 +78,14 @@ class ResidualEstimation:
     Network and output are in Delta's unit. Learner and gate have the velocity correction c Delta
     in m/s, with c the model's `residual_gain`: the label of Delta is the measured velocity minus
     the one predicted without Delta, over c. The integral model has c = 0 and therefore
-    no labels; it is estimated in the mode `off`.
+    no labels; its mode is always `off`.
 
     Attributes:
         network: Not used in the mode `off`.
         model: Its prediction error is learned.
         mode: In `offline`, the last layer is not updated; in `off`, Delta is zero.
         learner: Updates the last layer.
-        gate: Decides which layer is used and if labels are learned.
+        gate: Decides which layer is used and whether labels are learned.
     """
 
     network: ResidualNetwork | None
@@ -157,7 +157,7 @@ class ResidualEstimation:
     def learn(
         self, state: EstimatorState, sample: VelocitySample | None, is_saturated: bool
     ) -> tuple[LearnerState, GateState, PerLayer[GateCause]]:
-        """Updates gate and last layer by a sample, if any; also returns the gate's results."""
+        """Updates gate and last layer by a sample, if any; also returns each layer's cause."""
         learner, gate = state.learner, state.gate
         if sample is None:
             return learner, gate, PerLayer(GateCause.OK, GateCause.OK)

@@ -175,7 +175,7 @@ class LearningGate:
 
         Args:
             state: After `update`.
-            causes: Of each layer.
+            causes: Cause at this tick to gate each layer off.
             corrections: (3,) m/s, c Delta of each layer at this tick.
             last: (3,) m/s, c Delta used at the tick before.
 
@@ -195,7 +195,7 @@ class LearningGate:
         advantage = state.mean_advantage if causes.learned == GateCause.OK else 0.0
         return correction, state._replace(layers=layers, blend=blend, mean_advantage=advantage)
 
-    def best_layer(self, state: GateState) -> LayerState:
+    def reported_layer(self, state: GateState) -> LayerState:
         """Returns the state of the learned layer in the mode `online`, else of the offline one."""
         return state.layers.learned if self.config.mode == "online" else state.layers.offline
 
@@ -215,7 +215,7 @@ class LearningGate:
         return is_proven and not is_suspect and self._disadvantage(state) <= 0
 
     def _disadvantage(self, state: GateState) -> float:
-        """Returns that of the learned to the offline layer; 0 while the latter is not used."""
+        """Returns the learned layer's disadvantage; 0 while the offline layer is gated off."""
         return -state.mean_advantage if state.layers.offline.cause == GateCause.OK else 0.0
 
     def _offset_ratio(self, state: GateState) -> float:

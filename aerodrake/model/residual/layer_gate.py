@@ -43,7 +43,7 @@ class LayerState(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class LayerGate:
-    """Gate of one layer by its statistics. Its rules are those of `LearningGate`.
+    """Gate of one layer by its statistics, as in the table of `LearningGate`.
 
     Attributes:
         gate_s: s, averaging time; with 0 only non-finite layers are gated off.

@@ -32,7 +32,7 @@ class LearnerState(NamedTuple):
 class OnlineLearner:
     """The gradient step of the paper's eq. 6 (`last_layer_step`), with guards.
 
-    With its three bounds 0 and `freeze_saturated` false the step is the paper's. Otherwise
+    Without guards, as with `residual.as_printed`, the step is the paper's. Otherwise
 
     - a sample is rejected while the flight controller is saturated, since the base then does
       not follow the equivalent model;
@@ -79,7 +79,7 @@ class OnlineLearner:
             phis, targets = state.phis.copy(), state.targets.copy()
             row = state.sample_count % self.config.batch
             phis[row], targets[row] = phi, target
-            count = state.sample_count + 1  # Of which the buffer has the latest B_l.
+            count = state.sample_count + 1  # The buffer has the latest B_l of them.
             theta = last_layer_step(
                 state.theta, phis[:count], targets[:count], self.config.learning_rate
             )
@@ -104,7 +104,7 @@ class OnlineLearner:
             return float(1 / curvature)
 
     def run(self, phi: np.ndarray, target: np.ndarray, saturated: np.ndarray) -> np.ndarray:
-        """Returns c Delta (T, 3) m/s that the residual estimator infers along a recorded flight.
+        """Returns c Delta (T, 3) m/s of the learned layer along a recorded flight, without gate.
 
         Delta_k uses phi_k and the theta that has learned the samples up to k-1, since the target
         of sample k is measured at k+1. Its prediction error is c Delta_k - target_k.

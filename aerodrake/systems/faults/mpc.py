@@ -36,7 +36,7 @@ class FaultyMpc(MpcSystem):
         those of `MpcSystem`.
 
     Args:
-        formulation: Cost and bounds.
+        formulation: Forms the program of each tick.
         faults: Faults of the scenario; only those of the MPC are used.
         settle_s: s, hover before reference time 0.
     """
