@@ -69,8 +69,8 @@ class DrakeQpSolver(QpSolver):
     """A solver of Drake, whose approximate solution is made exact where possible.
 
     Programs with equally many variables share one `MathematicalProgram`. The solver's multipliers
-    give the active set, and the active set gives the exact minimiser if the optimality
-    conditions hold. Otherwise the iterate is used if its residual is small.
+    give an estimate of the active set, from which `exact_minimiser` starts. If it finds none, the
+    iterate is used if its residual is small.
 
     Args:
         solver: The solver.
