@@ -20,7 +20,13 @@ TICKS = 100
 
 TIGHT = {
     ClarabelSolver: {"tol_gap_abs": 1e-12, "tol_gap_rel": 1e-12, "tol_feas": 1e-12},
-    OsqpSolver: {"eps_abs": 1e-7, "eps_rel": 1e-7, "polishing": 1, "max_iter": 30000},
+    OsqpSolver: {
+        "eps_abs": 1e-7,
+        "eps_rel": 1e-7,
+        "polishing": 1,
+        "max_iter": 30000,
+        "adaptive_rho_interval": 25,  # Automatically it depends on wall time.
+    },
 }
 """Options with which solvers find u_0 to 1e-4 m/s^2 and rad/s^2 with explicit states."""
 
