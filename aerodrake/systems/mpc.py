@@ -7,6 +7,7 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, DiscreteValues
 
+from aerodrake.model.mpc.custom_terms import CustomTerm
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.mpc.solver import MpcSolver
@@ -57,6 +58,14 @@ class MpcSystem(KinematicController):
         plan = np.zeros((sum(formulation.stage_ticks), 3 + formulation.model.joints))
         self._planned = NamedState(self, PlanState(plan))
         self.DeclareStateOutputPort("plan", self._planned.groups["plan"])
+
+    def extended(self, *terms: CustomTerm) -> "MpcSystem":
+        """Returns the same system with further costs and constraints.
+
+        Raises:
+            BadInput: if a term does not fit.
+        """
+        return MpcSystem(self.formulation.extended(*terms))
 
     def tick_inputs(self, context: Context) -> MpcInputs:
         tick = super().tick_inputs(context)

@@ -36,13 +36,19 @@ class CustomTerm:
         Raises:
             BadInput: if the quantity, the shape of M or a stage does not exist.
         """
-        if self.quantity not in QUANTITIES:
+        if not isinstance(self.quantity, str) or self.quantity not in QUANTITIES:
             self._refuse("quantity", f"got '{self.quantity}'; {nearest(self.quantity, QUANTITIES)}")
         size = quantity_size(self.quantity, joints)
         M = np.eye(size) if self.matrix is None else self._array("matrix", self.matrix)
         if M.ndim != 2 or M.shape[1] != size:
             self._refuse("matrix", f"expected shape (d, {size}), got {M.shape}")
-        stages = np.array(range(1, horizon + 1) if self.stages is None else self.stages)
+        stages = np.arange(1, horizon + 1)
+        if self.stages is not None:
+            stages = np.array(
+                list(self.stages) if np.iterable(self.stages) else self.stages, object
+            )
+            if all(isinstance(stage, int | np.integer) for stage in stages.ravel()):
+                stages = stages.astype(int)
         in_range = stages.dtype.kind in "iu" and ((stages >= 1) & (stages <= horizon)).all()
         if stages.ndim != 1 or not len(stages) or not in_range:
             self._refuse("stages", f"expected integers from 1 to {horizon}, got {self.stages}")

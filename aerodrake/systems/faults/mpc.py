@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues
 
+from aerodrake.model.mpc.custom_terms import CustomTerm
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.mpc.tick import MISSED
@@ -45,6 +46,9 @@ class FaultyMpc(MpcSystem):
         super().__init__(formulation)
         self._faults = [fault for fault in faults if isinstance(fault, MpcFault)]
         self._settle_s = settle_s
+
+    def extended(self, *terms: CustomTerm) -> "FaultyMpc":
+        return FaultyMpc(self.formulation.extended(*terms), self._faults, self._settle_s)
 
     def active_fault(self, context: Context) -> AnyFault | None:
         """Returns the active fault of a Context; of starved ones, that with fewest iterations."""

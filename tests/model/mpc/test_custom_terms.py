@@ -172,6 +172,8 @@ def test_the_rate_keeps_a_distance_from_the_bound(formulation, ticks):
         ({"stages": [0]}, r"stages: expected integers from 1 to 15, got \[0\]"),
         ({"stages": [1.5]}, "stages: expected integers"),
         ({"stages": []}, "stages: expected integers"),
+        ({"stages": [[1], [2, 3]]}, "stages: expected integers"),
+        ({"quantity": ["tool_position"]}, "quantity: got"),
         ({"stages": 5}, "stages: expected integers"),
         ({"weight": -1.0}, "weight: expected 0 to 1e9"),
         ({"weight": 1e10}, "weight: expected 0 to 1e9"),

@@ -5,6 +5,7 @@ import pytest
 
 from aerodrake.model.equivalent.initial_state import Signals
 from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.model.mpc.custom_terms import CustomConstraint
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.tick import MISSED, MpcInputs, TickStatus
 from aerodrake.model.qp.result import QpStatus
@@ -165,3 +166,12 @@ def test_only_a_scenario_with_mpc_faults_has_a_faulty_mpc(formulation):
 
 def test_missed_is_not_a_status_of_a_program():
     assert max(QpStatus) < MISSED
+
+
+def test_an_extended_mpc_keeps_its_faults(formulation):
+    faults = [MpcMissed(start_s=1.0, duration_s=1.0)]
+    bound = CustomConstraint(quantity="base_velocity", name="slow", upper=0.5)
+    mpc = make_mpc(formulation, faults, SETTLE_S).extended(bound)
+    assert mpc.active_fault(at(mpc, 1.5)) == faults[0] and mpc.active_fault(at(mpc, 2.5)) is None
+    assert mpc.formulation.custom.terms == (bound,) and not formulation.custom.terms
+    assert type(MpcSystem(formulation).extended(bound)) is MpcSystem
