@@ -11,13 +11,13 @@ p_d - p would be too small to fit K.)
 
 p_d is a chirp over the band in which the MPC moves it. Its speed has the same amplitude at all
 frequencies. The error p_d - p nearly has as well, so that all octaves have equal influence.
-Alternatives, with gains 25/10 of the position interface and those of `clover`: steps of 0.1 to 0.2
-m excite frequencies far above the band, at which the base is of second order (R^2 0.7, K 1.6 and
-1.2); a chirp with constant amplitude of position is dominated by the highest frequencies (R^2 0.96
-and 0.86). This chirp has R^2 0.98 and 0.95. In flights of `clover_paper` and `moving_target_paper`
-with these gains its K predicts the base over the MPC's horizon with an RMS error within 3 % of the
-error of the best K for that flight; K from steps has up to 6 times that error. With the trajectory
-interface these errors hardly depend on K.
+Alternatives, with the gains of `clover_paper` and of `clover`: steps of 0.1 to 0.2 m excite
+frequencies far above the band, at which the base is of second order (R^2 0.7, K 1.6 and 1.2);
+a chirp with constant amplitude of position is dominated by the highest frequencies (R^2 0.96
+and 0.86). This chirp has R^2 0.98 and 0.95. In flights of `clover_paper` and
+`moving_target_paper` its K predicts the base over the MPC's horizon with an RMS error within
+3 % of the error of the best K for that flight; K from steps has up to 6 times that error. With
+the trajectory interface these errors hardly depend on K.
 """
 
 import dataclasses

@@ -38,9 +38,9 @@ class Residual:
     # The paper's eq. 6 as printed: without the bounds and the gate of the keys below.
     as_printed: bool = False
     # Bounds of online learning: of one step of the last layer, of its distance from the offline
-    # layer, and of the label's error; 0 is no bound. clover_paper reaches 0.00002, 0.0014 and
-    # 0.013 m/s. moving_target_paper, whose learning rate exceeds the bound of a stable step,
-    # reaches 0.025 m/s and 0.31 m/s, and steps of 0.04 m/s that are shortened; without bounds its
+    # layer, and of the label's error; 0 is no bound. clover_paper reaches 0.00006, 0.0014 and
+    # 0.017 m/s. moving_target_paper, whose learning rate exceeds the bound of a stable step,
+    # reaches 0.012 m/s and 0.19 m/s, and steps of 0.08 m/s that are shortened; without bounds its
     # last layer diverges.
     max_step: float = quantity(0.01, "m/s", 0.0, 100.0)
     max_drift: float = quantity(0.3, "m/s", 0.0, 100.0)

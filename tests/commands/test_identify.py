@@ -50,7 +50,7 @@ def test_files_of_an_identification(ideal, tmp_path):
     assert sorted(files(out)) == FILES
     figures = json.loads((out / "identification.json").read_text())
     assert figures["command"] == "aerodrake identify clover_paper --set=seed=3 --set=name=other"
-    assert figures["k_b"] == K_B and figures["scenario_k_b"] == [3.91, 3.91, 2.47]
+    assert figures["k_b"] == K_B and figures["scenario_k_b"] == [2.46, 2.46, 2.47]
     assert figures["scenario"] == "other"
     own = load_scenario("clover_paper", [("--set", "seed=3"), ("--set", "name=other")])
     again = load_scenario(str(out / "scenario.yaml"))
@@ -93,7 +93,7 @@ def test_write_changes_only_k_b_in_the_file(ideal, scenario, tmp_path, capsys):
     before = scenario.read_text()
     argv = ["identify", str(scenario), "--write", "--out", str(tmp_path / "out")]
     assert main(argv) == 0
-    assert scenario.read_text() == before.replace("[3.91, 3.91, 2.47]", "[1.5, 2.0, 2.5]") != before
+    assert scenario.read_text() == before.replace("[2.46, 2.46, 2.47]", "[1.5, 2.0, 2.5]") != before
     assert list(scenario.parent.iterdir()) == [scenario]
     assert f"{scenario}: model.k_b replaced" in capsys.readouterr().out
     assert load_scenario(str(scenario)).model.k_b == tuple(K_B)
