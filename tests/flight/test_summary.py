@@ -1,4 +1,4 @@
-"""Tests of the summary with made-up logs whose figures are known."""
+"""The summary of made-up logs: modes, ticks, residual, arm and supervisor."""
 
 import json
 import math
@@ -7,62 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import headline, millimetres, summarize, to_json
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.result import QpStatus
-from aerodrake.model.reference.curves import make_reference
-from aerodrake.model.reference.reference_curve import hover_then_follow
 from aerodrake.model.supervision.conditions import conditions
-from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Clover, Hover, MovingTarget, Rates, Residual, Scenario, Supervisor
-
-VEHICLE = VehicleModel.load(Scenario())
-PERIOD_S = 0.01
-TICK_S = 0.02
-
-
-CLOVER = Scenario(name="made", seed=5, reference=Clover(start_s=3, lap_s=24), settle_s=1)
-
-
-def made(
-    error=lambda t: np.zeros_like(t),
-    base_error=lambda t: np.zeros_like(t),
-    mode=lambda t: np.full_like(t, Mode.HOVER),
-    *,
-    settle_s=1.0,
-    until_s=30.0,
-    **others,
-) -> FlightLog:
-    """A log of `CLOVER` with the given errors in m and modes over reference time in s."""
-    samples = round((settle_s + until_s) / PERIOD_S) + 1
-    t = np.arange(samples) * PERIOD_S - settle_s
-    t = np.round(t, 9)
-    curve = make_reference(CLOVER.reference, VEHICLE.p_E)
-    p_Ed, _ = hover_then_follow(curve, VEHICLE.p_E, t)
-    diagonal = np.ones(3) / math.sqrt(3)  # An error has three components.
-    signals = {
-        "time_s": t,
-        "p_Ed_m": p_Ed,
-        "p_E_m": p_Ed + np.outer(error(t), diagonal),
-        "p_Bd_m": np.zeros((samples, 3)),
-        "p_B_m": np.outer(base_error(t), -diagonal),
-        "quaternion": np.tile([1.0, 0, 0, 0], (samples, 1)),
-        "q_rad": np.tile(Scenario().vehicle.working_rad, (samples, 1)),
-        "tool_axis": np.tile([0.0, 0, -1.0], (samples, 1)),
-        "tool_axis_d": np.zeros((samples, 3)),
-        "mode": mode(t),
-        "supervisor_mode": np.zeros(samples),
-        "conditions": np.zeros((samples, len(conditions(Supervisor())))),
-        "qp_status": np.full(samples, QpStatus.UNCONSTRAINED, float),
-        "prediction_error_m_s": np.zeros((samples, 3)),
-        "nominal_prediction_error_m_s": np.zeros((samples, 3)),
-        "tick_ms": np.full(math.ceil((samples - 1) * PERIOD_S / TICK_S), 1.0),
-    }
-    ending = {"exit_reason": "completed", "exit_cause": "", "wall_s": 4.0}
-    for key in set(others) & set(ending):
-        ending[key] = others.pop(key)
-    return FlightLog(signals | others, vehicle=VEHICLE, **ending)
+from aerodrake.scenario import Rates, Residual, Scenario, Supervisor
+from tests.logs import CLOVER, figures, made
 
 
 def test_the_tools_angle_over_reference_time():
@@ -78,77 +28,6 @@ def test_the_tools_angle_over_reference_time():
     assert figures["mean_rad"] == pytest.approx((1500 * 0.1 + 1501 * 0.2) / 3001)
     assert figures["rms_rad"] == pytest.approx(np.sqrt((1500 * 0.01 + 1501 * 0.04) / 3001))
     assert set(summarize(Scenario(), log)["orientation"].values()) == {None}
-
-
-def steps(t):
-    """1 mm, then 2 mm from 3 s, 4 mm from 15 s, 8 mm after 27 s; and 1 m in the hover before."""
-    levels = [t < 0, t < 3 - 1e-9, t < 15 - 1e-9, t < 27 + 1e-9]
-    return np.select(levels, [1.0, 0.001, 0.002, 0.004], 0.008)
-
-
-def figures(log: FlightLog, scenario: Scenario = CLOVER):
-    return json.loads(to_json(summarize(scenario, log)))
-
-
-@pytest.mark.parametrize("which", ["error", "base_error"])
-def test_errors_over_the_windows_of_the_paper(which):
-    """300 samples of 1 mm, 1200 of 2, 1201 of 4 (both ends of the lap count), 300 of 8."""
-    error = figures(made(**{which: steps}))[which]
-    total = 300 + 1200 + 1201 + 300
-    assert error["mean_m"] == pytest.approx((0.3 + 2.4 + 4.804 + 2.4) / total)
-    squares = 300 * 1 + 1200 * 4 + 1201 * 16 + 300 * 64
-    assert error["rms_m"] == pytest.approx(1e-3 * math.sqrt(squares / total))
-    assert error["max_m"] == pytest.approx(0.008)
-    assert error["lap_mean_m"] == pytest.approx((2.4 + 4.804) / (1200 + 1201))
-    assert error["settled_mean_m"] == pytest.approx((4.804 + 2.4) / (1201 + 300))
-    assert error["approach_s"] == 0
-
-
-def test_errors_of_end_effector_and_base_are_independent():
-    both = figures(made(error=steps))
-    assert both["base_error"]["max_m"] == 0 and both["error"]["max_m"] > 0
-
-
-def test_approach_is_the_first_time_within_d_h():
-    def error(t):
-        return np.where(np.abs(t - 2.2) < 0.005, 0.0749, np.where(t < 5, 0.0751, 0.01))
-
-    scenario = Scenario(reference=MovingTarget(), settle_s=1)
-    assert figures(made(error), scenario)["error"]["approach_s"] == pytest.approx(2.2)
-
-
-def test_the_approach_does_not_count_in_the_initial_hover():
-    error = figures(made(lambda t: np.where(t < 0, 0.0, 1.0)))["error"]
-    assert error["approach_s"] is None
-
-
-@pytest.mark.parametrize(
-    ("until_s", "flown"),
-    [
-        (-0.1, set()),
-        (0.1, {"mean_m", "rms_m", "max_m", "approach_s"}),
-        (14.99, {"mean_m", "rms_m", "max_m", "approach_s"}),
-        (15.0, {"mean_m", "rms_m", "max_m", "approach_s", "settled_mean_m"}),
-        (26.99, {"mean_m", "rms_m", "max_m", "approach_s", "settled_mean_m"}),
-        (27.0, {"mean_m", "rms_m", "max_m", "approach_s", "settled_mean_m", "lap_mean_m"}),
-    ],
-)
-def test_windows_that_were_not_flown_are_null(until_s, flown):
-    for which in ("error", "base_error"):
-        error = figures(made(until_s=until_s))[which]
-        assert {key for key, value in error.items() if value is not None} == flown
-
-
-def test_another_reference_than_the_scenarios_has_no_lap_mean():
-    faster = replace(CLOVER, reference=Clover(start_s=3, lap_s=20))
-    error = figures(made(steps), faster)["error"]
-    assert error["lap_mean_m"] is None and error["mean_m"] > 0
-
-
-def test_references_without_laps_have_no_lap_mean():
-    for reference in (Hover(), MovingTarget()):
-        scenario = Scenario(reference=reference, settle_s=1)
-        assert figures(made(), scenario)["error"]["lap_mean_m"] is None
 
 
 def test_seconds_in_each_mode_add_up_to_reference_time():
@@ -262,10 +141,6 @@ def test_json_is_strict_with_nan_and_infinity(number):
     error = json.loads(text, parse_constant=refuse)["error"]
     assert error["mean_m"] is error["max_m"] is None
     assert text.endswith("}\n")
-
-
-def test_the_same_flight_gives_the_same_text():
-    assert to_json(summarize(CLOVER, made(steps))) == to_json(summarize(CLOVER, made(steps)))
 
 
 def test_workspace_use_of_the_arm(vehicle):
