@@ -5,33 +5,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pydrake.geometry import SceneGraph
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
-from aerodrake.model.vehicle.robot import RobotDescription, add_robot
+from aerodrake.model.vehicle.robot import RobotDescription
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mismatch
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import locate
 from aerodrake.support.urdf import read_urdf
+from tests.robots import at, make_plant
 from tests.trim import assert_same_vehicle
 
 MASS, INERTIA = 1.3, 0.8
 OFF = Mismatch(mass_scale=MASS, inertia_scale=INERTIA)
-
-
-@pytest.fixture(scope="module")
-def scene_graph():
-    return SceneGraph()
-
-
-def make_plant(robot: str, scene_graph: SceneGraph, mismatch: Mismatch) -> MultibodyPlant:
-    plant = MultibodyPlant(0.001)
-    plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, RobotDescription.read(robot), mismatch)
-    plant.Finalize()
-    return plant
 
 
 @pytest.fixture(scope="module")
@@ -42,22 +28,6 @@ def exact(vehicle, scene_graph):
 @pytest.fixture(scope="module")
 def off(vehicle, scene_graph):
     return make_plant(vehicle.robot, scene_graph, OFF)
-
-
-@pytest.fixture(scope="module")
-def state(vehicle):
-    """State at rest, tilted, with a bent arm."""
-    state = vehicle.trim_state
-    quaternion = np.array([0.9, 0.2, -0.3, 0.1])
-    state[:4] = quaternion / np.linalg.norm(quaternion)
-    state[7:13] += [0.3, -0.2, 0.1, 0.5, 0.2, -0.4]
-    return state
-
-
-def at(plant, state):
-    context = plant.CreateDefaultContext()
-    plant.SetPositionsAndVelocities(context, state)
-    return context
 
 
 def links(plant):
@@ -88,15 +58,17 @@ def test_every_link_has_mass_and_inertia_scaled(exact, off):
         )
 
 
-def test_total_mass_and_weight(exact, off, state):
-    total = [plant.CalcTotalMass(at(plant, state)) for plant in (exact, off)]
+def test_total_mass_and_weight(exact, off, bent_state):
+    total = [plant.CalcTotalMass(at(plant, bent_state)) for plant in (exact, off)]
     np.testing.assert_allclose(total, [3.8, MASS * 3.8])
-    weight = [plant.CalcGravityGeneralizedForces(at(plant, state)) for plant in (exact, off)]
+    weight = [plant.CalcGravityGeneralizedForces(at(plant, bent_state)) for plant in (exact, off)]
     np.testing.assert_allclose(weight[1], MASS * weight[0], rtol=1e-12, atol=1e-14)
 
 
-def test_composite_inertia_is_that_of_the_links_by_the_parallel_axis_theorem(exact, off, state):
-    context, composite = at(exact, state), np.zeros((3, 3))
+def test_composite_inertia_is_that_of_the_links_by_the_parallel_axis_theorem(
+    exact, off, bent_state
+):
+    context, composite = at(exact, bent_state), np.zeros((3, 3))
     masses = MASS * np.array([body.default_mass() for body in links(exact)])
     poses = [body.EvalPoseInWorld(context) for body in links(exact)]
     places = np.array(
@@ -108,7 +80,7 @@ def test_composite_inertia_is_that_of_the_links_by_the_parallel_axis_theorem(exa
         turned = R @ (INERTIA * about_centre(body)) @ R.T
         composite += turned + mass * (r @ r * np.eye(3) - np.outer(r, r))
 
-    there = at(off, state)
+    there = at(off, bent_state)
     inertia = off.CalcSpatialInertia(
         there, off.world_frame(), [body.index() for body in links(off)]
     )
@@ -116,9 +88,9 @@ def test_composite_inertia_is_that_of_the_links_by_the_parallel_axis_theorem(exa
     np.testing.assert_allclose(central, composite, rtol=1e-9, atol=1e-12)
 
 
-def test_the_mass_matrix_changes_by_the_links_alone(exact, off, state):
+def test_the_mass_matrix_changes_by_the_links_alone(exact, off, bent_state):
     """The reflected inertia of the motors is not scaled."""
-    context, world = at(exact, state), exact.world_frame()
+    context, world = at(exact, bent_state), exact.world_frame()
     expected = np.zeros((exact.num_velocities(),) * 2)
     for body in links(exact):
         J = exact.CalcJacobianSpatialVelocity(
@@ -128,7 +100,7 @@ def test_the_mass_matrix_changes_by_the_links_alone(exact, off, state):
         R = body.EvalPoseInWorld(context).rotation().matrix()
         expected += (MASS - 1) * body.default_mass() * J_v.T @ J_v
         expected += (INERTIA - 1) * J_w.T @ R @ about_centre(body) @ R.T @ J_w
-    added = off.CalcMassMatrix(at(off, state)) - exact.CalcMassMatrix(context)
+    added = off.CalcMassMatrix(at(off, bent_state)) - exact.CalcMassMatrix(context)
     np.testing.assert_allclose(added, expected, atol=1e-12)
 
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
@@ -12,55 +11,25 @@ from aerodrake.model.vehicle.robot import (
     PAYLOAD_BODY,
     STEEL_KG_M3,
     TOOL_FRAME,
-    RobotDescription,
     add_payload,
     add_robot,
 )
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Payload
+from tests.robots import at, make_plant
 from tests.trim import assert_same_vehicle
 
 MASS = 0.2
 
 
 @pytest.fixture(scope="module")
-def scene_graph():
-    return SceneGraph()
-
-
-def make_plant(robot: str, scene_graph: SceneGraph, mass: float) -> MultibodyPlant:
-    plant = MultibodyPlant(0.001)
-    plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, RobotDescription.read(robot))
-    add_payload(plant, mass)
-    plant.Finalize()
-    return plant
-
-
-@pytest.fixture(scope="module")
 def bare(vehicle, scene_graph):
-    return make_plant(vehicle.robot, scene_graph, 0.0)
+    return make_plant(vehicle.robot, scene_graph)
 
 
 @pytest.fixture(scope="module")
 def loaded(vehicle, scene_graph):
-    return make_plant(vehicle.robot, scene_graph, MASS)
-
-
-def at(plant, state):
-    context = plant.CreateDefaultContext()
-    plant.SetPositionsAndVelocities(context, state)
-    return context
-
-
-@pytest.fixture(scope="module")
-def state(vehicle):
-    """State at rest, tilted, with a bent arm."""
-    state = vehicle.trim_state
-    quaternion = np.array([0.9, 0.2, -0.3, 0.1])
-    state[:4] = quaternion / np.linalg.norm(quaternion)
-    state[7:13] += [0.3, -0.2, 0.1, 0.5, 0.2, -0.4]
-    return state
+    return make_plant(vehicle.robot, scene_graph, payload_kg=MASS)
 
 
 def tool_jacobian(plant, state) -> np.ndarray:
@@ -85,20 +54,20 @@ def test_no_mass_is_no_payload(vehicle, bare):
     assert not bare.HasBodyNamed(PAYLOAD_BODY)
 
 
-def test_it_adds_its_mass(bare, loaded, state):
-    total = [plant.CalcTotalMass(at(plant, state)) for plant in (bare, loaded)]
+def test_it_adds_its_mass(bare, loaded, bent_state):
+    total = [plant.CalcTotalMass(at(plant, bent_state)) for plant in (bare, loaded)]
     np.testing.assert_allclose(total, [3.8, 3.8 + MASS])
 
 
-def test_it_adds_its_weight_at_the_tool(bare, loaded, state):
-    added = [plant.CalcGravityGeneralizedForces(at(plant, state)) for plant in (bare, loaded)]
-    J_v = tool_jacobian(bare, state)[3:]
+def test_it_adds_its_weight_at_the_tool(bare, loaded, bent_state):
+    added = [plant.CalcGravityGeneralizedForces(at(plant, bent_state)) for plant in (bare, loaded)]
+    J_v = tool_jacobian(bare, bent_state)[3:]
     np.testing.assert_allclose(added[1] - added[0], J_v.T @ [0, 0, -MASS * 9.81], atol=1e-12)
 
 
-def test_it_adds_the_inertia_of_a_steel_ball_at_the_tool(bare, loaded, state):
-    added = [plant.CalcMassMatrix(at(plant, state)) for plant in (bare, loaded)]
-    J_w, J_v = np.split(tool_jacobian(bare, state), 2)
+def test_it_adds_the_inertia_of_a_steel_ball_at_the_tool(bare, loaded, bent_state):
+    added = [plant.CalcMassMatrix(at(plant, bent_state)) for plant in (bare, loaded)]
+    J_w, J_v = np.split(tool_jacobian(bare, bent_state), 2)
     squared_radius = (MASS / STEEL_KG_M3 / (4 / 3 * np.pi)) ** (2 / 3)
     assert squared_radius == pytest.approx(0.018**2, rel=0.05)  # 18 mm: nearly a point.
     expected = MASS * J_v.T @ J_v + 0.4 * MASS * squared_radius * J_w.T @ J_w
