@@ -39,16 +39,22 @@ def test_a_full_disk_writes_no_row(tmp_path, monkeypatch, capfd):
     assert {row["exit_reason"] for row in read_rows(tmp_path / "swept")} == {"completed"}
 
 
+def rows_of_failed_sweep(plan, path, executors, match: str) -> str:
+    """Returns the rows of a sweep that ends with ProcessDied, whose message matches."""
+    with (
+        pytest.raises(ProcessDied, match=match),
+        executors as executor,
+        sweep_folder(path, plan, False) as folder,
+    ):
+        sweep(folder, executor)
+    return (path / ROWS).read_text()
+
+
 @pytest.mark.parametrize("python", ["/bin/false", "/no/such/python"])
 def test_a_child_that_cannot_start_writes_no_row(plan, python, tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "executable", python)
-    with (
-        pytest.raises(ProcessDied, match="before the call|could not be flown: FileNotFound"),
-        processes(2) as executor,
-        sweep_folder(tmp_path / "swept", plan, False) as folder,
-    ):
-        sweep(folder, executor)
-    assert (tmp_path / "swept" / ROWS).read_text() == ""
+    match = "before the call|could not be flown: FileNotFound"
+    assert rows_of_failed_sweep(plan, tmp_path / "swept", processes(2), match) == ""
 
 
 def test_earlier_rows_remain(plan, tmp_path, monkeypatch):
@@ -58,11 +64,6 @@ def test_earlier_rows_remain(plan, tmp_path, monkeypatch):
         return {**trial.header(), "exit_reason": "completed"}, None
 
     monkeypatch.setattr(module, "call_in_child", call_in_child)
-    with (
-        pytest.raises(ProcessDied, match="^trial 1 could not be flown: MemoryError$"),
-        ThreadPoolExecutor(1) as executor,
-        sweep_folder(tmp_path / "swept", plan, False) as folder,
-    ):
-        sweep(folder, executor)
-    rows = (tmp_path / "swept" / ROWS).read_text().splitlines()
-    assert [json.loads(row)["trial"] for row in rows] == [0]
+    match = "^trial 1 could not be flown: MemoryError$"
+    rows = rows_of_failed_sweep(plan, tmp_path / "swept", ThreadPoolExecutor(1), match)
+    assert [json.loads(row)["trial"] for row in rows.splitlines()] == [0]

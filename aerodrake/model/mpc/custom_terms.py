@@ -42,15 +42,12 @@ class CustomTerm:
         M = np.eye(size) if self.matrix is None else self._array("matrix", self.matrix)
         if M.ndim != 2 or M.shape[1] != size:
             self._refuse("matrix", f"expected shape (d, {size}), got {M.shape}")
-        stages = np.arange(1, horizon + 1)
-        if self.stages is not None:
-            stages = np.array(
-                list(self.stages) if np.iterable(self.stages) else self.stages, object
-            )
-            if all(isinstance(stage, int | np.integer) for stage in stages.ravel()):
-                stages = stages.astype(int)
-        in_range = stages.dtype.kind in "iu" and ((stages >= 1) & (stages <= horizon)).all()
-        if stages.ndim != 1 or not len(stages) or not in_range:
+        every = np.arange(1, horizon + 1)
+        try:
+            stages = every if self.stages is None else np.array([*self.stages])
+        except (TypeError, ValueError):  # No sequence, or a ragged one.
+            stages = np.zeros(0)
+        if stages.ndim != 1 or stages.dtype.kind not in "iu" or not np.isin(stages, every).all():
             self._refuse("stages", f"expected integers from 1 to {horizon}, got {self.stages}")
         return M, stages
 

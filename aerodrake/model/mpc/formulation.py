@@ -99,13 +99,12 @@ class MpcFormulation(MpcProblem):
         """
         return program.admitting(self._braking(program), slice(len(self.A)))
 
-    def least_violation(self, program: MpcProgram) -> QuadraticProgram:
-        """Returns the program of the least violation of the custom constraints.
+    def least_violation(self, relaxed: MpcProgram) -> QuadraticProgram:
+        """Returns the program of the least violation of the custom constraints of a relaxed one.
 
-        The bounds of a program are relaxed first. z begins with the m N inputs.
+        z begins with the m N inputs.
         """
-        relaxed = self.relaxed(program)
-        return relaxed.least_violation(len(self.A), self._braking(program))
+        return relaxed.least_violation(len(self.A), self._braking(relaxed))
 
     def _braking(self, program: MpcProgram) -> np.ndarray:
         """Returns full braking, as z."""

@@ -76,7 +76,6 @@ class Objective:
     K_o and `approach_speed_rad_s` replace K_e and `approach_speed_m_s`.
 
     Attributes:
-        W_2: (m,), diagonal of the paper's W_2,0.
         W_3: (m,), diagonal.
 
     Args:
@@ -87,10 +86,10 @@ class Objective:
     def __init__(self, config: Mpc, vehicle: VehicleModel):
         self._config, self._p_O = config, vehicle.p_O[:, None]
         joints = vehicle.per_joint(config.w_2_joints, "mpc.w_2_joints")
-        self.W_2 = np.array([*config.w_2_base, *joints])
+        self._W_2 = np.array([*config.w_2_base, *joints])
         joints = vehicle.per_joint(config.w_3_joints, "mpc.w_3_joints")
         self.W_3 = np.array([*config.w_3_base, *joints])
-        self._is_base = np.arange(len(self.W_2)) < 3
+        self._is_base = np.arange(len(self._W_2)) < 3
         self._W_4 = np.array(config.w_4)
         self._position = TrackingTask(
             name="J_1",
@@ -110,12 +109,12 @@ class Objective:
             weight=np.full(3, config.w_6),
             speed=config.approach_speed_rad_s,
         )
-        self._I, self._I_v = np.eye(3), np.eye(len(self.W_2))
-        self._at_rest = np.zeros((len(self.W_2), 1))
+        self._I, self._I_v = np.eye(3), np.eye(len(self._W_2))
+        self._at_rest = np.zeros((len(self._W_2), 1))
 
     def terms(self, tick: MpcInputs) -> list[CostTerm]:
         """Returns J_1, J_2, J_4 and, with an orientation task, J_6."""
-        W_2 = self.W_2 * np.where(self._is_base, tick.w_q, tick.w_m)
+        W_2 = self._W_2 * np.where(self._is_base, tick.w_q, tick.w_m)
         v_s = (("base_velocity", self._I_v[:, :3]), ("joint_velocity", self._I_v[:, 3:]))
         p_EB = ("tool_position_base", self._I)
         terms = [

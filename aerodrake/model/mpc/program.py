@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from aerodrake.model.qp.quadratic_program import QuadraticProgram
+from aerodrake.model.qp.quadratic_program import QuadraticProgram, violations
 
 MARGIN = 1e-6
 """Margin of widened bounds."""
@@ -83,8 +83,7 @@ class MpcProgram(QuadraticProgram):
             hard: Number of rows without slack, which come first.
             z: (m N,), satisfies the hard rows.
         """
-        values = self.A @ z
-        violation = np.maximum(values - self.upper, self.lower - values)
+        violation = violations(self.A @ z, self.lower, self.upper)
         soft = np.flatnonzero(violation > 0)
         soft = soft[soft >= hard]
         slack = np.maximum(1.01 * violation[soft], LEAST_SLACK)

@@ -2,12 +2,8 @@
 
 from typing import Self
 
-from pydrake.solvers import ClarabelSolver
-
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.program import MpcProgram
-from aerodrake.model.qp.drake_solver import DrakeQpSolver
-from aerodrake.model.qp.quadratic_program import is_within
 from aerodrake.model.qp.result import QpResult, QpStatus, is_solved
 from aerodrake.model.qp.solver import QpSolver
 from aerodrake.model.qp.solvers import make_solver
@@ -35,7 +31,7 @@ class MpcSolver:
     def __init__(self, formulation: MpcFormulation, solver: QpSolver, has_shortcut: bool = True):
         self._formulation, self._solver = formulation, solver
         self._has_shortcut = has_shortcut
-        self._interior_point = DrakeQpSolver(ClarabelSolver(), {})
+        self._interior_point = make_solver("clarabel", formulation.config.max_iterations)
 
     @classmethod
     def make(cls, formulation: MpcFormulation, config: Mpc) -> Self:
@@ -50,22 +46,20 @@ class MpcSolver:
     def solve(self, program: MpcProgram) -> QpResult:
         """Solves one program, as formed by the formulation."""
         z = program.minimiser if self._has_shortcut else None
-        if z is not None and is_within(z, program.A, program.lower, program.upper):
+        if z is not None and program.is_feasible(z):
             return QpResult(z.clip(-1, 1), QpStatus.UNCONSTRAINED)
         result = self._solver.solve(program)
         if is_solved(result.status) or not (program.lower <= program.upper).all():
             return result
-        relaxed = self._solver.solve(self._formulation.relaxed(program))
-        if is_solved(relaxed.status):
-            return relaxed._replace(status=QpStatus.RELAXED)
-        softened = self._softened(program) if self._formulation.custom.constraints else result
-        return softened if is_solved(softened.status) else result
+        relaxed = self._formulation.relaxed(program)
+        again, status = self._solver.solve(relaxed), QpStatus.RELAXED
+        if not is_solved(again.status) and self._formulation.custom.constraints:
+            again, status = self._solve_softened(relaxed), QpStatus.SOFTENED
+        return again._replace(status=status) if is_solved(again.status) else result
 
-    def _softened(self, program: MpcProgram) -> QpResult:
-        """Solves a program with the least violation of the custom constraints."""
-        least = self._interior_point.solve(self._formulation.least_violation(program))
+    def _solve_softened(self, relaxed: MpcProgram) -> QpResult:
+        """Solves a relaxed program with the least violation of the custom constraints."""
+        least = self._interior_point.solve(self._formulation.least_violation(relaxed))
         if not is_solved(least.status):
             return least
-        softened = self._formulation.relaxed(program).admitting(least.z[: len(program.g)])
-        result = self._interior_point.solve(softened)
-        return result._replace(status=QpStatus.SOFTENED) if is_solved(result.status) else result
+        return self._interior_point.solve(relaxed.admitting(least.z[: len(relaxed.g)]))

@@ -108,6 +108,13 @@ class TickProgram(MathematicalProgram):
         }
         return x[index[name]]
 
+    def _combination(
+        self, parts: Sequence[tuple[str, np.ndarray]], k: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Returns M and the variables x at stage k, where M x is sum_i M_i x_i of the parts."""
+        M = np.hstack([M for _, M in parts])
+        return M, np.concatenate([self.quantity(name, k) for name, _ in parts])
+
     def _variables(self, names: Sequence[str], k: int) -> np.ndarray:
         variables = np.array([Variable(f"{name}[{k}]") for name in names])
         self.AddDecisionVariables(variables)
@@ -127,7 +134,7 @@ class TickProgram(MathematicalProgram):
                 np.hstack([identity, -A, -B]),
                 np.concatenate([self.x[k + 1], self.x[k], self.u[k]]),
                 C @ tick.delta,
-                f"x[{k + 1}] = A x[{k}] + B u[{k}] + C Delta over {_ticks(ticks)}",
+                f"x[{k + 1}] = A x[{k}] + B u[{k}] + C Delta over {_duration(ticks)}",
             )
 
     def _add_task_vectors(self) -> None:
@@ -149,13 +156,12 @@ class TickProgram(MathematicalProgram):
 
     def _add_cost(self, term: CostTerm, stages: Iterable[int]) -> None:
         """Adds a term at some stages, from 1 to N."""
-        M = np.hstack([M for _, M in term.parts])
-        desired = np.broadcast_to(term.desired, (len(M), len(self._ticks))).T
+        desired = np.broadcast_to(term.desired, (len(term.weight), len(self._ticks))).T
         weights = ", ".join(f"{w:.4g}" for w in term.weight)
         for k in stages:
-            variables = np.concatenate([self.quantity(name, k) for name, _ in term.parts])
+            M, variables = self._combination(term.parts, k)
             ticks, name = self._ticks[k - 1], _indexed(term, k)
-            what = f"{name} = {term.formula} x {_ticks(ticks)}, W = diag({weights})"
+            what = f"{name} = {term.formula} x {_duration(ticks)}, W = diag({weights})"
             self._add_squares(M, variables, desired[k - 1], ticks * term.weight, what)
 
     def _add_squares(
@@ -208,9 +214,8 @@ class TickProgram(MathematicalProgram):
         for cost, stages in custom.costs:
             self._add_cost(cost, stages)
         for term in custom.constraints:
-            M = np.hstack([M for _, M in term.parts])
             for k in term.stages:
-                variables = np.concatenate([self.quantity(name, k) for name, _ in term.parts])
+                M, variables = self._combination(term.parts, k)
                 rows = self.AddLinearConstraint(M, term.lower, term.upper, variables)
                 what = f"{_indexed(term, k)}: lower <= {term.formula} <= upper"
                 rows.evaluator().set_description(what)
@@ -225,7 +230,7 @@ def _indexed(term: CostTerm | ConstraintAtStages, k: int) -> str:
     return f"{term.name}[{k - 1 if term.parts[0][0] == 'input' else k}]"
 
 
-def _ticks(count: int) -> str:
+def _duration(count: int) -> str:
     return f"{count} tick" if count == 1 else f"{count} ticks"
 
 

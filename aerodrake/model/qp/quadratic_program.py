@@ -53,6 +53,13 @@ class QuadraticProgram:
         """Mean diagonal element of H."""
         return float(self.H.diagonal().mean())
 
+    def is_feasible(self, z: np.ndarray) -> bool:
+        """Returns True if z (nz,) satisfies all bounds up to `FEASIBILITY`; False if it is NaN."""
+        if not np.abs(z).max() <= 1 + FEASIBILITY:
+            return False
+        rows, slack = self.A @ z, FEASIBILITY
+        return bool(((rows >= self.lower - slack) & (rows <= self.upper + slack)).all())
+
     def defect(self) -> QpStatus | None:
         """Returns why the program cannot be solved: NON_FINITE, INFEASIBLE, or None."""
         numbers = self.minimiser.sum() + self.A.sum()
@@ -89,13 +96,9 @@ class Constraints(NamedTuple):
 
     def violations(self, z: np.ndarray) -> np.ndarray:
         """Returns (nc,), by how much z (nz,) exceeds each upper or lower bound, if positive."""
-        values = self.N @ z
-        return np.maximum(values - self.upper, self.lower - values)
+        return violations(self.N @ z, self.lower, self.upper)
 
 
-def is_within(z: np.ndarray, A: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
-    """Returns True if z (nz,) satisfies |z| <= 1 and lower <= A z <= upper; False if it is NaN."""
-    if not np.abs(z).max() <= 1 + FEASIBILITY:
-        return False
-    rows = A @ z
-    return bool(((rows >= lower - FEASIBILITY) & (rows <= upper + FEASIBILITY)).all())
+def violations(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Returns (k,), by how much values (k,) exceed each upper or lower bound (k,), if positive."""
+    return np.maximum(values - upper, lower - values)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aerodrake.model.qp.quadratic_program import Constraints, is_within
+from aerodrake.model.qp.quadratic_program import Constraints
 from tests.qp_programs import NZ, ROWS, random_program
 
 
@@ -40,18 +40,21 @@ def test_violations_are_positive_outside():
     assert violations[NZ] == pytest.approx(expected)
 
 
-def test_is_within_all_bounds():
-    program = random_program(3)
-    A, z = program.A, np.full(NZ, 0.25)
-    below, above = A @ z - 0.1, A @ z + 0.1
-    assert is_within(z, A, below, above)
-    assert not is_within(z * np.nan, A, below, above)
+def test_is_feasible_within_all_bounds():
+    program, z = random_program(3), np.full(NZ, 0.25)
+    below, above = program.A @ z - 0.1, program.A @ z + 0.1
+
+    def is_feasible(z, lower, upper) -> bool:
+        return replace(program, lower=lower, upper=upper).is_feasible(z)
+
+    assert is_feasible(z, below, above)
+    assert not is_feasible(z * np.nan, below, above)
     for i in (0, ROWS - 1):
         cut = above.copy()
         cut[i] -= 0.2
-        assert not is_within(z, A, below, cut)
+        assert not is_feasible(z, below, cut)
         cut = below.copy()
         cut[i] += 0.2
-        assert not is_within(z, A, cut, above)
+        assert not is_feasible(z, cut, above)
     z[-1] = 1.1
-    assert not is_within(z, A, np.full(ROWS, -np.inf), np.full(ROWS, np.inf))
+    assert not is_feasible(z, np.full(ROWS, -np.inf), np.full(ROWS, np.inf))
