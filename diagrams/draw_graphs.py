@@ -1,16 +1,16 @@
 """Draws every diagram and system, with a page for each, into diagrams/graphs.
 
-It is the same as `aerodrake graph --out diagrams/graphs`. For a diagram of your own, pass
-`aerodrake.gallery.graph.systems_by_name(diagram)`.
+It is the same as `aerodrake graph --out diagrams/graphs`. A diagram of your own can be given
+instead: `graph(diagram)`.
 """
 
 from pathlib import Path
 
-from aerodrake.gallery.export import export_all, gallery
+from aerodrake.gallery.export import graph
 
 
 def main() -> None:
-    for path in export_all(gallery(), [], Path(__file__).parent / "graphs", depth=2):
+    for path in graph(out=Path(__file__).parent / "graphs"):
         print(path)
 
 

@@ -27,9 +27,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     """Exports the closed loop, station, coordinator or single systems as graphs and pages."""
-    from aerodrake.gallery.export import export_all, gallery
+    from aerodrake.gallery.export import graph
 
-    names = [arguments.name] if arguments.name else []
-    for path in export_all(gallery(names), names, arguments.out, arguments.depth):
+    for path in graph(arguments.name, arguments.out, arguments.depth):
         print(path)
     return 0

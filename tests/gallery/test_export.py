@@ -8,7 +8,7 @@ from pydrake.systems.primitives import Gain
 
 from aerodrake.gallery import export as gallery
 from aerodrake.gallery.docstring import Docstring
-from aerodrake.gallery.export import export, export_all
+from aerodrake.gallery.export import export, graph
 from aerodrake.gallery.graph import to_dot, to_mermaid
 from aerodrake.gallery.system_page import system_page
 from aerodrake.scenario import Scenario
@@ -34,9 +34,38 @@ def systems():
     return gallery.gallery()
 
 
-def test_unknown_name(systems, tmp_path):
-    with pytest.raises(BadInput, match=r"graph: .*'staton'; did you mean 'station'"):
-        export_all(systems, ["mpc", "staton"], tmp_path / "out", DEPTH)
+@pytest.mark.parametrize(
+    ("given", "suggested"),
+    [
+        ("staton", "station"),
+        ("MpcSystem", "mpc"),
+        ("Closed-Loop", "closed_loop"),
+        ("controller_flight", "flight_controller"),
+        ("KinematicsSystem", "kinematics"),
+        ("FlightController", "flight_controller"),
+        ("sample_nan", "sample_nan_0"),
+    ],
+)
+def test_unknown_name(given, suggested, tmp_path, monkeypatch, systems):
+    monkeypatch.setattr(gallery, "gallery", lambda names=(): systems)
+    with pytest.raises(BadInput, match=rf"graph: .*'{given}'; did you mean '{suggested}'\?"):
+        graph(["mpc", given], tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ({"systems": 3}, "expected the name of a system, a system, or several, got int"),
+        ({"systems": [Scenario()]}, "expected the name of a system, .* got Scenario"),
+        ({"depth": -1}, r"depth: expected a whole number in \[0, 100\], got -1"),
+        ({"depth": True}, "depth: expected a whole number"),
+        ({"depth": "2"}, "depth: expected a whole number"),
+    ],
+)
+def test_arguments_of_the_wrong_kind(arguments, expected, tmp_path):
+    with pytest.raises(BadInput, match=expected):
+        graph(**{"systems": Gain(1.0, 1), "out": tmp_path / "out"} | arguments)
     assert not (tmp_path / "out").exists()
 
 
@@ -56,15 +85,15 @@ def test_no_more_is_built_than_needed(names, loops, monkeypatch):
     assert all(name in systems for name in names) == (names != ["staton"])
 
 
-def test_folder_that_cannot_be_written(systems, tmp_path):
+def test_folder_that_cannot_be_written(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(BadInput, match="file: cannot be written"):
-        export_all(systems, ["mpc"], tmp_path / "file", DEPTH)
+        graph(Gain(1.0, 1), tmp_path / "file")
 
 
 def test_export_without_graphviz(systems, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    written = export_all(systems, ["station", "mpc"], tmp_path / "a" / "b", DEPTH)
+    written = graph([systems["station"], systems["mpc"]], str(tmp_path / "a" / "b"), DEPTH)
     expected = [f"{name}.{suffix}" for name in ("station", "mpc") for suffix in SUFFIXES]
     assert [path.name for path in written] == expected
     assert sorted(written) == sorted((tmp_path / "a" / "b").iterdir())
