@@ -50,7 +50,7 @@ class PdController(LeafSystem):
 
 
 def main() -> None:
-    scenario = load_scenario("clover", [("--set", "duration=8")])
+    scenario = load_scenario("clover", duration=8)
     vehicle = VehicleModel.load(scenario)
     ratio, period = scenario.vehicle.rotor.torque_ratio_m, scenario.rates.flight_period_s
     pd = {"flight_controller": lambda packaged: PdController(vehicle, ratio, period)}

@@ -16,7 +16,7 @@ from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.supervision.conditions import NEVER, Condition, conditions
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import AnyFault, Scenario
-from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.load import load_with_options
 
 PAGE = (Path(__file__).parents[1] / "diagrams" / "faults.md").read_text()
 SETTLE_S = 0.5
@@ -57,7 +57,7 @@ def scenario_of(row: Row) -> Scenario:
     duration = LANDING_S if row.ends == "landed" else end + RECOVERY_S
     name = "clover_position" if fault["kind"].startswith("learner") else "clover"
     options = [f"faults=[{row.fault}]", f"settle_s={SETTLE_S}", f"duration={duration}"]
-    return load_scenario(name, [("--set", option) for option in options])
+    return load_with_options(name, [("--set", option) for option in options])
 
 
 @pytest.fixture(scope="module", params=ROWS, ids=lambda row: row.fault)

@@ -12,9 +12,8 @@ from aerodrake.scenario import LearnerDiverged, LearnerNan, LearnerPoisoned
 from aerodrake.scenario.load import load_scenario
 
 SCENARIO = load_scenario(
-    "clover_paper", [("--set", f"{key}={value}") for key, value in
-                     {"duration": 5.0, "settle_s": 0.5, "reference.start_s": 1.0}.items()]
-)  # fmt: skip
+    "clover_paper", {"duration": 5.0, "settle_s": 0.5, "reference.start_s": 1.0}
+)
 
 
 def fly(mode: str, *faults):

@@ -1,7 +1,5 @@
 """Online learning in flight: its guards in the closed loop, and its printed form."""
 
-import json
-
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
@@ -46,8 +44,7 @@ def test_as_printed_flies_as_without_each_guard():
 
     def fly(**residual):
         changes = keys | {f"residual.{key}": value for key, value in residual.items()}
-        pairs = [("--set", f"{key}={json.dumps(value)}") for key, value in changes.items()]
-        return FlightSimulation(load_scenario("clover_paper", pairs)).fly()
+        return FlightSimulation(load_scenario("clover_paper", changes)).fly()
 
     printed, guarded = fly(as_printed=True), fly()
     without = fly(

@@ -12,7 +12,7 @@ from typing import Any
 from tqdm import tqdm
 
 from aerodrake.scenario import Scenario
-from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.load import load_with_options
 from aerodrake.scenario.rules import warnings
 
 FLIGHT_BAR = (
@@ -100,7 +100,7 @@ def load(arguments: argparse.Namespace) -> Scenario:
         value = getattr(arguments, name, None)
         if value is not None:
             pairs.append((f"--{name}", f"{name}={value}"))
-    return load_scenario(arguments.scenario, pairs)
+    return load_with_options(arguments.scenario, pairs)
 
 
 def progress_bar(

@@ -11,6 +11,7 @@ of dataclasses, the key `kind` selects the class. A tuple of such a union is a l
 
 import dataclasses
 import math
+import os
 import reprlib
 import types
 import typing
@@ -94,16 +95,29 @@ def build(cls: type, data: object, source: object, key: str = "") -> Any:
     """
     if not isinstance(data, Mapping):
         raise ScenarioError(source, key, f"expected a mapping of keys to values, got {_show(data)}")
-    hints = typing.get_type_hints(cls)
+    return cls(**{name: convert_field(cls, name, data[name], source, key) for name in data})
+
+
+def convert_field(cls: type, name: str, value: object, source: object, key: str = "") -> Any:
+    """Converts the value of one field of the dataclass `cls`.
+
+    Args:
+        cls: A dataclass whose fields are declared with this module.
+        name: Name of the field.
+        value: A plain value as parsed from YAML, an array, a path, or a section.
+        source: Named in errors.
+        key: Dotted key of the dataclass in the source.
+
+    Raises:
+        ScenarioError: as for `build`.
+    """
+    dotted = f"{key}.{name}" if key else str(name)
     fields = {f.name: f for f in _data_fields(cls)}
-    values = {}
-    for name, value in data.items():
-        dotted = f"{key}.{name}" if key else str(name)
-        if name not in fields:
-            advice = successor(dotted) or f"unknown key; {nearest(name, fields)}"
-            raise ScenarioError(source, dotted, advice)
-        values[name] = _convert(hints[name], fields[name].metadata, value, source, dotted)
-    return cls(**values)
+    if name not in fields:
+        advice = successor(dotted) or f"unknown key; {nearest(name, fields)}"
+        raise ScenarioError(source, dotted, advice)
+    hint = typing.get_type_hints(cls)[name]
+    return _convert(hint, fields[name].metadata, value, source, dotted)
 
 
 def as_mapping(config: Any) -> dict[str, Any]:
@@ -146,9 +160,13 @@ def _data_fields(config: Any) -> list[dataclasses.Field]:
 
 
 def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, key: str) -> Any:
+    if hasattr(value, "tolist"):  # Arrays, and NumPy's numbers.
+        value = value.tolist()
     if isinstance(hint, types.UnionType):
         return _build_union(typing.get_args(hint), value, source, key)
     if dataclasses.is_dataclass(hint):
+        if dataclasses.is_dataclass(value):
+            return _section((hint,), value, source, key)
         return build(hint, value, source, key)
     if hint is bool:
         if not isinstance(value, bool):
@@ -177,6 +195,8 @@ def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, 
 
 
 def _build_union(options: tuple[type, ...], value: object, source: object, key: str) -> Any:
+    if dataclasses.is_dataclass(value):
+        return _section(options, value, source, key)
     kinds = {option.kind: option for option in options}
     kind = value.get("kind") if isinstance(value, Mapping) else None
     if kind is None:
@@ -187,8 +207,18 @@ def _build_union(options: tuple[type, ...], value: object, source: object, key: 
     return build(kinds[kind], {k: v for k, v in value.items() if k != "kind"}, source, key)
 
 
+def _section(options: tuple[type, ...], value: object, source: object, key: str) -> Any:
+    """Returns a section that was built in Python, after a check of its class."""
+    if isinstance(value, options):
+        return value
+    names = " or ".join(option.__name__ for option in options)
+    raise ScenarioError(source, key, f"expected {names}, got {_show(value)}")
+
+
 def _string(meta: Mapping[str, Any], value: object, source: object, key: str) -> str:
     options = meta.get("options")
+    if meta.get("file") and isinstance(value, os.PathLike):
+        value = os.fspath(value)
     if not isinstance(value, str):
         raise ScenarioError(source, key, f"expected a string, got {_show(value)}")
     if options and value not in options:
@@ -207,6 +237,8 @@ def _number(hint: type, meta: Mapping[str, Any], value: object, source: object, 
     unit = "" if meta["unit"] == "1" else f" {meta['unit']}"
     expected = f"expected {kind} in [{low:.10g}, {high:.10g}]{unit}"
     problem = ScenarioError(source, key, f"{expected}, got {_show(value)}")
+    if hasattr(value, "tolist"):
+        value = value.tolist()
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise problem
     try:

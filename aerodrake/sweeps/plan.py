@@ -11,8 +11,7 @@ from typing import Any, Self
 
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.inputs import named_files
-from aerodrake.scenario.load import set_key
-from aerodrake.scenario.plain_yaml import dump_line
+from aerodrake.scenario.overrides import Override, apply
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.station import make_closed_loop
 from aerodrake.support.errors import BadInput, ScenarioError
@@ -132,7 +131,8 @@ def _integer_keys(scenario: Scenario, vary: Mapping[str, Distribution]) -> froze
     """
     keys, files = set(), {*named_files(scenario)}
     for key, distribution in vary.items():
-        probed = [set_key(scenario, VARY, f"{key}={dump_line(v)}") for v in distribution.probes]
+        overrides = [Override(VARY, key, value) for value in distribution.probes]
+        probed = [Scenario(**apply(vars(scenario), [one])) for one in overrides]
         if any({*named_files(other)} - files for other in probed):
             expected = "expected a packaged file; others are set once for the sweep, with --set"
             raise BadInput(VARY, key, expected)

@@ -23,7 +23,7 @@ FAILURES = ("failed", "refused")
 
 @dataclass(frozen=True)
 class Trial:
-    """One flight of a sweep, as `aerodrake run SCENARIO` flies it with the options of `overrides`.
+    """One flight of a sweep, as `aerodrake run SCENARIO` flies it with the options of `options`.
 
     Attributes:
         index: Index, from 0.
@@ -37,8 +37,8 @@ class Trial:
     parameters: Mapping[str, Any]
     scenario: Scenario
 
-    def overrides(self) -> list[tuple[str, str]]:
-        """Returns the options and assignments, as for `load_scenario`."""
+    def options(self) -> list[tuple[str, str]]:
+        """Returns the options and assignments, as for `load_with_options`."""
         keys = [f"{key}={dump_line(v)}" for key, v in self.parameters.items() if key != "seed"]
         return [*(("--set", assignment) for assignment in keys), ("--seed", f"seed={self.seed}")]
 
@@ -48,11 +48,11 @@ class Trial:
         Raises:
             ScenarioError: if the values are invalid.
         """
-        return override(self.scenario, self.overrides())
+        return override(self.scenario, {**self.parameters, "seed": self.seed})
 
     def command(self, scenario: Path) -> str:
         """Returns the shell command that flies this trial alone; `scenario` is the sweep's file."""
-        words = [word for pair in self.overrides() for word in pair]
+        words = [word for pair in self.options() for word in pair]
         words[-1] = str(self.seed)  # Without `seed=`.
         return shlex.join(["aerodrake", "run", str(scenario), *words])
 

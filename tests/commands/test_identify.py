@@ -52,7 +52,7 @@ def test_files_of_an_identification(ideal, tmp_path):
     assert figures["command"] == "aerodrake identify clover_paper --set=seed=3 --set=name=other"
     assert figures["k_b"] == K_B and figures["scenario_k_b"] == [2.46, 2.46, 2.47]
     assert figures["scenario"] == "other"
-    own = load_scenario("clover_paper", [("--set", "seed=3"), ("--set", "name=other")])
+    own = load_scenario("clover_paper", seed=3, name="other")
     again = load_scenario(str(out / "scenario.yaml"))
     assert again.model == replace(own.model, k_b=tuple(K_B))
     assert replace(again, model=own.model, source=own.source) == own

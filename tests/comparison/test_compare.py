@@ -27,7 +27,7 @@ from aerodrake.support.errors import BadInput
 from tests.in_this_process import in_this_process
 from tests.modules import PACKAGE
 
-SHORT = [("--set", "duration=0.3"), ("--set", "settle_s=0.1")]
+SHORT = {"duration": 0.3, "settle_s": 0.1}
 
 
 def differences(a: Scenario, b: Scenario) -> dict[str, tuple[object, object]]:

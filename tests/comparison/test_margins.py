@@ -15,7 +15,7 @@ from aerodrake.comparison import margins as module
 from aerodrake.comparison.margins import DISTURBANCES, R40, Disturbance, find_margins
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.scenario import Mismatch, Payload, Rates, Scenario, Sensors
-from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.load import load_with_options
 from aerodrake.scenario.rules import check
 
 TINY = ["--set", "duration=0.2", "--set", "settle_s=0"]
@@ -167,7 +167,7 @@ def test_a_flight_has_the_disturbance_added_to_the_plant_alone(monkeypatch):
     monkeypatch.setattr(module, "run_parallel", in_this_process)
     disturbance = Disturbance("payload", "mass_kg", 0.0, 1.9, 2.0)
     monkeypatch.setattr(module, "DISTURBANCES", {"payload_kg": disturbance})
-    scenario = load_scenario("hover", [("--set", word) for word in TINY[1::2]])
+    scenario = load_with_options("hover", [("--set", word) for word in TINY[1::2]])
     exact = {"exit_reason": "completed", "exit_cause": "", "error": {"max_m": 0.0}}
     margins = find_margins({"modified": scenario}, {"modified": exact}, "max_m", 1)
     search = margins.searches["modified"]["payload_kg"]

@@ -10,7 +10,7 @@ from matplotlib import pyplot as plt
 from aerodrake.identification.identify import ARMS, AXES, Identification, Record, identify_axis
 from aerodrake.identification.report import FILES, plot_identification, table, write
 from aerodrake.scenario import Flight, Model, Scenario
-from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.load import load_scenario, load_with_options
 
 
 def record(k: float, seed: int) -> Record:
@@ -56,7 +56,7 @@ def test_the_last_line_is_a_valid_option(identification):
 
     option, assignment = shlex.split(table(identification).splitlines()[-1])
     assert option == "--set" and identification.k_b == (1.23, 2.0, 0.988)
-    assert load_scenario("clover_paper", [(option, assignment)]).model.k_b == identification.k_b
+    assert load_with_options("clover_paper", [(option, assignment)]).model.k_b == identification.k_b
 
 
 @pytest.fixture(scope="module")

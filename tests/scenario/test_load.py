@@ -166,7 +166,7 @@ def test_files_are_relative_to_the_scenario_file_or_the_working_directory(
     relative = os.path.relpath(path)
     for given in (path, relative):
         assert load_scenario(given).reference == Waypoints(str(tmp_path / "inside" / "points.csv"))
-    overridden = load_scenario(path, [("--set", "reference.file=points.csv")])
+    overridden = load_scenario(path, {"reference.file": "points.csv"})
     assert Path(overridden.reference.file).absolute() == tmp_path / "elsewhere" / "points.csv"
     absolute = write("reference: {kind: waypoints, file: /somewhere/points.csv}\n")
     assert load_scenario(absolute).reference.file == "/somewhere/points.csv"

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from aerodrake.scenario import AxisAlong, Flight, Model, Residual, Scenario, Vehicle, Waypoints
-from aerodrake.scenario.load import load_scenario, packaged_scenarios
+from aerodrake.scenario.load import load_with_options, packaged_scenarios
 from aerodrake.scenario.plain_yaml import dump, parse
 from aerodrake.scenario.schema import as_mapping, build
 from aerodrake.station import make_closed_loop
@@ -104,7 +104,7 @@ def load(path: Path, overrides=()) -> ScenarioError | None:
     """Returns the error of loading a file, or None if the scenario survives a round trip."""
     start = time.thread_time()
     try:
-        scenario = load_scenario(str(path), overrides)
+        scenario = load_with_options(str(path), overrides)
     except ScenarioError as error:
         message = str(error)
         assert message.isprintable() and len(message) < 2000

@@ -3,20 +3,20 @@
 import pytest
 
 from aerodrake.scenario import Clover, FixedAxis, Model, Mpc, OrientationOff, Push, SampleNan
-from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.load import load_scenario, load_with_options
 from tests.refusals import refuses
 
 
 def test_faults_are_overridden_by_index(write):
     path = write("faults: [{kind: push, start_s: 1}, {kind: mpc_missed}]")
     changes = ["faults[0].start_s=2", "faults[1].kind=sample_nan", "faults[1].group=joints"]
-    scenario = load_scenario(str(path), [("--set", change) for change in changes])
+    scenario = load_with_options(path, [("--set", change) for change in changes])
     assert scenario.faults == (Push(start_s=2.0), SampleNan(group="joints"))
 
 
 def test_overrides_apply_in_order(write):
     path = write("seed: 1\nmpc: {k_e: [1, 2, 3]}\nmodel: {k_b: [4, 5, 6]}\n")
-    scenario = load_scenario(
+    scenario = load_with_options(
         path,
         [
             ("--set", "seed=2"),
@@ -37,7 +37,7 @@ def test_overrides_apply_in_order(write):
 def test_elements_of_lists_are_overridden_by_index(write):
     path = write("wind: {velocity_m_s: [1, 2, 3]}\n")
     changes = ["wind.velocity_m_s[2]=0.5", "mpc.k_e[0]=7", "wind.velocity_m_s[0]=4"]
-    scenario = load_scenario(path, [("--set", change) for change in changes])
+    scenario = load_with_options(path, [("--set", change) for change in changes])
     assert scenario.wind.velocity_m_s == (4, 2, 0.5)
     assert scenario.mpc.k_e == (7, *Mpc().k_e[1:])
 
@@ -45,7 +45,7 @@ def test_elements_of_lists_are_overridden_by_index(write):
 def test_overriding_a_choice_called_kind_keeps_its_section(write):
     """Only kinds of references, orientations and faults have their own keys."""
     path = write("model: {kind: paper, k_b: [4, 5, 6]}\n")
-    scenario = load_scenario(path, [("--set", "model.kind=exact")])
+    scenario = load_with_options(path, [("--set", "model.kind=exact")])
     assert scenario.model == Model(kind="exact", k_b=(4, 5, 6))
 
 
@@ -56,13 +56,13 @@ def test_overriding_the_kind_of_orientation(write):
         ("fixed", FixedAxis(axis=(1, 0, -1))),
         ("off", OrientationOff()),
     ):
-        scenario = load_scenario(path, [("--set", f"orientation.kind={kind}")])
+        scenario = load_with_options(path, [("--set", f"orientation.kind={kind}")])
         assert scenario.orientation == expected
 
 
 def test_naming_the_same_kind_again_keeps_its_keys(write):
     path = write("reference: {kind: clover, amplitude_m: 0.3}\n")
-    scenario = load_scenario(path, [("--set", "reference.kind=clover")])
+    scenario = load_with_options(path, [("--set", "reference.kind=clover")])
     assert scenario.reference == Clover(amplitude_m=0.3)
 
 

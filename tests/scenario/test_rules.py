@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from aerodrake.scenario import Flight, Model, Scenario
+from aerodrake.scenario import Flight, Model, MpcStarved, Push, Scenario
 from aerodrake.scenario.load import load_scenario
 from aerodrake.scenario.rules import check, warnings
 from aerodrake.support.errors import BadInput
@@ -13,7 +13,7 @@ from aerodrake.support.errors import BadInput
 
 def hover_with(changes: dict[str, object]) -> Scenario:
     """Returns the packaged hover with dotted keys overridden, checked once at the end."""
-    return load_scenario("hover", [("--set", f"{key}={value}") for key, value in changes.items()])
+    return load_scenario("hover", changes)
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def hover_with(changes: dict[str, object]) -> Scenario:
             "allocation.k_m: controller clik expects a weight above 0, got 0",
         ),
         (
-            {"controller": "clik", "faults": "[{kind: push}, {kind: mpc_starved}]"},
+            {"controller": "clik", "faults": [Push(), MpcStarved()]},
             "faults[1].kind: controller clik expects no fault of the MPC, got 'mpc_starved'",
         ),
         (
@@ -127,12 +127,15 @@ def test_warns_if_d_h_exceeds_the_learning_space(scenario):
         ({"model.kind": "exact"}, "model.kind exact is for flight.interface position"),
         ({"mpc.tilt": "held"}, "mpc.tilt held"),
         (
-            {"residual.as_printed": "true", "residual.max_drift": 0, "residual.gate_s": 3},
+            {"residual.as_printed": True, "residual.max_drift": 0, "residual.gate_s": 3},
             "residual.as_printed: residual.gate_s is not used",
         ),
-        ({"faults": "[{kind: learner_nan}]"}, "faults[0] learner_nan has no effect: residual.mode"),
         (
-            {"faults": "[{kind: mpc_starved}]", "mpc.solver": "scs"},
+            {"faults": [{"kind": "learner_nan"}]},
+            "faults[0] learner_nan has no effect: residual.mode",
+        ),
+        (
+            {"faults": [{"kind": "mpc_starved"}], "mpc.solver": "scs"},
             "faults[0] mpc_starved: mpc.solver scs has its own limit",
         ),
     ],

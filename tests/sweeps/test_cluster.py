@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from aerodrake.cli import main
-from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.load import load_with_options
 from aerodrake.support.errors import BadInput
 from aerodrake.sweeps import cluster as module
 from aerodrake.sweeps.cluster import cluster
@@ -45,7 +45,7 @@ def scheduler(tmp_path_factory) -> str:
 
 @pytest.fixture(scope="module")
 def plan() -> Plan:
-    return Plan.make(load_scenario("hover", CHANGES), [VARY], TRIALS)
+    return Plan.make(load_with_options("hover", CHANGES), [VARY], TRIALS)
 
 
 @pytest.fixture(scope="module")

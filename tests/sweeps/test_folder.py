@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.load import load_with_options
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.support.errors import BadInput
 from aerodrake.sweeps.folder import FILES, ROWS, SUMMARY, read_rows, sweep_folder
@@ -16,7 +16,7 @@ GUSTS = "wind.gust_m_s[0]=uniform(0, 1)"
 
 def make(*vary: str, trials: int = 5, changes=(), scenario="hover") -> Plan:
     overrides = [("--set", change) for change in changes]
-    return Plan.make(load_scenario(scenario, overrides), vary or [GUSTS], trials)
+    return Plan.make(load_with_options(scenario, overrides), vary or [GUSTS], trials)
 
 
 def row(index: int) -> dict:

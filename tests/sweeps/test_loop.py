@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from aerodrake.cli import main
-from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.load import load_with_options
 from aerodrake.support.errors import ProcessDied
 from aerodrake.sweeps import loop as module
 from aerodrake.sweeps.folder import ROWS, SUMMARY, TIMINGS, read_rows, sweep_folder
@@ -33,7 +33,7 @@ OPTIONS = [
 
 @pytest.fixture(scope="module")
 def plan() -> Plan:
-    scenario = load_scenario("hover", [("--set", change) for change in CHANGES])
+    scenario = load_with_options("hover", [("--set", change) for change in CHANGES])
     return Plan.make(scenario, VARY, TRIALS)
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aerodrake.scenario import Scenario
+from aerodrake.scenario import RotorDegraded, Scenario
 from aerodrake.scenario.load import load_scenario
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.support.errors import BadInput
@@ -80,8 +80,8 @@ def test_the_drawn_values_are_flown_to_the_last_bit(index):
 
 
 def test_vectors_faults_and_kinds_can_be_varied():
-    fault = "faults=[{kind: rotor_degraded, rotor: 2, remaining: 0.8, start_s: 8, duration_s: 30}]"
-    scenario = load_scenario("hover", [("--set", fault)])
+    fault = RotorDegraded(rotor=2, remaining=0.8, start_s=8, duration_s=30)
+    scenario = load_scenario("hover", faults=[fault])
     plan = Plan.make(
         scenario,
         [
@@ -161,6 +161,6 @@ def test_errors_of_drawn_values_name_the_distribution():
 
 
 def test_errors_of_the_shared_scenario_name_the_scenario():
-    scenario = load_scenario("hover", [("--set", "vehicle.working_rad=[0, 1]")])
-    with pytest.raises(BadInput, match=r"hover.yaml .*: vehicle.working_rad: expected 6 angles"):
+    scenario = load_scenario("hover", {"vehicle.working_rad": [0, 1]})
+    with pytest.raises(BadInput, match="^hover: vehicle.working_rad: expected 6 angles"):
         Plan.make(scenario, ["duration=uniform(1, 2)"], 3).check()

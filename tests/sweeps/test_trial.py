@@ -7,7 +7,7 @@ import shlex
 import pytest
 
 from aerodrake.cli import main
-from aerodrake.scenario.load import load_scenario, save_scenario
+from aerodrake.scenario.load import load_with_options, save_scenario
 from aerodrake.support.errors import BadInput
 from aerodrake.sweeps import trial as module
 from aerodrake.sweeps.plan import Plan
@@ -21,7 +21,7 @@ NOISY = [
 
 
 def make(*vary: str, scenario="hover", changes=()):
-    return Plan.make(load_scenario(scenario, [*NOISY, *changes]), vary, 9)
+    return Plan.make(load_with_options(scenario, [*NOISY, *changes]), vary, 9)
 
 
 def test_a_row_equals_the_summary_of_the_run_without_wall_times(tmp_path):
@@ -125,4 +125,4 @@ def test_values_are_quoted_for_the_shell(value, tmp_path):
     words = shlex.split(plan.trial(0).command(tmp_path / "my scenario.yaml"))
     assert words[:3] == ["aerodrake", "run", str(tmp_path / "my scenario.yaml")]
     overrides = [("--set", word) for word in words[4:5]]
-    assert load_scenario("hover", overrides).name == value
+    assert load_with_options("hover", overrides).name == value

@@ -12,6 +12,7 @@ from aerodrake.flight.summary import summarize
 from aerodrake.model.mpc.tick import MISSED
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.scenario import MpcMissed
 from aerodrake.scenario.load import load_scenario
 from aerodrake.support.errors import BadInput
 from aerodrake.wire.companion import Companion
@@ -27,7 +28,7 @@ from tests.lockstep import Lockstep, fly_over
 INTERPOLATED = {"p_Ed_m": 1e-9, "v_Ed_m_s": 1e-7, "tool_axis_d": 1e-9}
 """Signals that the station interpolates between the stages of the horizon: their tolerances."""
 
-SHORT = [("--set", f"{key}={value}") for key, value in (("settle_s", 0.5), ("duration", 2.0))]
+SHORT = {"settle_s": 0.5, "duration": 2.0}
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +77,7 @@ def test_without_latency_the_flight_is_the_same_bit_for_bit(name):
 
 def test_latency_hardly_increases_the_error():
     """Without the plan in each message, 3 ms would increase the error by half."""
-    scenario = load_scenario("clover", [("--set", "settle_s=0.5"), ("--set", "duration=9")])
+    scenario = load_scenario("clover", settle_s=0.5, duration=9)
     local, over = FlightSimulation(scenario).fly(), fly_over(Lockstep(late=3), scenario)
     assert summarize(scenario, over)["mpc"]["missed"] == 0
     started = local.time_s > 3
@@ -135,7 +136,7 @@ def test_a_hold_ends_with_late_or_lost_replies(clover, late, each):
 
 
 def test_a_dead_coordinator_leads_to_a_landing(clover):
-    scenario = load_scenario("clover", [*SHORT, ("--set", "supervisor.plan_lost_s=0.3")])
+    scenario = load_scenario("clover", {**SHORT, "supervisor.plan_lost_s": 0.3})
     over = fly_over(Lockstep(2, lambda channel, i: channel == COORDINATOR and i > 60), scenario)
     assert (over.exit_reason, over.exit_cause.split()[0]) == ("descend", "plan_lost")
     triggers = [
@@ -185,8 +186,8 @@ def test_a_restarted_coordinator_resumes_the_flight(clover):
 
 
 def test_a_tick_that_the_mpc_misses_is_missed_over_the_link_too():
-    faults = "[{kind: mpc_missed, start_s: 0.5, duration_s: 0.055}]"
-    scenario = load_scenario("clover", [*SHORT, ("--set", f"faults={faults}")])
+    faults = [MpcMissed(start_s=0.5, duration_s=0.055)]
+    scenario = load_scenario("clover", SHORT, faults=faults)
     figures = [
         summarize(scenario, log)["mpc"]
         for log in (FlightSimulation(scenario).fly(), fly_over(Lockstep(3), scenario))
