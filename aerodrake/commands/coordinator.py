@@ -24,7 +24,7 @@ def main(arguments: argparse.Namespace) -> int:
     scenario = options.load(arguments)
 
     from aerodrake.wire.companion import Companion
-    from aerodrake.wire.link import make_lcm
+    from aerodrake.wire.interface import make_lcm
 
     say = options.printer(arguments)
     lcm = make_lcm(arguments.lcm)

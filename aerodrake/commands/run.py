@@ -82,7 +82,7 @@ def _fly(
 
     link = view = None
     if arguments.lcm:
-        from aerodrake.wire.link import make_lcm
+        from aerodrake.wire.interface import make_lcm
         from aerodrake.wire.remote_coordinator import make_station_link
 
         link = make_station_link(scenario, make_lcm(arguments.lcm), say)

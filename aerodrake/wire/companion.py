@@ -20,12 +20,10 @@ from aerodrake.support.tick_times import time_ticks
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Message, Phase
 from aerodrake.wire.remote_coordinator import make_layouts
+from aerodrake.wire.sample_clock import SampleClock
 
 TIMEOUT_MS = 50
 """Longest wait for a message."""
-
-BEFORE = -1e-6
-"""s, a time before any flight."""
 
 
 @dataclass
@@ -63,10 +61,11 @@ class Service:
 class Companion:
     """Coordinator that receives the samples of a station and replies with setpoints.
 
-    Its time is the station's: it advances to the time of each sample, and replies at once if that
-    is the time of a tick. Ticks without a sample are missed and not computed later; the supervisor
-    of the station handles them. A station that is silent for `supervisor.attitude_lost_s` counts
-    as dead. Of several stations, the first one received is served.
+    Its time is the station's: it advances to the multiple of `rates.sensor_period_s` that is
+    nearest to the time of each sample (`SampleClock`), and replies at once if that is the time of
+    a tick. Ticks without a sample are missed and not computed later; the supervisor of the station
+    handles them. A station that is silent for `supervisor.attitude_lost_s` counts as dead. Of
+    several stations, the first one received is served.
 
     Args:
         scenario: Scenario of the station.
@@ -89,7 +88,11 @@ class Companion:
         controller = self._coordinator.GetSubsystemByName(scenario.controller)
         self.service = Service(time_ticks(controller))
         self._reported = 0  # Number of times in `tick_ms` that were sent.
-        self._time = -math.inf  # s, of the last sample.
+        rates = scenario.rates
+        samples_per_tick = round(rates.mpc_period_s / rates.sensor_period_s)
+        longest_gap = scenario.supervisor.plan_lost_s  # A longer one would have ended the flight.
+        self._clock = SampleClock(rates.sensor_period_s, samples_per_tick, longest_gap)
+        self._time = -math.inf  # s, assigned to the last sample.
         # Compiled code is loaded now, so that the first ticks do not wait for it.
         warm = make_context(self._coordinator, scenario.seed)
         self._fix_inputs(warm, {"state": vehicle.trim_state})
@@ -136,14 +139,14 @@ class Companion:
             if message.phase is Phase.WAITING and self.link.phase is Phase.WAITING:
                 is_alive = True
                 self.link.publish(0.0, {})
-            elif message.phase is Phase.FLYING and not self._is_valid_sample(message):
-                if message.time > self._time:  # Others are late, or repeated.
-                    self.link.reject("samples with absurd values or times are ignored")
             elif message.phase is Phase.FLYING:
+                instant = self._assign(message)
+                if instant is None:
+                    continue
                 is_alive = True
-                self._advance_to(message)
-                if self._ticks_between(message.time - 1e-6, message.time + 1e-6):
-                    self._publish_reply(message.time)
+                self._advance_to(instant, message.signals)
+                if self._ticks_between(instant - 1e-6, instant + 1e-6):
+                    self._publish_reply(instant)
                     took_s = time.perf_counter() - start
                     self.service.reply_ms.append(1e3 * took_s)
                     self.service.overruns += took_s > self.scenario.rates.mpc_period_s
@@ -152,38 +155,47 @@ class Companion:
                 self.link.publish(message.time, {})
         return is_alive
 
-    def _is_valid_sample(self, message: Message) -> bool:
-        """Returns True if a sample is new, and its values can be those of a vehicle.
+    def _assign(self, message: Message) -> float | None:
+        """Returns the time in s to advance to for a sample; None if the sample is not used."""
+        if not self._has_valid_values(message):
+            self.link.reject("samples with absurd values are ignored")
+            return None
+        assignment = self._clock.assign(message.time)
+        if assignment.problem:
+            report = self.link.reject if assignment.time is None else self.link.report
+            report(assignment.problem, assignment.got)
+        return assignment.time
+
+    def _has_valid_values(self, message: Message) -> bool:
+        """Returns True if the values of a sample can be those of a vehicle.
 
         The coordinator has no sample check: Drake raises on absurd values.
         """
         quaternion_error = abs(math.hypot(*message.signals["state"][:4]) - 1)
         is_bounded = (np.abs(np.concatenate([*message.signals.values()])) < MAX_MAGNITUDE).all()
-        # A longer silence would have ended the flight.
-        latest = self._time + self.scenario.supervisor.plan_lost_s
-        is_next = self.link.phase is Phase.WAITING or message.time < latest
-        is_new = is_next and max(self._time, BEFORE) < message.time < MAX_MAGNITUDE
-        return is_bounded and quaternion_error < UNIT_LENGTH and is_new
+        return is_bounded and quaternion_error < UNIT_LENGTH
 
-    def _advance_to(self, message: Message) -> None:
-        """Advances to the time of a sample; all events of that instant see its values."""
+    def _advance_to(self, instant: float, signals: Mapping[str, np.ndarray]) -> None:
+        """Advances to a time in s; all events of that instant see the sample's signals."""
         slack = self.scenario.rates.plant_step_s / 4
-        begin = message.time - slack
+        begin = instant - slack
         is_first = self.link.phase is Phase.WAITING
         if is_first:
             self.link.phase = Phase.FLYING
             self.service.tick_ms.clear()
-        missed = 0 if is_first else self._ticks_between(self._time, message.time)
-        self.service.missed += missed
-        if missed or is_first and message.time > 0:
+        missed = 0 if is_first else self._ticks_between(self._time, instant)
+        if missed:
+            self.service.missed += missed
+            self.link.report("ticks without a sample within half a sample period are missed")
+        if missed or is_first and instant > 0:
             # Missed ticks are skipped: computing them would delay the next ones.
             self._context.SetTime(begin)
             self._simulator.Initialize()
         elif not is_first:
             self._simulator.AdvanceTo(begin)
-        self._fix_inputs(self._context, message.signals)
-        self._simulator.AdvanceTo(message.time + slack)
-        self._time = self.service.flown_s = message.time
+        self._fix_inputs(self._context, signals)
+        self._simulator.AdvanceTo(instant + slack)
+        self._time = self.service.flown_s = instant
 
     def _publish_reply(self, tick: float) -> None:
         """Publishes the outputs of the coordinator after the tick at that time in s."""

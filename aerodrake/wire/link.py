@@ -12,14 +12,12 @@ ignore messages with another number. If the scenarios of the two ends differ, no
 and both report the sections that differ.
 """
 
-import ipaddress
-import re
 import secrets
 from collections import deque
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from pydrake.lcm import DrakeLcm, DrakeLcmInterface
+from pydrake.lcm import DrakeLcmInterface
 
 from aerodrake.support.errors import BadInput
 from aerodrake.wire.message import NUMBERS, Layout, Message, Phase
@@ -52,7 +50,7 @@ class Link:
         station: Layout of the station's messages.
         coordinator: Layout of the coordinator's messages.
         is_station: True for the station's end.
-        notify: Called once for each reason to reject messages, with a line of text.
+        notify: Called once for each problem with messages, with a line of text.
     """
 
     def __init__(
@@ -65,7 +63,7 @@ class Link:
     ):
         self.lcm = lcm
         self._notify = notify
-        self._reasons: set[str] = set()
+        self._reported: set[str] = set()
         self.phase = Phase.WAITING
         self.rejected = 0
         self.tick_ms: list[float] = []
@@ -156,27 +154,13 @@ class Link:
                 messages.append(message)
         return messages
 
-    def reject(self, reason: str) -> None:
-        """Counts a message that is ignored, and reports each reason once."""
+    def reject(self, problem: str, got: str = "") -> None:
+        """Counts a message that is ignored, and reports the problem."""
         self.rejected += 1
-        if reason not in self._reasons:
-            self._reasons.add(reason)
-            self._notify(f"note: {reason}")
+        self.report(problem, got)
 
-
-def make_lcm(url: str) -> DrakeLcm:
-    """Returns an LCM interface for a URL in LCM's form, udpm://ADDRESS:PORT?ttl=N.
-
-    Raises:
-        BadInput: if the URL is invalid. LCM itself would continue without a network.
-    """
-    match = re.fullmatch(r"udpm://([0-9.]+):(\d{1,5})(?:\?ttl=(\d{1,3}))?", url)
-    try:
-        address, port, ttl = match.groups(default="0")
-        is_valid = ipaddress.IPv4Address(address).is_multicast
-        if is_valid and 0 < int(port) < 65536 and int(ttl) < 256:
-            return DrakeLcm(url)
-    except (AttributeError, ValueError):
-        pass
-    problem = f"expected udpm://ADDRESS:PORT?ttl=N with a multicast address, got {url!r}"
-    raise BadInput("--lcm", "", problem)
+    def report(self, problem: str, got: str = "") -> None:
+        """Reports a problem when it first occurs, with what was got then."""
+        if problem not in self._reported:
+            self._reported.add(problem)
+            self._notify(f"note: {problem}{got and f', got {got}'}")

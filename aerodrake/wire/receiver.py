@@ -140,24 +140,27 @@ class WireReceiver(LeafSystem):
         if not messages or self._state.read(context).has_reply:
             return
         last_tick = np.floor(context.get_time() / self._period + 1e-6) * self._period
-        reply = next((m for m in messages if self._is_valid_reply(m, last_tick)), None)
-        if reply is None:
+        of_tick = [m for m in messages if self._is_reply_to(m, last_tick)]
+        replies = [m for m in of_tick if self._has_valid_signals(m)]
+        if len(replies) < len(of_tick):
+            self._link.reject("replies with absurd values are ignored")
+        if not replies:
             return
+        reply = replies[0]
         state = self._state.read(context)._replace(**reply.signals)
         self._state.write(discrete, state._replace(ticks_since_reply=0, has_reply=True))
         if np.isfinite(reply.signals["tick_ms"][0]):
             self._link.tick_ms.append(reply.signals["tick_ms"][0])
 
-    def _is_valid_reply(self, message: Message, tick: float) -> bool:
-        """Returns True if a message replies to the tick at that time, and has valid signals."""
+    def _is_reply_to(self, message: Message, tick: float) -> bool:
+        """Returns True if a message replies to the tick at that time in s."""
+        return message.phase is Phase.FLYING and abs(message.time - tick) < self._period / 2
+
+    def _has_valid_signals(self, message: Message) -> bool:
+        """Returns True if the signals of a message are bounded, and its enumerations valid."""
         followed = [message.signals[name] for name in ("segment", "plan", "horizon")]
-        return (
-            message.phase is Phase.FLYING
-            and abs(message.time - tick) < self._period / 2
-            and all((np.abs(values) < MAX_MAGNITUDE).all() for values in followed)
-            and all(
-                message.signals[name][index] in values
-                for (name, index), values in ENUMERATIONS.items()
-                if name in message.signals
-            )
+        return all((np.abs(values) < MAX_MAGNITUDE).all() for values in followed) and all(
+            message.signals[name][index] in values
+            for (name, index), values in ENUMERATIONS.items()
+            if name in message.signals
         )

@@ -107,9 +107,35 @@ def test_ticks_without_their_sample_are_missed(bench):
     bench.replies(0.0, 0.01, 0.03, 0.11)  # Without 0.02, 0.04, 0.06, 0.08 and 0.1.
     service = bench.companion.service
     assert service.missed == 5 and len(service.tick_ms) == 1
+    assert bench.notes == ["note: ticks without a sample within half a sample period are missed"]
     reply, last = bench.replies(0.12, 0.13, 4.2)
     assert (reply.time, last.time) == (0.12, 4.2)
     assert service.missed == 5 + 203 and len(service.tick_ms) == 3
+
+
+@pytest.mark.parametrize(
+    "times",
+    [
+        2e-6 + PERIOD * np.arange(20),
+        PERIOD * np.arange(20) + np.random.default_rng(0).uniform(-1e-3, 1e-3, 20),
+        PERIOD * (1 + 10e-6) * np.arange(30_000, 30_020),
+        4.9e-3 + PERIOD * np.arange(20),
+    ],
+    ids=["2 us late", "jitter of 1 ms", "10 ppm after 5 minutes", "half a period late"],
+)
+def test_samples_off_the_grid_are_answered_for_the_nearest_tick(bench, times):
+    replies = bench.replies(*times)
+    nearest = 2 * PERIOD * np.round(times[::2] / (2 * PERIOD))
+    assert [reply.time for reply in replies] == pytest.approx(nearest)
+    assert [reply.signals["segment"][-1] for reply in replies] == pytest.approx(nearest)
+    assert bench.notes == [] and bench.companion.service.missed == 0
+
+
+def test_another_sample_period_is_reported(bench):
+    replies = bench.replies(*(0.012 * np.arange(60)))
+    assert len(replies) == 36
+    expected = "expected samples every 0.01 s (rates.sensor_period_s), got every 0.012 s"
+    assert [note for note in bench.notes if expected in note] == bench.notes[-1:]
 
 
 def test_a_flight_in_progress_is_served(bench):
@@ -163,7 +189,8 @@ def test_absurd_samples_have_no_reply(bench, signal, value):
 def test_an_absurd_time_is_rejected_and_reported(bench, time):
     assert bench.replies(time) == []
     assert bench.companion.link.phase is Phase.WAITING
-    assert bench.notes == ["note: samples with absurd values or times are ignored"]
+    expected = "expected ascending times in s since the start of the flight"
+    assert bench.notes == [f"note: samples are ignored: {expected}, got {time:g} s"]
 
 
 def test_late_and_repeated_samples_are_ignored(bench):

@@ -5,7 +5,7 @@ import pytest
 from pydrake.lcm import DrakeLcm
 
 from aerodrake.support.errors import BadInput
-from aerodrake.wire.link import COORDINATOR, STATION, Link, make_lcm
+from aerodrake.wire.link import COORDINATOR, STATION, Link
 from aerodrake.wire.message import Layout, Message, Phase
 
 SCENARIO = {"rates": 3, "mpc": 5}
@@ -83,25 +83,6 @@ def test_waiting_can_be_interrupted(ends):
 
     with pytest.raises(KeyboardInterrupt):
         ends[0].wait(check)
-
-
-@pytest.mark.parametrize(
-    "url",
-    [
-        *("", "nonsense", "memq://", "udpm://", "udpm://239.255.76.67", "udp://239.255.76.67:7667"),
-        *("udpm://10.0.0.1:7667", "udpm://239.255.76.300:7667", "udpm://239.255.76.67:0"),
-        *("udpm://239.255.76.67:70000", "udpm://239.255.76.67:7667?ttl=256"),
-        *("udpm://239.255.76.67:7667?ttl=", "udpm://239.255.76.67:7667?tll=1"),
-    ],
-)
-def test_an_invalid_address_is_refused(url):
-    with pytest.raises(BadInput, match="^--lcm: expected udpm://"):
-        make_lcm(url)
-
-
-def test_a_valid_address_is_used():
-    url = "udpm://239.255.76.67:7668?ttl=0"
-    assert make_lcm(url).get_lcm_url() == url
 
 
 def test_the_end_is_announced_until_it_is_confirmed():

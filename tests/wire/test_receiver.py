@@ -111,7 +111,7 @@ def test_replies_with_nan_or_infinity_are_not_followed(bench, signal, value):
     bench.reply(0.0, 1.0, **{signal: np.full(SIZES[signal], value)})
     assert bench.at(0.01) == [0, 0]
     bench.reply(0.0, 3.0)
-    assert bench.at(0.012) == [3, 3]
+    assert bench.at(0.012) == [3, 3] and bench.link.rejected == 1
 
 
 def test_before_the_first_message_the_reference_is_the_hover_in_trim(bench, vehicle):
