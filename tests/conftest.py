@@ -54,12 +54,12 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """
     for figure in (
         "reports.flight_folder.plot_tracking",
-        "comparison.figure.plot_comparison",
+        "comparison.folder.plot_comparison",
     ):
         monkeypatch.setattr(f"aerodrake.{figure}", lambda *arguments: arguments[-1].touch())
     for pictures in ("reports.flight_page.flight_pictures", "comparison.page._pictures"):
         monkeypatch.setattr(f"aerodrake.{pictures}", lambda *_: [])
-    for page in ("reports.replay", "comparison.page"):
+    for page in ("reports.flight_folder", "comparison.page"):
         monkeypatch.setattr(f"aerodrake.{page}.replay_page", lambda *_: "")
 
 

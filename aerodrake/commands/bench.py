@@ -33,11 +33,12 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.bench.report import FILES, bench_table, missing_peers, plot_bench
     from aerodrake.bench.suite import FULL, QUICK, STEPS, bench
     from aerodrake.flight.summary import to_json
+    from aerodrake.reports.drawing import drawing
 
     say = options.printer(arguments)
     for note in missing_peers():
         say(f"note: {note}")
-    with run_folder(target, FILES) as folder:
+    with run_folder(target, FILES[:1]) as folder:
         with options.progress_bar(arguments, None, STEPS, "step") as bar:
 
             def begin(step: str) -> None:
@@ -46,7 +47,9 @@ def main(arguments: argparse.Namespace) -> int:
 
             figures = bench(QUICK if arguments.quick else FULL, begin)
         (folder / FILES[0]).write_text(to_json(figures), encoding="utf-8")
-        plot_bench(figures, folder / FILES[1])
+    path = target / FILES[1]
+    with drawing(path):
+        plot_bench(figures, path)
     if file is not None:
         write_atomically(file, to_json(figures).encode())
     say(bench_table(figures))

@@ -56,14 +56,15 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.comparison.compare import (
         FILES,
+        RESULTS,
         load_baseline,
         make_variants,
         notes,
         result_notes,
     )
+    from aerodrake.comparison.folder import draw_comparison
     from aerodrake.comparison.margins_report import FILES as MARGINS_FILES
     from aerodrake.comparison.margins_report import margins_table
-    from aerodrake.comparison.page import comparison_page
     from aerodrake.comparison.table import comparison_table
 
     say = options.printer(arguments)
@@ -71,12 +72,11 @@ def main(arguments: argparse.Namespace) -> int:
         baseline = load_baseline(scenario, arguments.baseline)
         variants = make_variants(scenario, arguments.variant, baseline)
         options.print_notes(say, scenario, notes(scenario))
-        with run_folder(target, FILES) as folder:
+        with run_folder(target, RESULTS) as folder:
             comparison = _fly(arguments, scenario, variants, baseline, folder)
-            with deferred_interrupts():
-                commands = _commands(arguments, target, comparison.logs)
-                page = comparison_page(comparison, dump(as_mapping(original)), commands)
-                (folder / "report.html").write_text(page, encoding="utf-8")
+        with deferred_interrupts():
+            commands = _commands(arguments, target, comparison.logs)
+            draw_comparison(target, comparison, dump(as_mapping(original)), commands)
     summaries, logs, margins = comparison.summaries, comparison.logs, comparison.margins
     say(comparison_table(summaries, scenario.reference.kind))
     for note in result_notes(summaries):
@@ -96,9 +96,8 @@ def _fly(
     baseline: Weights,
     folder: Path,
 ) -> Comparison:
-    """Flies the variants, and with --margins searches their margins; writes plots and results."""
-    from aerodrake.comparison.compare import compare, make_variant, own_variant
-    from aerodrake.comparison.figure import plot_comparison
+    """Flies the variants, and with --margins searches their margins; writes the results."""
+    from aerodrake.comparison.compare import compare, own_variant
     from aerodrake.comparison.margins import find_margins
     from aerodrake.comparison.margins_report import write_margins
     from aerodrake.comparison.page import Comparison
@@ -118,16 +117,13 @@ def _fly(
             for name, summary in summaries.items()
             if summary["exit_reason"] != "failed"
         }
-        own = own_variant(scenario)
-        own_scenario = make_variant(scenario, own, baseline)
-        title = f"{name}, seed {scenario.seed}"
-        plot_comparison(logs, own, own_scenario, title, folder / "comparison.png")
     margins = None
     if arguments.margins:
         with options.progress_bar(arguments, f"{name} margins", None, "flight") as bar:
             margins = find_margins(variants, summaries, headline(summaries), jobs, bar.update)
         with deferred_interrupts():
             write_margins(margins, scenario, folder)
+    own = own_variant(scenario)
     return Comparison(scenario, variants, own, summaries, logs, margins)
 
 

@@ -39,12 +39,14 @@ def main(arguments: argparse.Namespace) -> int:
     say = options.printer(arguments)
     settings = [f"--set={assignment}" for assignment in arguments.set]
     command = shlex.join(["aerodrake", "identify", arguments.scenario, *settings])
-    with frozen(scenario) as copied, run_folder(target, report.FILES) as folder:
+    with frozen(scenario) as copied, run_folder(target, report.RESULTS) as folder:
         name = f"identify {scenario.name}"
         with options.flight_bar(arguments, name, FLIGHTS * DURATION_S) as bar:
             identification = identify(copied, arguments.jobs, progress=bar.update)
         with deferred_interrupts():
             report.write(identification, command, folder)
+    with deferred_interrupts():
+        report.draw(identification, target)
     say(f"{target}: {', '.join(report.FILES)}")
     if arguments.write:
         replace_numbers(Path(scenario.source), "model.k_b", identification.k_b)

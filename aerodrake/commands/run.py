@@ -76,9 +76,7 @@ def _fly(
 ) -> tuple[dict[str, Any], FlightLog]:
     """Flies the scenario and writes all files of the results."""
     from aerodrake.flight.simulate import FlightSimulation
-    from aerodrake.reports.flight_folder import fly_into
-    from aerodrake.reports.flight_page import report_page
-    from aerodrake.reports.replay import replay_page
+    from aerodrake.reports.flight_folder import draw_pages, draw_tracking, fly_into
 
     link = view = None
     if arguments.lcm:
@@ -97,26 +95,22 @@ def _fly(
         say(f"note: waiting in trim for a coordinator at {arguments.lcm}")
     form = options.FLIGHT_BAR if view is None else options.LIVE_BAR
     total_s = scenario.settle_s + scenario.duration
-    with (
-        view or nullcontext(),
-        deferred_interrupts() as check,
-        frozen_garbage() if link else nullcontext(),
-        run_folder(target) as folder,
-        options.flight_bar(arguments, scenario.name, total_s, form) as bar,
-    ):
+    with view or nullcontext(), deferred_interrupts() as check:
+        with (
+            frozen_garbage() if link else nullcontext(),
+            run_folder(target) as folder,
+            options.flight_bar(arguments, scenario.name, total_s, form) as bar,
+        ):
 
-        def progress(simulated_s: float) -> None:
-            if view is not None:
-                bar.set_postfix_str(view.line(), refresh=False)
-            bar.update(simulated_s - bar.n)
-            check()  # An interrupt ends the flight; its results are still written.
+            def progress(simulated_s: float) -> None:
+                if view is not None:
+                    bar.set_postfix_str(view.line(), refresh=False)
+                bar.update(simulated_s - bar.n)
+                check()  # An interrupt ends the flight; its results are still written.
 
-        attach = view.attach if view is not None else lambda flight, simulator: None
-        title = f"{scenario.name}, seed {scenario.seed}"
-        summary, log = fly_into(folder, flight, title, progress, rate, attach)
-        bar.close()
-        replay = replay_page(log, scenario)
-        (folder / "replay.html").write_text(replay, encoding="utf-8")
-        page = report_page(flight, summary, log, replay, folder, target)
-        (folder / "report.html").write_text(page, encoding="utf-8")
+            attach = view.attach if view is not None else lambda flight, simulator: None
+            summary, log = fly_into(folder, flight, progress, rate, attach)
+        # The results are in their place, whatever happens to the drawings.
+        draw_tracking(target, scenario, log, f"{scenario.name}, seed {scenario.seed}")
+        draw_pages(target, flight, summary, log)
     return summary, log

@@ -9,7 +9,7 @@ from typing import Any
 
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import Summaries, failure
-from aerodrake.reports.flight_folder import fly_into
+from aerodrake.reports.flight_folder import draw_tracking, fly_into
 from aerodrake.reports.flight_table import notes as flight_notes
 from aerodrake.scenario import OrientationOff, Scenario, Weights
 from aerodrake.scenario.load import MAX_FILE_BYTES
@@ -24,6 +24,9 @@ from aerodrake.systems.sensors import is_exact
 
 FILES = ("comparison.json", "comparison.png", "report.html")
 """Files that a comparison writes, beside one folder for each variant."""
+
+RESULTS = FILES[:1]
+"""Files that every comparison has, also if it could not be drawn."""
 
 CLIK_MAX_K_E = 4.0
 """1/s, largest K_e of closed-loop inverse kinematics, which oscillates at 12."""
@@ -238,4 +241,6 @@ def _fly(flight: tuple[Scenario, Path]) -> dict[str, Any]:
     scenario, folder = flight
     folder.mkdir()
     title = f"{scenario.name} as {folder.name}, seed {scenario.seed}"
-    return fly_into(folder, FlightSimulation(scenario), title)[0]
+    summary, log = fly_into(folder, FlightSimulation(scenario))
+    draw_tracking(folder, scenario, log, title)
+    return summary

@@ -44,7 +44,7 @@ NAME, CELL = 18, 8
 
 
 def write_margins(margins: Margins, scenario: Scenario, folder: Path) -> None:
-    """Writes `FILES` into the folder.
+    """Writes `margins.json` into the folder.
 
     Keys of `margins.json`:
         scenario: Name of the scenario.
@@ -68,7 +68,6 @@ def write_margins(margins: Margins, scenario: Scenario, folder: Path) -> None:
     }
     data = {"scenario": scenario.name, "error": margins.key, "variants": variants}
     (folder / "margins.json").write_text(to_json(data), encoding="utf-8")
-    plot_margins(margins, f"{scenario.name}, seed {scenario.seed}", folder / "margins.png")
 
 
 def _search_mapping(search: Search) -> dict[str, Any]:

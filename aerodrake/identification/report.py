@@ -13,11 +13,15 @@ from scipy.signal import lsim
 from aerodrake.flight.summary import rounded, to_json
 from aerodrake.identification.identify import AxisIdentification, Identification, Record
 from aerodrake.model.equivalent.identification import LEVEL
+from aerodrake.reports.drawing import drawing
 from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario.load import save_scenario
 
 FILES = ("identification.json", "identification.png", "scenario.yaml")
 """Files that an identification writes."""
+
+RESULTS = ("identification.json", "scenario.yaml")
+"""Files that every identification has, also if it could not be drawn."""
 
 PAPER_K_B = (6.67, 6.67, 2.38)
 """1/s, K_B of the paper's vehicle."""
@@ -60,11 +64,17 @@ def as_figures(identification: Identification, command: str) -> dict[str, Any]:
 
 
 def write(identification: Identification, command: str, folder: Path) -> None:
-    """Writes `FILES` into an existing folder; `command` repeats the identification."""
+    """Writes `RESULTS` into an existing folder; `command` repeats the identification."""
     figures = as_figures(identification, command)
     (folder / "identification.json").write_text(to_json(figures), encoding="utf-8")
-    plot_identification(identification, folder / "identification.png")
     save_scenario(identification.identified_scenario, folder)
+
+
+def draw(identification: Identification, folder: Path) -> None:
+    """Adds `identification.png` to the folder; reports if that fails."""
+    path = folder / "identification.png"
+    with drawing(path):
+        plot_identification(identification, path)
 
 
 def table(identification: Identification) -> str:

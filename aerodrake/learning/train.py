@@ -1,6 +1,5 @@
 """Data collection, training and evaluation of the residual network."""
 
-import os
 from collections.abc import Sequence
 from functools import partial
 from importlib.metadata import version
@@ -21,12 +20,12 @@ from aerodrake.model.residual.linear_residual import LinearResidual
 from aerodrake.model.residual.online_learner import OnlineLearner
 from aerodrake.model.residual.training import TrainingConfig, TrainingData, TrainingResult, train
 from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.reports.drawing import drawing
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.fingerprint import plant_hash, scenario_hash
 from aerodrake.support.errors import BadInput, ScenarioError
 from aerodrake.support.files import write_atomically
 from aerodrake.support.interrupts import deferred_interrupts
-from aerodrake.support.scratch import scratch_folder
 from aerodrake.support.threads import single_thread
 
 CHECKPOINT, LOG, FIGURE, DATA = "network.pt", "training.json", "training.png", "stages"
@@ -132,11 +131,11 @@ def _write(
     interface = scenario.flight.interface
     provenance = Provenance(version("aerodrake"), interface, delta.unit, *hashes)
     try:
-        with deferred_interrupts(), scratch_folder(folder) as scratch:
-            plot_training(result, delta, scratch / FIGURE)
+        with deferred_interrupts():
             save(folder / CHECKPOINT, result.network, provenance)
             write_atomically(folder / LOG, to_json(log).encode())
-            os.replace(scratch / FIGURE, folder / FIGURE)
+            with drawing(folder / FIGURE):
+                plot_training(result, delta, folder / FIGURE)
     except OSError as error:
         raise BadInput("--out", "", f"cannot write {folder}: {error.strerror}") from None
 

@@ -17,6 +17,8 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from aerodrake.support.files import write_atomically
+
 INK, ACCENT = "#1f2933", "#e8590c"
 EDGE = "#adb5bd"
 REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 4))}
@@ -74,10 +76,15 @@ def plain_ticks(axis: Axis) -> None:
 def write_png(figure: Figure, path: Path) -> None:
     """Draws a figure into a file, without the second drawing that `savefig` does for its layout.
 
-    The same figure gives the same bytes, without version and date.
+    The same figure gives the same bytes, without version and date. The file is written atomically.
+
+    Raises:
+        BadInput: if the file cannot be written.
     """
+    file = io.BytesIO()
     with _any_script():
-        FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})
+        FigureCanvasAgg(figure).print_png(file, metadata={"Software": None})
+    write_atomically(path, file.getvalue())
 
 
 def to_svg(figure: Figure, name: str) -> str:

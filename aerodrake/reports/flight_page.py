@@ -20,15 +20,13 @@ def report_page(
     log: FlightLog,
     replay: str,
     folder: Path,
-    target: Path,
 ) -> str:
     """Returns the page of one flight.
 
     Args:
         flight, summary, log: The flight and its results.
         replay: A page from `replay_page`.
-        folder: The folder of `scenario.yaml`.
-        target: The final folder, for the command that repeats the flight.
+        folder: The folder of `scenario.yaml`, also for the command that repeats the flight.
     """
     scenario = flight.scenario
     return render(
@@ -42,5 +40,5 @@ def report_page(
         notes=notes(summary),
         pictures=list(flight_pictures(log, scenario)),
         resolved=(folder / "scenario.yaml").read_text(encoding="utf-8"),
-        commands=[shlex.join(["aerodrake", "run", str(target / "scenario.yaml")])],
+        commands=[shlex.join(["aerodrake", "run", str(folder / "scenario.yaml")])],
     )

@@ -12,7 +12,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 MAX_INTERRUPTS = 3
 """Number of the interrupt that is not deferred."""
 
-WARNING = b"\naerodrake: saving; interrupt again to discard the results\n"
+WARNING = b"\naerodrake: saving; another interrupt ends the command at once\n"
 
 
 @contextmanager

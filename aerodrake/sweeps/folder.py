@@ -23,6 +23,9 @@ SUMMARY, FIGURE = "sweep_summary.json", "sweep.png"
 FILES = (SCENARIO, PLAN, ROWS, TIMINGS, SUMMARY, FIGURE)
 """Files of a finished sweep; an unfinished one has no summary."""
 
+RESULTS = FILES[:-1]
+"""Files that every finished sweep has, also if it could not be drawn."""
+
 
 class SweepFolder:
     """Folder to which the rows of a sweep are appended.
@@ -109,7 +112,7 @@ def _begin(target: Path, plan: Plan, locks: contextlib.ExitStack) -> None:
             if (target / PLAN).is_file() and not (target / SUMMARY).is_file():
                 unfinished = f"{target} contains an unfinished sweep; --resume continues it"
                 raise BadInput("--out", "", unfinished)
-            with run_folder(target, FILES) as folder:
+            with run_folder(target, RESULTS) as folder:
                 save_scenario(plan.scenario, folder)
                 (folder / PLAN).write_text(to_json(plan.as_mapping()), encoding="utf-8")
                 for name in (ROWS, TIMINGS):

@@ -1,6 +1,5 @@
 """Summary, table and figure of a sweep."""
 
-import os
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from aerodrake.flight.summary import HEADLINES, millimetres, rounded, to_json
+from aerodrake.reports.drawing import drawing
+from aerodrake.support.files import write_atomically
 from aerodrake.support.interrupts import deferred_interrupts
-from aerodrake.support.scratch import scratch_folder
 from aerodrake.sweeps.figure import plot_sweep
-from aerodrake.sweeps.folder import FIGURE, SUMMARY, SweepFolder, writing
+from aerodrake.sweeps.folder import FIGURE, SUMMARY, SweepFolder
 from aerodrake.sweeps.match import SCENARIO
 from aerodrake.sweeps.outcomes import Outcomes
 from aerodrake.sweeps.plan import Plan
@@ -26,19 +26,19 @@ NARROWEST = 38
 
 
 def write_report(folder: SweepFolder) -> dict[str, Any]:
-    """Writes the figure and `sweep_summary.json`, which finish a sweep; returns its content.
+    """Writes `sweep_summary.json`, which finishes a sweep, and the figure; returns the summary.
 
     Raises:
-        BadInput: if a file cannot be written.
+        BadInput: if the summary cannot be written.
     """
     outcomes = Outcomes.read(folder.path, folder.plan)
     summary = summarize_sweep(outcomes, folder.plan, folder.path)
     title = f"{summary['scenario']}, {summary['trials']} trials, seed {summary['seed']}"
-    with deferred_interrupts(), writing(folder.path), scratch_folder(folder.path) as scratch:
-        plot_sweep(outcomes, title, scratch / FIGURE)
-        (scratch / SUMMARY).write_text(to_json(summary), encoding="utf-8")
-        for name in (FIGURE, SUMMARY):
-            os.replace(scratch / name, folder.path / name)
+    with deferred_interrupts():
+        write_atomically(folder.path / SUMMARY, to_json(summary).encode())
+        path = folder.path / FIGURE
+        with drawing(path):
+            plot_sweep(outcomes, title, path)
     return summary
 
 

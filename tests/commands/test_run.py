@@ -16,6 +16,8 @@ FILES = [
     *("log.npz", "replay.html", "report.html", "scenario.yaml", "summary.json", "tracking.png")
 ]
 
+RESULTS = ["log.npz", "scenario.yaml", "summary.json"]
+
 TINY = ["--duration", "0.1", "--set", "settle_s=0", "--quiet"]
 
 NOISY = """
@@ -266,15 +268,58 @@ def test_an_interrupted_flight_exits_1_and_is_written(tmp_path, monkeypatch):
     assert sorted(p.name for p in out.iterdir()) == FILES
 
 
-def test_an_interrupt_while_writing_leaves_nothing(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(
+    ("step", "left"),
+    [("flight.log.FlightLog.save", []), ("reports.flight_folder.plot_tracking", RESULTS)],
+)
+def test_an_interrupt_while_writing_leaves_all_results_or_none(
+    step, left, tmp_path, monkeypatch, capsys
+):
+    """Those of a flight that is being drawn are complete."""
+
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("aerodrake.reports.flight_folder.plot_tracking", interrupt)
+    monkeypatch.setattr(f"aerodrake.{step}", interrupt)
+    out = tmp_path / "run"
     try:
-        code = main(["run", "hover", *TINY, "--out", str(tmp_path / "run")])
+        code = main(["run", "hover", *TINY, "--out", str(out)])
     except KeyboardInterrupt:  # pytest itself would stop.
         pytest.fail("expected an exit code")
     assert code == 130
-    assert list(tmp_path.iterdir()) == []
+    assert [path.name for path in tmp_path.iterdir()] == ["run"][: len(left)]
+    assert sorted(files(out)) == left
     assert capsys.readouterr().err == "aerodrake: interrupted\n"
+
+
+# Drawings that fail.
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    ("name", "function", "error"),
+    [
+        ("tracking.png", "plot_tracking", ValueError("Axis limits\ncannot be NaN")),
+        ("replay.html", "replay_page", SystemExit()),
+        ("report.html", "report_page", MemoryError()),
+    ],
+)
+def test_a_drawing_that_fails_is_left_out(name, function, error, tmp_path, monkeypatch, caplog):
+    """One line names it; the results and the other drawings are kept, and can be replaced."""
+
+    def fail(*_):
+        raise error
+
+    out = tmp_path / "run"
+    with monkeypatch.context() as patch:
+        patch.setattr(f"aerodrake.reports.flight_folder.{function}", fail)
+        assert main(["run", "hover", *TINY, "--out", str(out)]) == 0
+    assert sorted(files(out)) == sorted({*FILES} - {name})
+    assert summary(out)["exit_reason"] == "completed"
+    (line,) = caplog.messages
+    assert (
+        line.startswith(f"{out / name} is not drawn: {type(error).__name__}") and "\n" not in line
+    )
+    caplog.clear()
+    assert main(["run", "hover", *TINY, "--out", str(out)]) == 0
+    assert sorted(files(out)) == FILES and not caplog.messages

@@ -197,7 +197,7 @@ def short(monkeypatch):
     )
     monkeypatch.setattr(module, "run_parallel", in_this_process)
     monkeypatch.setattr(compare_module, "run_parallel", in_this_process)
-    plot = "aerodrake.comparison.figure.plot_comparison"
+    plot = "aerodrake.comparison.folder.plot_comparison"
     monkeypatch.setattr(plot, lambda *arguments: arguments[-1].touch())
     return ["compare", "hover", *TINY, "--margins", "--variant", "modified", "--variant", "clik"]
 

@@ -143,7 +143,7 @@ def test_it_shows_the_command_that_repeats_the_flight(desktop, folder, summary):
 def test_the_same_flight_gives_the_same_page(folder, summary, vehicle):
     scenario = load_scenario(str(folder / "scenario.yaml"))
     log = FlightLog.read(folder / "log.npz", summary, vehicle)
-    page = report_page(FlightSimulation(scenario), summary, log, "<p>replay</p>", folder, folder)
+    page = report_page(FlightSimulation(scenario), summary, log, "<p>replay</p>", folder)
     again = (folder / "report.html").read_text()
     packed = re.compile(r'(<script type="application/gzip" id="packed">)[^<]*')
     assert packed.sub(r"\1", page) == packed.sub(r"\1", again)
@@ -157,5 +157,5 @@ def test_flights_that_ended_early_have_one(samples, folder, summary, vehicle):
     lost = lost_early(log, samples, "tilt & <b>")
     ended = summary | {"exit_reason": "lost", "exit_cause": "tilt & <b>"}
     flight = FlightSimulation(load_scenario(str(folder / "scenario.yaml")))
-    page = report_page(flight, ended, lost, "", folder, folder)
+    page = report_page(flight, ended, lost, "", folder)
     assert "tilt &amp; &lt;b&gt;" in page and "<iframe" not in page

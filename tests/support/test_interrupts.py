@@ -35,7 +35,7 @@ def test_without_check_the_code_runs_to_its_end(capfd):
         send()
         assert capfd.readouterr().err == ""
         send()
-        assert "saving; interrupt again to discard the results" in capfd.readouterr().err
+        assert "saving; another interrupt ends the command at once" in capfd.readouterr().err
 
 
 def test_the_third_interrupt_is_not_deferred():

@@ -1,0 +1,37 @@
+"""Figures and page of a comparison, beside its results."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from aerodrake.comparison.figure import plot_comparison
+from aerodrake.comparison.margins_report import plot_margins
+from aerodrake.comparison.page import Comparison, comparison_page
+from aerodrake.reports.drawing import drawing
+from aerodrake.support.files import write_atomically
+
+
+def draw_comparison(
+    folder: Path, comparison: Comparison, resolved: str, commands: Sequence[str]
+) -> None:
+    """Adds `comparison.png`, `margins.png` with margins, and `report.html`.
+
+    Reports if one of them cannot be drawn.
+
+    Args:
+        folder: Folder of the results.
+        comparison: The comparison to show.
+        resolved, commands: See `comparison_page`.
+    """
+    scenario, own = comparison.scenario, comparison.own
+    title = f"{scenario.name}, seed {scenario.seed}"
+    path = folder / "comparison.png"
+    with drawing(path):
+        shown = comparison.variants.get(own, scenario)
+        plot_comparison(comparison.logs, own, shown, title, path)
+    path = folder / "margins.png"
+    if comparison.margins:
+        with drawing(path):
+            plot_margins(comparison.margins, title, path)
+    path = folder / "report.html"
+    with drawing(path):
+        write_atomically(path, comparison_page(comparison, resolved, commands).encode())
