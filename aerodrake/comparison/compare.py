@@ -25,7 +25,7 @@ from aerodrake.systems.sensors import is_exact
 FILES = ("comparison.json", "comparison.png", "report.html")
 """Files that a comparison writes, beside one folder for each variant."""
 
-RESULTS = FILES[:1]
+RESULTS = ("comparison.json", "*/scenario.yaml")
 """Files that every comparison has, also if it could not be drawn."""
 
 CLIK_MAX_K_E = 4.0

@@ -20,7 +20,7 @@ def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]
 
     Args:
         target: Path of the results.
-        markers: Files that every folder of the command's results has.
+        markers: Files that every folder of the command's results has; patterns as for `Path.glob`.
 
     Raises:
         BadInput: if `target` cannot be written, or has other files than an earlier run.
@@ -51,7 +51,7 @@ def check_target(target: Path, markers: Sequence[str] = MARKERS) -> Path:
             raise BadInput("--out", "", f"expected a folder, but {target} is a file")
         # Creating a folder shows that it is possible, and completes interrupted replacements.
         with scratch_folder(next(parent for parent in path.parents if parent.exists())):
-            is_run = all((path / name).is_file() for name in markers)
+            is_run = all(any(map(Path.is_file, path.glob(name))) for name in markers)
             if path.is_dir() and any(path.iterdir()) and not is_run:
                 message = f"{target} holds files that are not of an earlier run"
                 raise BadInput("--out", "", message)

@@ -8,7 +8,7 @@ import pytest
 from matplotlib import pyplot as plt
 
 from aerodrake.identification.identify import ARMS, AXES, Identification, Record, identify_axis
-from aerodrake.identification.report import FILES, plot_identification, table, write
+from aerodrake.identification.report import FILES, draw, plot_identification, table, write
 from aerodrake.scenario import Flight, Model, Scenario
 from aerodrake.scenario.load import load_scenario, load_with_options
 
@@ -63,6 +63,7 @@ def test_the_last_line_is_a_valid_option(identification):
 def folder(identification, tmp_path_factory):
     folder = tmp_path_factory.mktemp("identification")
     write(identification, "aerodrake identify it", folder)
+    draw(identification, folder)
     return folder
 
 
