@@ -14,6 +14,10 @@ COMMANDS = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
 """Commands by name, in the order of `aerodrake --help`."""
 
 
+POSITIONAL = ("scenario", "name")
+"""Arguments that are not options."""
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command.
 
@@ -26,7 +30,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         with termination_as_interrupt():
             return arguments.command(arguments)
     except (BadInput, ProcessDied) as error:
-        print(f"aerodrake: {error}", file=sys.stderr)
+        print(f"aerodrake: {_as_given(error, arguments)}", file=sys.stderr)
         return 2 if isinstance(error, BadInput) else 1
     except KeyboardInterrupt:
         print("aerodrake: interrupted", file=sys.stderr)
@@ -46,6 +50,13 @@ def make_parser() -> argparse.ArgumentParser:
         module.add_arguments(command)
         command.set_defaults(command=module.main)
     return parser
+
+
+def _as_given(error: Exception, arguments: argparse.Namespace) -> str:
+    """Returns the message, in which an argument of a function is named as the option it is here."""
+    text = str(error)
+    is_option = isinstance(error, BadInput) and error.source in vars(arguments)
+    return f"--{text}" if is_option and error.source not in POSITIONAL else text
 
 
 class _Parser(argparse.ArgumentParser):

@@ -28,6 +28,7 @@ ROOMS = (
     "comparison",
     "sweeps",
     "bench",
+    "api",
     "commands",
     "cli",
     "__main__",
@@ -212,7 +213,7 @@ def test_the_link_over_lcm_is_an_option():
         if any(module.startswith("aerodrake.wire.") for module in imports(path))
     }
     users = {user for user in users if not user.startswith("wire/")}
-    assert users == {"flight/simulate.py", "commands/run.py", "commands/coordinator.py"}
+    assert users == {"flight/simulate.py", "api/fly.py", "commands/coordinator.py"}
 
 
 @pytest.mark.parametrize("path", TESTS, ids=str)

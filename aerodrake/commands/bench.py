@@ -27,19 +27,19 @@ def main(arguments: argparse.Namespace) -> int:
     """
     file = arguments.json
     if file is not None and (file.is_dir() or not file.parent.is_dir()):
-        raise BadInput("--json", "", f"expected a file in an existing folder, got {file}")
+        raise BadInput("json", "", f"expected a file in an existing folder, got {file}")
     target = arguments.out or options.new_folder("bench")
 
+    from aerodrake.api.console import Console
     from aerodrake.bench.report import FILES, bench_table, missing_peers, plot_bench
     from aerodrake.bench.suite import FULL, QUICK, STEPS, bench
     from aerodrake.flight.summary import to_json
     from aerodrake.reports.drawing import drawing
 
-    say = options.printer(arguments)
-    for note in missing_peers():
-        say(f"note: {note}")
+    console = Console(arguments.quiet)
+    console.note(missing_peers())
     with run_folder(target, FILES[:1]) as folder:
-        with options.progress_bar(arguments, None, STEPS, "step") as bar:
+        with console.bar(None, STEPS, "step") as bar:
 
             def begin(step: str) -> None:
                 bar.set_description(step)
@@ -52,6 +52,6 @@ def main(arguments: argparse.Namespace) -> int:
         plot_bench(figures, path)
     if file is not None:
         write_atomically(file, to_json(figures).encode())
-    say(bench_table(figures))
-    say(f"\n{target}: {', '.join(FILES)}")
+    console.say(bench_table(figures))
+    console.say(f"\n{target}: {', '.join(FILES)}")
     return 0

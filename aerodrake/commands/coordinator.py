@@ -23,16 +23,17 @@ def main(arguments: argparse.Namespace) -> int:
     """Runs the coordinator in wall time for one flight of `aerodrake run SCENARIO --lcm`."""
     scenario = options.load(arguments)
 
+    from aerodrake.api.console import Console
     from aerodrake.wire.companion import Companion
     from aerodrake.wire.interface import make_lcm
 
-    say = options.printer(arguments)
+    console = Console(arguments.quiet)
     lcm = make_lcm(arguments.lcm)
-    options.print_compile_note(say)
+    console.note([])
     with frozen(scenario) as scenario:  # Reads the files as the station does.
-        companion = Companion(scenario, lcm, say)
-    say(f"note: waiting for a station at {arguments.lcm}")
-    bar = options.flight_bar(arguments, scenario.name, scenario.settle_s + scenario.duration)
+        companion = Companion(scenario, lcm, console.say)
+    console.say(f"note: waiting for a station at {arguments.lcm}")
+    bar = console.flight_bar(scenario.name, scenario.settle_s + scenario.duration)
     try:
         with deferred_interrupts() as check, frozen_garbage(), bar:
 
@@ -43,7 +44,7 @@ def main(arguments: argparse.Namespace) -> int:
 
             companion.serve(progress)
     finally:
-        say(companion.service.line())
+        console.say(companion.service.line())
     if companion.service.fault:
         raise ProcessDied(companion.service.fault)
     return 0

@@ -1,15 +1,13 @@
 """Command `aerodrake identify [SCENARIO]`."""
 
 import argparse
-import shlex
 from pathlib import Path
 
 from aerodrake.commands import options
 from aerodrake.scenario.edit import check_replaceable, replace_numbers
-from aerodrake.scenario.inputs import frozen
 from aerodrake.support.errors import BadInput
 from aerodrake.support.interrupts import deferred_interrupts
-from aerodrake.support.run_folder import run_folder
+from aerodrake.support.run_folder import check_target
 
 HELP = "identify K_B of a scenario's equivalent model"
 
@@ -27,29 +25,25 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 def main(arguments: argparse.Namespace) -> int:
     """Identifies K_B of a scenario's equivalent model, writes the results and prints a table."""
     scenario = options.load(arguments)
+    file = Path(scenario.source)
     if arguments.write:
         if arguments.set:
-            raise BadInput("--write", "", "expected no --set, since K_B is written to the file")
-        check_replaceable(Path(scenario.source), "model.k_b")
+            raise BadInput("write", "", "expected no --set, since K_B is written to the file")
+        check_replaceable(file, "model.k_b")
     target = arguments.out or options.new_folder(f"identify-{scenario.name}")
 
-    from aerodrake.identification import report
-    from aerodrake.identification.identify import DURATION_S, FLIGHTS, identify
+    from aerodrake.api.identify import identify
+    from aerodrake.identification.report import FIGURE, RESULTS
 
-    say = options.printer(arguments)
-    settings = [f"--set={assignment}" for assignment in arguments.set]
-    command = shlex.join(["aerodrake", "identify", arguments.scenario, *settings])
-    with frozen(scenario) as copied, run_folder(target, report.RESULTS) as folder:
-        name = f"identify {scenario.name}"
-        with options.flight_bar(arguments, name, FLIGHTS * DURATION_S) as bar:
-            identification = identify(copied, arguments.jobs, progress=bar.update)
-        with deferred_interrupts():
-            report.write(identification, command, folder)
+    check_target(target, RESULTS)
+    result = identify(scenario, jobs=arguments.jobs, quiet=arguments.quiet)
     with deferred_interrupts():
-        report.draw(identification, target)
-    say(f"{target}: {', '.join(report.FILES)}")
+        result.save(target)
+        result.report(target)
+    say = options.printer(arguments)
+    say(f"{target}: {', '.join((*RESULTS, FIGURE))}")
     if arguments.write:
-        replace_numbers(Path(scenario.source), "model.k_b", identification.k_b)
-        say(f"{scenario.source}: model.k_b replaced")
-    say(f"\n{report.table(identification)}")
+        replace_numbers(file, "model.k_b", result.k_b)
+        say(f"{file}: model.k_b replaced")
+    say(f"\n{result}\n\n--set 'model.k_b=[{','.join(f'{k:g}' for k in result.k_b)}]'")
     return 0

@@ -1,27 +1,15 @@
-"""Arguments, notes, folders and progress bars that several commands share."""
+"""Arguments and folders that several commands share."""
 
 import argparse
 import itertools
 import math
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
-
-from tqdm import tqdm
 
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import load_with_options
-from aerodrake.scenario.rules import warnings
-
-FLIGHT_BAR = (
-    "{desc} {percentage:3.0f}%|{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}, {rate_fmt}]"
-)
-"""Format of a progress bar over simulated time."""
-
-LIVE_BAR = "{desc} {n:.1f}/{total:.1f} s{postfix} |{bar}|"
-"""Format of a progress bar with the flight's state; fits into 80 columns."""
 
 LCM_URL = "udpm://239.255.76.67:7667?ttl=0"
 """LCM's default address, on this machine alone; ttl=1 includes the local network."""
@@ -41,6 +29,17 @@ def add_scenario(command: argparse.ArgumentParser, default: str = "") -> None:
         default=[],
         metavar="KEY=VALUE",
         help="override a dotted key of the scenario; may be given several times",
+    )
+
+
+def add_short_forms(command: argparse.ArgumentParser) -> None:
+    """Adds the options that override the seed and the duration."""
+    command.add_argument("--seed", metavar="N", help="override the scenario's seed")
+    command.add_argument(
+        "--duration",
+        metavar="S",
+        help="override the duration, in s of reference time, which begins after the hover of "
+        "settle_s at the start",
     )
 
 
@@ -103,43 +102,9 @@ def load(arguments: argparse.Namespace) -> Scenario:
     return load_with_options(arguments.scenario, pairs)
 
 
-def progress_bar(
-    arguments: argparse.Namespace, name: str | None, total: float | None, unit: str, **others: Any
-) -> tqdm:
-    """Returns a bar up to `total`, if that is known; with --quiet it is not shown."""
-    return tqdm(desc=name, total=total, unit=unit, disable=arguments.quiet, **others)
-
-
-def flight_bar(
-    arguments: argparse.Namespace, name: str, total_s: float, form: str = FLIGHT_BAR
-) -> tqdm:
-    """Returns a bar over simulated time."""
-    return progress_bar(arguments, name, total_s, "s", bar_format=form)
-
-
 def printer(arguments: argparse.Namespace) -> Callable[[str], None]:
     """Returns `print`, or with --quiet a function without effect."""
     return (lambda line: None) if arguments.quiet else print
-
-
-def print_notes(say: Callable[[str], None], scenario: Scenario, others: Sequence[str] = ()) -> None:
-    """Prints the notes on a scenario before its flight, and `others`."""
-    from aerodrake.model.low_level.thrust_allocation import thrust_notes
-    from aerodrake.model.residual.scenario_network import provenance_notes
-
-    joints = len(scenario.vehicle.working_rad)
-    notes = [*warnings(scenario), *provenance_notes(scenario, joints), *thrust_notes(scenario)]
-    for note in (*notes, *others):
-        say(f"note: {note}")
-    print_compile_note(say)
-
-
-def print_compile_note(say: Callable[[str], None]) -> None:
-    """Prints a note if the equations are not compiled yet."""
-    from aerodrake.support.compiled import is_cold
-
-    if is_cold():
-        say("note: compiling the equations first; this takes a minute, once per machine")
 
 
 def new_folder(name: str) -> Path:

@@ -1,20 +1,14 @@
 """Command `aerodrake sweep SCENARIO`."""
 
-from __future__ import annotations
-
 import argparse
-import os
+import json
 import shlex
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 from aerodrake.commands import options
 from aerodrake.support.errors import BadInput, ProcessDied
-
-if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
-    from aerodrake.sweeps.folder import SweepFolder
 
 HELP = "fly a scenario many times with varied keys"
 
@@ -59,59 +53,56 @@ def main(arguments: argparse.Namespace) -> int:
     Each trial adds a row to trials.jsonl when it ends. --resume continues an interrupted sweep.
     """
     if arguments.resume and not arguments.out:
-        raise BadInput("--resume", "", "expected --out DIR with the folder of a sweep")
+        raise BadInput("resume", "", "expected --out DIR with the folder of a sweep")
     scenario = options.load(arguments)
+    vary = dict(_distributions(arguments.vary))
 
-    from aerodrake.sweeps.cluster import cluster
-    from aerodrake.sweeps.folder import FILES, sweep_folder
-    from aerodrake.sweeps.loop import processes
-    from aerodrake.sweeps.plan import Plan
-    from aerodrake.sweeps.report import sweep_table, write_report
+    from aerodrake.api.sweep import sweep
+    from aerodrake.sweeps.folder import FILES
     from aerodrake.sweeps.trial import FAILURES
 
-    plan = Plan.make(scenario, arguments.vary, arguments.trials)
-    plan.check()
     target = arguments.out or options.new_folder(f"{scenario.name}-sweep")
-    say = options.printer(arguments)
-    options.print_notes(say, scenario)
-    jobs = arguments.jobs or os.cpu_count() or 1
-    address = arguments.scheduler
-    engine = processes(jobs) if address is None else cluster(address)
-    with engine as executor, sweep_folder(target, plan, arguments.resume) as folder:
-        try:
-            _fly(arguments, folder, executor)
-        except (KeyboardInterrupt, ProcessDied):
-            done = f"{len(folder.recorded)} of {plan.trials} trials are in {target}"
-            again = _resume(arguments, target)
-            print(f"aerodrake: {done}; continue with: {again}", file=sys.stderr)
-            raise
-        summary = write_report(folder)
-    say(sweep_table(summary))
-    say(f"\n{target}: {', '.join(FILES)}")
-    return 1 if any(summary["endings"].get(reason) for reason in FAILURES) else 0
+    try:
+        result = sweep(
+            scenario,
+            vary=vary,
+            trials=arguments.trials,
+            out=target,
+            resume=arguments.resume,
+            jobs=arguments.jobs,
+            executor=arguments.scheduler,
+            quiet=arguments.quiet,
+        )
+    except (KeyboardInterrupt, ProcessDied):
+        _say_how_to_resume(arguments, target)
+        raise
+    options.printer(arguments)(f"{result}\n\n{target}: {', '.join(FILES)}")
+    return 1 if any(result.summary["endings"].get(reason) for reason in FAILURES) else 0
 
 
-def _fly(arguments: argparse.Namespace, folder: SweepFolder, executor: Executor) -> None:
-    """Flies the trials that have no row yet, with a progress bar."""
-    from aerodrake.sweeps.loop import sweep
-
-    endings: dict[str, int] = {}
-    name, trials = folder.plan.scenario.name, folder.plan.trials
-    bar = options.progress_bar(arguments, name, trials, "trial", initial=len(folder.recorded))
-    with bar:
-
-        def progress(row: dict) -> None:
-            reason = row["exit_reason"]
-            if reason != "completed":
-                endings[reason] = endings.get(reason, 0) + 1
-                bar.set_postfix(endings, refresh=False)
-            bar.update()
-
-        sweep(folder, executor, progress)
+def _distributions(assignments: list[str]) -> Iterator[tuple[str, str]]:
+    """Yields the dotted key and the distribution of each `KEY=DIST`."""
+    seen = set()
+    for text in assignments:
+        key, equals, distribution = text.partition("=")
+        key = key.strip()
+        if not key or not equals:
+            raise BadInput("vary", "", f"expected dotted.key=distribution, got '{text}'")
+        if key in seen:
+            raise BadInput("vary", key, "expected each key once")
+        seen.add(key)
+        yield key, distribution
 
 
-def _resume(arguments: argparse.Namespace, target: object) -> str:
-    """Returns the command that continues an interrupted sweep."""
+def _say_how_to_resume(arguments: argparse.Namespace, target: Path) -> None:
+    """Prints the number of recorded trials, and the command that continues the sweep."""
+    from aerodrake.sweeps.folder import read_rows
+    from aerodrake.sweeps.match import PLAN
+
+    if not (target / PLAN).is_file():
+        return  # No trial was flown.
+    trials = json.loads((target / PLAN).read_text())["trials"]
+    done = f"{len(list(read_rows(target)))} of {trials} trials are in {target}"
     words = ["aerodrake", "sweep", arguments.scenario]
     for option in ("set", "vary"):
         words += [word for value in getattr(arguments, option) for word in (f"--{option}", value)]
@@ -119,4 +110,5 @@ def _resume(arguments: argparse.Namespace, target: object) -> str:
         value = getattr(arguments, option)
         if value is not None:
             words += [f"--{option}", str(value)]
-    return shlex.join([*words, "--resume", "--out", str(target)])
+    again = shlex.join([*words, "--resume", "--out", str(target)])
+    print(f"aerodrake: {done}; continue with: {again}", file=sys.stderr)

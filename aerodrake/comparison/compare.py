@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.flight.summary import Summaries, failure
-from aerodrake.reports.flight_folder import draw_tracking, fly_into
+from aerodrake.flight.summary import Summaries, failure, summarize
+from aerodrake.reports.flight_folder import draw_tracking, write_results
 from aerodrake.reports.flight_table import notes as flight_notes
 from aerodrake.scenario import OrientationOff, Scenario, Weights
 from aerodrake.scenario.load import MAX_FILE_BYTES
@@ -21,12 +21,6 @@ from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.files import PACKAGE, locate, read_bounded
 from aerodrake.support.processes import run_parallel
 from aerodrake.systems.sensors import is_exact
-
-FILES = ("comparison.json", "comparison.png", "report.html")
-"""Files that a comparison writes, beside one folder for each variant."""
-
-RESULTS = ("comparison.json", "*/scenario.yaml")
-"""Files that every comparison has, also if it could not be drawn."""
 
 CLIK_MAX_K_E = 4.0
 """1/s, largest K_e of closed-loop inverse kinematics, which oscillates at 12."""
@@ -154,7 +148,7 @@ def make_variants(
     """
     for name in names:
         if name not in VARIANTS:
-            raise BadInput("--variant", "", f"no such variant '{name}'; {nearest(name, VARIANTS)}")
+            raise BadInput("variant", "", f"no such variant '{name}'; {nearest(name, VARIANTS)}")
     baseline = baseline or load_baseline(scenario)
     absent = PARTS.keys() - parts(_proposed(scenario))
     if scenario.residual.mode != "online":
@@ -201,7 +195,7 @@ def result_notes(summaries: Summaries) -> list[str]:
     ]
 
 
-def compare(
+def fly_variants(
     variants: Mapping[str, Scenario],
     folder: Path,
     jobs: int,
@@ -240,7 +234,9 @@ def compare(
 def _fly(flight: tuple[Scenario, Path]) -> dict[str, Any]:
     scenario, folder = flight
     folder.mkdir()
+    log = FlightSimulation(scenario).fly()
+    summary = summarize(scenario, log)
+    write_results(folder, scenario, summary, log)
     title = f"{scenario.name} as {folder.name}, seed {scenario.seed}"
-    summary, log = fly_into(folder, FlightSimulation(scenario))
     draw_tracking(folder, scenario, log, title)
     return summary

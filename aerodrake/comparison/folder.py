@@ -9,6 +9,8 @@ from aerodrake.comparison.page import Comparison, comparison_page
 from aerodrake.reports.drawing import drawing
 from aerodrake.support.files import write_atomically
 
+FIGURE, MARGINS_FIGURE, PAGE = "comparison.png", "margins.png", "report.html"
+
 
 def draw_comparison(
     folder: Path, comparison: Comparison, resolved: str, commands: Sequence[str]
@@ -24,14 +26,14 @@ def draw_comparison(
     """
     scenario, own = comparison.scenario, comparison.own
     title = f"{scenario.name}, seed {scenario.seed}"
-    path = folder / "comparison.png"
+    path = folder / FIGURE
     with drawing(path):
         shown = comparison.variants.get(own, scenario)
         plot_comparison(comparison.logs, own, shown, title, path)
-    path = folder / "margins.png"
+    path = folder / MARGINS_FIGURE
     if comparison.margins:
         with drawing(path):
             plot_margins(comparison.margins, title, path)
-    path = folder / "report.html"
+    path = folder / PAGE
     with drawing(path):
         write_atomically(path, comparison_page(comparison, resolved, commands).encode())

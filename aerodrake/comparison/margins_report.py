@@ -15,9 +15,6 @@ from aerodrake.flight.summary import HEADLINES, millimetres, to_json
 from aerodrake.reports.figures import INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario import Scenario
 
-FILES = ("margins.json", "margins.png")
-"""Files of the margins, beside those of their comparison."""
-
 COLUMNS = {
     "delay_s": ("delay, ms", 1e3),
     "thrust_up": ("thrust up, x", 1.0),

@@ -122,7 +122,7 @@ class Identification:
         return dataclasses.replace(self.scenario, model=model)
 
 
-def identify(
+def identify_gains(
     scenario: Scenario, jobs: int, progress: Callable[[float], None] = lambda flown_s: None
 ) -> Identification:
     """Flies all axes with both motions of the arm, each in its own process, and fits K_B.

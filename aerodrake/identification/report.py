@@ -17,8 +17,8 @@ from aerodrake.reports.drawing import drawing
 from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario.load import save_scenario
 
-FILES = ("identification.json", "identification.png", "scenario.yaml")
-"""Files that an identification writes."""
+FIGURE = "identification.png"
+RESULTS = ("identification.json", "scenario.yaml")
 
 RESULTS = ("identification.json", "scenario.yaml")
 """Files that every identification has, also if it could not be drawn."""
@@ -63,7 +63,7 @@ def as_figures(identification: Identification, command: str) -> dict[str, Any]:
     }
 
 
-def write(identification: Identification, command: str, folder: Path) -> None:
+def write_results(identification: Identification, command: str, folder: Path) -> None:
     """Writes `RESULTS` into an existing folder; `command` repeats the identification."""
     figures = as_figures(identification, command)
     (folder / "identification.json").write_text(to_json(figures), encoding="utf-8")
@@ -72,13 +72,13 @@ def write(identification: Identification, command: str, folder: Path) -> None:
 
 def draw(identification: Identification, folder: Path) -> None:
     """Adds `identification.png` to the folder; reports if that fails."""
-    path = folder / "identification.png"
+    path = folder / FIGURE
     with drawing(path):
         plot_identification(identification, path)
 
 
 def table(identification: Identification) -> str:
-    """Returns a table of K_B with the scenario's and the paper's, and the option that sets it."""
+    """Returns a table of K_B with the scenario's and the paper's."""
     scenario = identification.scenario
     lines = [
         f"{scenario.name}: K_B of the base, flight.interface {scenario.flight.interface}, in 1/s",
@@ -93,8 +93,7 @@ def table(identification: Identification) -> str:
             f"{name:<6}{axis.fit.gain:>7.3f}{f'{low:.3f} .. {high:.3f}':>18}{axis.fit.r2:>8.3f}"
             f"{axis.gains['still']:>11.3f}{axis.gains['moving']:>9.3f}{own:>11.2f}{paper:>8.2f}"
         )
-    values = ",".join(f"{k:g}" for k in identification.k_b)
-    return "\n".join([*lines, "", f"--set 'model.k_b=[{values}]'"])
+    return "\n".join(lines)
 
 
 def plot_identification(identification: Identification, path: Path) -> None:

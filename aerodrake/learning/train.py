@@ -137,12 +137,12 @@ def _write(
             with drawing(folder / FIGURE):
                 plot_training(result, delta, folder / FIGURE)
     except OSError as error:
-        raise BadInput("--out", "", f"cannot write {folder}: {error.strerror}") from None
+        raise BadInput(folder, "", f"cannot be written: {error.strerror}") from None
 
 
 def _prepare(folder: Path, joints: int) -> None:
     """Creates the folder; refuses one with files that are not of an earlier training."""
-    refuse = partial(BadInput, "--out", "")
+    refuse = partial(BadInput, folder, "")
     try:
         if folder.exists():
             names = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
@@ -151,13 +151,13 @@ def _prepare(folder: Path, joints: int) -> None:
             is_interrupted = has_network and DATA in names
             is_incomplete = has_network != has_figure and not is_interrupted
             if is_incomplete or names - {CHECKPOINT, LOG, FIGURE, DATA}:
-                raise refuse(f"{folder} holds files that are not of an earlier training")
+                raise refuse("holds files that are not of an earlier training")
         (folder / DATA).mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise refuse(f"cannot write {folder}: {reason}") from None
+        raise refuse(f"cannot be written: {reason}") from None
     for name in (LOG, FIGURE):
         if (folder / name).is_dir():
-            raise refuse(f"expected a file, but {folder / name} is a folder")
+            raise BadInput(folder / name, "", "expected a file, got a folder")
     if (folder / CHECKPOINT).exists():
         load(folder / CHECKPOINT, joints)

@@ -1,44 +1,52 @@
 """`report.html` of a flight."""
 
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from pydrake.systems.framework import Diagram
+
 from aerodrake.flight.log import FlightLog
-from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.reports.flight_pictures import flight_pictures
 from aerodrake.reports.flight_table import highlights, notes, table_rows
 from aerodrake.reports.page import render
+from aerodrake.scenario import Scenario
 
 MOST_EVENTS = 200
 """Largest number of events in a page."""
 
 
 def report_page(
-    flight: FlightSimulation,
-    summary: dict[str, Any],
+    scenario: Scenario,
+    summary: Mapping[str, Any],
     log: FlightLog,
+    closed_loop: Diagram,
     replay: str,
+    *,
+    resolved: str,
     folder: Path,
 ) -> str:
     """Returns the page of one flight.
 
     Args:
-        flight, summary, log: The flight and its results.
+        scenario, summary, log: The flight's.
+        closed_loop: Diagram that was flown.
         replay: A page from `replay_page`.
-        folder: The folder of `scenario.yaml`, also for the command that repeats the flight.
+        resolved: The scenario as YAML, with the paths of the user's own files.
+        folder: Folder of the results, for the command that repeats the flight.
     """
-    scenario = flight.scenario
+    kind = scenario.reference.kind
     return render(
         "flight.html",
-        flight.closed_loop,
+        closed_loop,
         replay,
         summary=summary,
-        highlights=highlights(summary, scenario.reference.kind),
+        highlights=highlights(summary, kind),
         most_events=MOST_EVENTS,
-        rows=table_rows(summary, scenario.reference.kind),
+        rows=table_rows(summary, kind),
         notes=notes(summary),
         pictures=list(flight_pictures(log, scenario)),
-        resolved=(folder / "scenario.yaml").read_text(encoding="utf-8"),
+        resolved=resolved,
         commands=[shlex.join(["aerodrake", "run", str(folder / "scenario.yaml")])],
     )

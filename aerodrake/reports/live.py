@@ -1,6 +1,8 @@
 """Live view of a flight in Meshcat and in one line of text."""
 
 import math
+from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Self
 
 import numpy as np
@@ -13,7 +15,10 @@ from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.reports.scene import Scene
+from aerodrake.support.errors import BadInput
 
+SLOWEST, FASTEST = 0.01, 1000.0
+"""Range of the ratio of simulated time to wall time."""
 FRAMES_PER_S = 30.0
 """Frames per second of wall time."""
 SHOWN_S = 120.0
@@ -23,32 +28,41 @@ TRACE_EVERY = 3
 
 
 class LiveView:
-    """Shows a flight in Meshcat. It is a context manager, like `Scene`.
+    """Shows a flight in Meshcat. It is a context manager, which closes the view.
 
     It does not change the flight.
 
     Attributes:
-        url: Address for a browser.
+        rate: Simulated time over wall time of the flight; 1 is real time.
 
     Args:
-        flight: The flight, ready to fly.
-        rate: Simulated time over wall time of the flight, above 0; 1 is real time.
+        rate: The attribute, in [0.01, 1000].
+        announce: Called with a line that has the address for a browser.
+
+    Raises:
+        BadInput: if the rate is out of range.
     """
 
-    def __init__(self, flight: FlightSimulation, rate: float):
-        self._flight, self._scenario = flight, flight.scenario
-        self._rate = rate
-        self._scene = Scene(flight.scenario, flight.vehicle)
-        self.url = self._scene.meshcat.web_url()
+    def __init__(self, rate: float = 1.0, announce: Callable[[str], None] = print):
+        if not SLOWEST <= rate <= FASTEST:
+            raise BadInput(
+                "rate", "", f"expected a number in [{SLOWEST:g}, {FASTEST:g}], got {rate}"
+            )
+        self.rate = rate
+        self._announce = announce
+        self._scenes = ExitStack()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._scene.__exit__(*error)
+        self._scenes.close()
 
     def attach(self, flight: FlightSimulation, simulator: Simulator) -> None:
         """Begins to show the flight; an argument of `FlightSimulation.fly`."""
+        self._flight, self._scenario = flight, flight.scenario
+        self._scene = self._scenes.enter_context(Scene(flight.scenario, flight.vehicle))
+        self._announce(f"watch it at {self._scene.meshcat.web_url()}")
         self._context = simulator.get_context()
         self._coordinator = flight.closed_loop.GetSubsystemByName("coordinator")
         self._frames = self._viewers = 0
@@ -71,7 +85,7 @@ class LiveView:
 
     def _monitor(self, context: Context) -> EventStatus:
         """Shows a frame if one is due; called at every step of the plant."""
-        if context.get_time() * FRAMES_PER_S >= self._frames * self._rate:
+        if context.get_time() * FRAMES_PER_S >= self._frames * self.rate:
             self._show()
         return EventStatus.DidNothing()
 

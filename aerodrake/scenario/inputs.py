@@ -1,7 +1,6 @@
 """Files that a scenario names, copied so that the flown and the saved content are the same."""
 
 import itertools
-import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -10,7 +9,7 @@ from aerodrake.scenario.schema import map_files
 from aerodrake.scenario.sections import Scenario
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import read_bounded
-from aerodrake.support.scratch import scratch_folder
+from aerodrake.support.scratch import temporary_folder
 from aerodrake.support.urdf import SUFFIX, copy_urdf
 
 MAX_BYTES = 20_000_000
@@ -26,12 +25,15 @@ def frozen(scenario: Scenario) -> Iterator[Scenario]:
     Raises:
         BadInput: if the copies cannot be written.
     """
+    if not named_files(scenario):
+        yield scenario
+        return
     with ExitStack() as stack:
+        home = stack.enter_context(temporary_folder())
         try:
-            home = stack.enter_context(scratch_folder(Path(tempfile.gettempdir())))
             copies = copy_inputs(scenario, home / "inputs")
         except OSError as error:
-            raise BadInput("temporary folder", "", f"cannot be written: {error.strerror}") from None
+            raise BadInput(home.parent, "", f"cannot be written: {error.strerror}") from None
         originals = dict(zip(named_files(copies), named_files(scenario), strict=True))
         try:
             yield copies

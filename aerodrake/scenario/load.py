@@ -87,6 +87,26 @@ def override(
     return _checked(vars(scenario), changes, scenario.name, scenario.name or scenario.source)
 
 
+def resolve(
+    scenario: Scenario | str | os.PathLike[str],
+    overrides: Mapping[str, Any] | None = None,
+    /,
+    **keys: Any,
+) -> Scenario:
+    """Returns a scenario, or one read from a name or path, with overridden keys.
+
+    Args:
+        scenario: A scenario, or as for `load_scenario`.
+        overrides, keys: As for `load_scenario`.
+
+    Raises:
+        ScenarioError: as for `load_scenario`.
+    """
+    if isinstance(scenario, Scenario):
+        return override(scenario, overrides, **keys)
+    return load_scenario(scenario, overrides, **keys)
+
+
 def save_scenario(scenario: Scenario, folder: Path) -> Path:
     """Writes `scenario.yaml`, and a copy of each file that it names, into `folder`.
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from aerodrake.scenario.faults import SAMPLE_GROUPS, LearnerFault, MpcFault, MpcStarved
 from aerodrake.scenario.references import AxisAlong, FixedAxis, OrientationOff, Waypoints
 from aerodrake.scenario.residual import Guards, Residual
-from aerodrake.scenario.sections import Scenario
+from aerodrake.scenario.sections import Allocation, Scenario
 from aerodrake.support.errors import ScenarioError
 
 MAX_NAME_BYTES = 200
@@ -134,10 +134,14 @@ def warnings(scenario: Scenario) -> list[str]:
     """Returns notes on values that are valid but may degrade the flight."""
     notes = []
     half_height = scenario.allocation.learning_space_m[2] / 2
-    if scenario.allocation.d_h_m > half_height:
+    as_in_the_paper = Allocation()
+    if scenario.allocation.d_h_m > half_height and not (
+        scenario.allocation.d_h_m == as_in_the_paper.d_h_m
+        and scenario.allocation.learning_space_m == as_in_the_paper.learning_space_m
+    ):
         notes.append(
             f"allocation.d_h_m ({scenario.allocation.d_h_m:g} m) exceeds half the height of the "
-            f"learning space ({half_height:g} m), as in the paper"
+            f"learning space ({half_height:g} m)"
         )
     if scenario.model.kind in ("paper", "exact") and scenario.flight.interface == "trajectory":
         notes.append(

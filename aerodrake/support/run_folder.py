@@ -35,6 +35,18 @@ def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]
             replace_folder(scratch, path)
 
 
+def existing_folder(target: str | os.PathLike[str]) -> Path:
+    """Returns the path of a folder, which is created if it is missing.
+
+    Raises:
+        BadInput: if it cannot be created.
+    """
+    path = Path(target)
+    with _writing(path):
+        path.mkdir(parents=True, exist_ok=True)
+    return path
+
+
 def check_target(target: Path, markers: Sequence[str] = MARKERS) -> Path:
     """Checks that `run_folder` can write `target`, and returns its path without links.
 

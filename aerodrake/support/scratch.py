@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from aerodrake.support.errors import BadInput
+
 PREFIX = ".aerodrake-"
 """Prefix of the folders' names. A folder is locked while its process is running."""
 
@@ -34,6 +36,22 @@ def scratch_folder(parent: Path) -> Iterator[Path]:
         _complete_replacement(folder)  # After an interrupt between the two renames.
         shutil.rmtree(folder, ignore_errors=True)
         os.close(lock)
+
+
+@contextmanager
+def temporary_folder() -> Iterator[Path]:
+    """Yields an empty folder for temporary files, which is removed at the end.
+
+    Raises:
+        BadInput: if it cannot be created.
+    """
+    parent = Path(tempfile.gettempdir())
+    with contextlib.ExitStack() as stack:
+        try:
+            folder = stack.enter_context(scratch_folder(parent))
+        except OSError as error:
+            raise BadInput(parent, "", f"cannot be written: {error.strerror}") from None
+        yield folder
 
 
 def replace_folder(scratch: Path, path: Path) -> None:

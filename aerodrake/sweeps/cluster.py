@@ -8,7 +8,8 @@ from importlib.metadata import version
 
 from aerodrake.support.errors import BadInput
 
-SCHEDULER = "--scheduler"
+SCHEDULER = "scheduler"
+"""Argument that errors name."""
 
 TIMEOUT_S = 10.0
 """s, timeout of the connection to the scheduler."""

@@ -10,7 +10,8 @@ import numpy as np
 from aerodrake.scenario.plain_yaml import dump_line, parse
 from aerodrake.support.errors import BadInput, nearest
 
-VARY = "--vary"
+VARY = "vary"
+"""Argument that errors name."""
 
 MOST_STEPS = 100_000
 """Largest number of values of a grid along one key."""

@@ -110,8 +110,8 @@ def _begin(target: Path, plan: Plan, locks: contextlib.ExitStack) -> None:
         with contextlib.ExitStack() as earlier:
             _lock(target, earlier)
             if (target / PLAN).is_file() and not (target / SUMMARY).is_file():
-                unfinished = f"{target} contains an unfinished sweep; --resume continues it"
-                raise BadInput("--out", "", unfinished)
+                unfinished = "contains an unfinished sweep; `resume` continues it"
+                raise BadInput(target, "", unfinished)
             with run_folder(target, RESULTS) as folder:
                 save_scenario(plan.scenario, folder)
                 (folder / PLAN).write_text(to_json(plan.as_mapping()), encoding="utf-8")
@@ -140,23 +140,23 @@ def writing(target: Path) -> Iterator[None]:
         yield
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise BadInput("--out", "", f"cannot write {target}: {reason}") from None
+        raise BadInput(target, "", f"cannot be written: {reason}") from None
 
 
 def _lock(folder: Path, locks: contextlib.ExitStack) -> None:
     """Locks the folder until `locks` are closed or this process ends."""
     if not folder.is_dir():
-        raise BadInput("--resume", "", f"expected the folder of a sweep, got {folder}")
+        raise BadInput("resume", "", f"expected the folder of a sweep, got {folder}")
     lock = os.open(folder, os.O_RDONLY)
     locks.callback(os.close, lock)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise BadInput("--out", "", f"another sweep writes to {folder}") from None
+        raise BadInput(folder, "", "another sweep writes to it") from None
     except OSError:
         return  # The file system has no locks.
     if not os.path.samestat(os.fstat(lock), os.stat(folder)):
-        raise BadInput("--out", "", f"another sweep writes to {folder}")
+        raise BadInput(folder, "", "another sweep writes to it")
 
 
 def _append(path: Path, row: dict[str, Any]) -> None:

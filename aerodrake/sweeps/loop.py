@@ -25,7 +25,7 @@ MOST_DEATHS = 3
 """Number of child processes that must die in a trial for it to be recorded as failed."""
 
 
-def sweep(
+def fly_trials(
     folder: SweepFolder,
     executor: Executor,
     progress: Callable[[dict[str, Any]], None] = lambda row: None,

@@ -41,7 +41,7 @@ def check_same(target: Path, plan: Plan) -> None:
     for key in {**stored, **expected}:
         if stored.get(key) != expected.get(key):
             one, other = (f"{values.get(key, 'none')}"[:60] for values in (stored, expected))
-            raise BadInput("--resume", key, f"the sweep in {target} has {one}, not {other}")
+            raise BadInput("resume", key, f"the sweep in {target} has {one}, not {other}")
 
 
 def _values(folder: Path, plan: dict[str, Any]) -> dict[str, Any]:
@@ -61,7 +61,7 @@ def _read_plan(target: Path) -> dict[str, Any]:
     """Returns the plan with parsed distributions, since their notation is not unique."""
     path = target / PLAN
     if not path.is_file():
-        raise BadInput("--resume", "", f"{target} contains no sweep")
+        raise BadInput("resume", "", f"{target} contains no sweep")
     try:
         plan = json.loads(read_bounded(path, MAX_BYTES))
         if isinstance(plan["trials"], int):

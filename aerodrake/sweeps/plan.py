@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
 from importlib.metadata import version
@@ -44,7 +44,7 @@ class Plan:
     integer_keys: frozenset[str] = frozenset()
 
     @classmethod
-    def make(cls, scenario: Scenario, vary: Iterable[str], trials: int | None = None) -> Self:
+    def make(cls, scenario: Scenario, vary: Mapping[str, str], trials: int | None = None) -> Self:
         """Returns a plan in which each distribution is checked against the range of its key.
 
         Values of `normal` may still be out of range, and values may contradict each other; the
@@ -52,18 +52,14 @@ class Plan:
 
         Args:
             scenario: Scenario that all trials share.
-            vary: `KEY=DISTRIBUTION`, as for `--vary`.
+            vary: Distribution of each dotted key, as text.
             trials: Number of trials; None for one pass over the grid.
 
         Raises:
-            BadInput: with the option and the key.
+            BadInput: with the argument and the key.
         """
         distributions: dict[str, Distribution] = {}
-        for text in vary:
-            key, equals, distribution = text.partition("=")
-            key = key.strip()
-            if not key or not equals:
-                raise BadInput(VARY, "", f"expected dotted.key=distribution, got '{text}'")
+        for key, distribution in vary.items():
             for other in distributions:
                 if _overlap(key, other):
                     raise BadInput(VARY, key, f"expected each key once, but {other} contains it")
@@ -71,10 +67,10 @@ class Plan:
         grid = [d.count for d in distributions.values() if isinstance(d, Linspace)]
         if trials is None and not grid:
             expected = "expected a number of trials, since no linspace() spans a grid"
-            raise BadInput("--trials", "", expected)
+            raise BadInput("trials", "", expected)
         count = math.prod(grid) if trials is None else trials
-        if not 1 <= count <= MOST_TRIALS:
-            raise BadInput("--trials", "", f"expected 1 to {MOST_TRIALS}, got {count}")
+        if not isinstance(count, int) or not 1 <= count <= MOST_TRIALS:
+            raise BadInput("trials", "", f"expected 1 to {MOST_TRIALS}, got {count!r}")
         return cls(scenario, count, distributions, _integer_keys(scenario, distributions))
 
     def trial(self, index: int) -> Trial:
@@ -134,7 +130,7 @@ def _integer_keys(scenario: Scenario, vary: Mapping[str, Distribution]) -> froze
         overrides = [Override(VARY, key, value) for value in distribution.probes]
         probed = [Scenario(**apply(vars(scenario), [one])) for one in overrides]
         if any({*named_files(other)} - files for other in probed):
-            expected = "expected a packaged file; others are set once for the sweep, with --set"
+            expected = "expected a packaged file; others are set once for the whole sweep"
             raise BadInput(VARY, key, expected)
         scenario = probed[0]
         if type(reduce(getitem, _parts(key), as_mapping(scenario))) is int:

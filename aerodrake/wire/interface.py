@@ -31,7 +31,7 @@ def make_lcm(url: str) -> DrakeLcm:
         is_valid = False
     if not is_valid:
         problem = f"expected udpm://ADDRESS:PORT?ttl=N with a multicast address, got {url!r}"
-        raise BadInput("--lcm", "", problem)
+        raise BadInput("lcm", "", problem)
     _check_port(int(port))
     _check_route(address)
     return DrakeLcm(url)
@@ -45,7 +45,7 @@ def _check_port(port: int) -> None:
             receiver.bind(("", port))
         except OSError as error:
             expected = "expected a UDP port that this process may share with others"
-            raise BadInput("--lcm", "", f"{expected}, got {port}: {error.strerror}") from None
+            raise BadInput("lcm", "", f"{expected}, got {port}: {error.strerror}") from None
 
 
 def _check_route(address: str) -> None:
@@ -67,4 +67,4 @@ def _check_route(address: str) -> None:
         except OSError as error:
             reason = error.strerror or "a message to this machine itself does not arrive"
             expected = f"expected a network with a multicast route to {address}, got: {reason}"
-            raise BadInput("--lcm", "", f"{expected} ({REMEDY})") from None
+            raise BadInput("lcm", "", f"{expected} ({REMEDY})") from None

@@ -137,7 +137,7 @@ class Link:
                 self.close(0.0)
                 end = "coordinator" if self._is_station else "station"
                 expected = f"expected a {end} of the same scenario"
-                raise BadInput("--lcm", "", f"{expected}, got one that differs in {differing}")
+                raise BadInput("lcm", "", f"{expected}, got one that differs in {differing}")
             else:
                 self.reject(f"messages of another scenario are ignored; it differs in {differing}")
         return messages

@@ -28,7 +28,8 @@ def test_files_and_output_are_reproducible(tmp_path, monkeypatch, capfd):
     assert "2/2" in progress
     written = sorted(path.name for path in (tmp_path / "a").iterdir())
     assert written == [
-        *("comparison.json", "comparison.png", "integral", "modified+online", "report.html")
+        *("comparison.json", "comparison.png", "integral", "modified+online", "report.html"),
+        "scenario.yaml",
     ]
 
     def read():
@@ -42,7 +43,7 @@ def test_files_and_output_are_reproducible(tmp_path, monkeypatch, capfd):
     first = read()
     monkeypatch.setattr(module, "run_parallel", in_this_process)
     # Only the figure of the comparison is compared.
-    monkeypatch.setattr("aerodrake.reports.flight_folder.plot_tracking", lambda *_: None)
+    monkeypatch.setattr(module, "plot_tracking", lambda *_: None)
     monkeypatch.setattr("aerodrake.comparison.page._pictures", lambda *_: [])
     assert main([*command, "--quiet", "--out", str(tmp_path / "a")]) == 0
     assert capfd.readouterr() == ("", "")
@@ -62,7 +63,8 @@ def test_only_the_given_variants_are_flown(tmp_path, monkeypatch, capsys):
     variants = json.loads((out / "comparison.json").read_text())["variants"]
     assert list(variants) == ["integral", "fixed_weights"]
     assert sorted(path.name for path in out.iterdir()) == [
-        *("comparison.json", "comparison.png", "fixed_weights", "integral", "report.html")
+        *("comparison.json", "comparison.png", "fixed_weights", "integral", "report.html"),
+        "scenario.yaml",
     ]
 
 

@@ -49,7 +49,7 @@ def test_files_of_an_identification(ideal, tmp_path):
     assert main(["identify", *options]) == 0
     assert sorted(files(out)) == FILES
     figures = json.loads((out / "identification.json").read_text())
-    assert figures["command"] == "aerodrake identify clover_paper --set=seed=3 --set=name=other"
+    assert figures["command"] == f"aerodrake identify {out / 'scenario.yaml'}"
     assert figures["k_b"] == K_B and figures["scenario_k_b"] == [2.46, 2.46, 2.47]
     assert figures["scenario"] == "other"
     own = load_scenario("clover_paper", seed=3, name="other")
@@ -64,7 +64,7 @@ def test_default_folder_and_output(ideal, tmp_path, monkeypatch, capfd):
     (out,) = Path("runs").iterdir()
     assert out.name.startswith("identify-hover-") and sorted(files(out)) == FILES
     output, progress = capfd.readouterr()
-    assert f"{out}: {', '.join(FILES)}" in output
+    assert f"{out}: identification.json, scenario.yaml, identification.png" in output
     assert output.rstrip().splitlines()[-1] == "--set 'model.k_b=[1.5,2,2.5]'"
     assert "360.0/360.0 s" in progress
     assert load_scenario(str(out / "scenario.yaml")).model.k_b == tuple(K_B)

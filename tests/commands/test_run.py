@@ -307,7 +307,7 @@ def test_an_interrupt_while_writing_leaves_all_results_or_none(
 def test_a_drawing_that_fails_is_left_out(name, function, error, tmp_path, monkeypatch, caplog):
     """One line names it; the results and the other drawings are kept, and can be replaced."""
 
-    def fail(*_):
+    def fail(*_, **__):
         raise error
 
     out = tmp_path / "run"

@@ -44,13 +44,19 @@ def test_lost_flights_are_a_success(tmp_path):
         (["clovr", "--trials", "1"], "did you mean 'clover'?"),
         (["hover"], "--trials: expected a number of trials, since no linspace() spans a grid"),
         (["hover", "--trials", "2", "--vary", "duraton=uniform(1,2)"], "--vary: duraton: unknown"),
+        (["hover", "--vary", "duration"], "--vary: expected dotted.key=distribution, got 'durat"),
+        (["hover", "--vary", "=uniform(1,2)"], "--vary: expected dotted.key=distribution"),
+        (
+            ["hover", *["--vary", "duration=linspace(1,2,2)"] * 2],
+            "duration: expected each key once",
+        ),
         (["hover", "--trials", "2", "--vary", "duration=gamma(1)"], "no such distribution 'gamma'"),
         (
             ["hover", "--trials", "2", "--resume"],
             "--resume: expected --out DIR with the",
         ),
         (["hover", "--trials", "2", "--resume", "--out", "no"], "the folder of a sweep, got no"),
-        (["hover", "--trials", "2", "--out", "file"], "--out: cannot write file: "),
+        (["hover", "--trials", "2", "--out", "file"], "file: cannot be written: "),
         (["hover", "--trials", "2", "--out", "mine"], "mine holds files that are not of an ear"),
         (["hover", "--trials", "2", "--seed", "x"], "seed: expected a whole number"),
         (["hover", "--trials", "2", "--set", "vehicle.robot=no.urdf"], "no.urdf: "),
@@ -64,7 +70,7 @@ def test_bad_input_prints_one_line_and_writes_nothing(
     options, expected, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(module, "sweep", lambda *_: pytest.fail("flown"))
+    monkeypatch.setattr("aerodrake.api.sweep.fly_trials", lambda *_: pytest.fail("flown"))
     (tmp_path / "file").write_text("precious")
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / ROWS).write_text("precious")

@@ -10,7 +10,7 @@ import pytest
 from aerodrake.cli import main
 from aerodrake.comparison import compare as module
 from aerodrake.comparison.compare import (
-    compare,
+    fly_variants,
     load_baseline,
     make_variant,
     make_variants,
@@ -203,7 +203,7 @@ def flown(tmp_path_factory):
     variants = {name: make_variants(scenario)[name] for name in names}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "run_parallel", in_this_process)
-        return scenario, folder, compare(variants, folder, jobs=2)
+        return scenario, folder, fly_variants(variants, folder, jobs=2)
 
 
 def test_each_variant_writes_the_folder_of_a_run(flown, vehicle):
@@ -241,7 +241,7 @@ def test_a_variant_that_raises_or_dies_has_a_summary_but_no_folder(monkeypatch, 
     monkeypatch.setattr(module, "_fly", fail_or_lose)
     variants = dict.fromkeys(("integral", "modified", "clik"), paper)
     seen = []
-    summaries = compare(variants, tmp_path, 2, seen.append)
+    summaries = fly_variants(variants, tmp_path, 2, seen.append)
     assert list(summaries) == list(variants) and seen == ["clik", "modified", "integral"]
     assert summaries["integral"] == {"exit_reason": "lost", "exit_cause": "tilt"}
     assert summaries["clik"] == {

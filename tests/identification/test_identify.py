@@ -19,8 +19,8 @@ from aerodrake.identification.identify import (
     arm_motion,
     base_motion,
     fly,
-    identify,
     identify_axis,
+    identify_gains,
 )
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.scenario import Flight, Model, Rates, Scenario, Sensors
@@ -147,7 +147,7 @@ def test_a_child_process_gives_the_same_record():
 
 def test_all_flights_of_an_axis_are_fitted(ideal):
     flown_s = []
-    identification = identify(Scenario(), 1, progress=flown_s.append)
+    identification = identify_gains(Scenario(), 1, progress=flown_s.append)
     assert flown_s == [DURATION_S] * FLIGHTS
     assert tuple(identification.axes) == AXES
     for axis, k in zip(identification.axes.values(), TRUE_K_B, strict=True):
@@ -210,7 +210,7 @@ def test_an_invalid_k_b_is_refused(velocity, expected, ideal, monkeypatch):
 
     monkeypatch.setattr(aerodrake.identification.identify, "fly", strange)
     with pytest.raises(BadInput, match=expected):
-        identify(load_scenario("hover"), 1)
+        identify_gains(load_scenario("hover"), 1)
 
 
 def test_a_crash_is_bad_input_and_a_failed_process_is_a_bug(ideal, monkeypatch):
@@ -222,11 +222,11 @@ def test_a_crash_is_bad_input_and_a_failed_process_is_a_bug(ideal, monkeypatch):
     monkeypatch.setattr(aerodrake.identification.identify, "fly", fly)
     monkeypatch.setattr(aerodrake.identification.identify, "excite", crash)
     with pytest.raises(BadInput, match="along z, arm moving, it crashes: the step failed$"):
-        identify(scenario, 1)
+        identify_gains(scenario, 1)
 
     def died(function, items, jobs):
         yield 3, OSError("process ended")
 
     monkeypatch.setattr(aerodrake.identification.identify, "run_parallel", died)
     with pytest.raises(RuntimeError, match="^y, arm moving: its process failed$"):
-        identify(scenario, 1)
+        identify_gains(scenario, 1)

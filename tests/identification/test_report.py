@@ -8,9 +8,16 @@ import pytest
 from matplotlib import pyplot as plt
 
 from aerodrake.identification.identify import ARMS, AXES, Identification, Record, identify_axis
-from aerodrake.identification.report import FILES, draw, plot_identification, table, write
+from aerodrake.identification.report import (
+    FIGURE,
+    RESULTS,
+    draw,
+    plot_identification,
+    table,
+    write_results,
+)
 from aerodrake.scenario import Flight, Model, Scenario
-from aerodrake.scenario.load import load_scenario, load_with_options
+from aerodrake.scenario.load import load_scenario
 
 
 def record(k: float, seed: int) -> Record:
@@ -51,24 +58,16 @@ def test_rows_have_k_b_its_interval_and_other_values(identification):
         assert low < axis.fit.gain < high
 
 
-def test_the_last_line_is_a_valid_option(identification):
-    import shlex
-
-    option, assignment = shlex.split(table(identification).splitlines()[-1])
-    assert option == "--set" and identification.k_b == (1.23, 2.0, 0.988)
-    assert load_with_options("clover_paper", [(option, assignment)]).model.k_b == identification.k_b
-
-
 @pytest.fixture(scope="module")
 def folder(identification, tmp_path_factory):
     folder = tmp_path_factory.mktemp("identification")
-    write(identification, "aerodrake identify it", folder)
+    write_results(identification, "aerodrake identify it", folder)
     draw(identification, folder)
     return folder
 
 
 def test_files(identification, folder):
-    assert sorted(path.name for path in folder.iterdir()) == sorted(FILES)
+    assert sorted(path.name for path in folder.iterdir()) == sorted((*RESULTS, FIGURE))
     figures = json.loads((folder / "identification.json").read_text())
     assert figures["command"] == "aerodrake identify it"
     assert (figures["scenario"], figures["seed"]) == ("cost $x^$ and a_b", 4)

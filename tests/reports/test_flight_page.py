@@ -12,6 +12,8 @@ from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.reports.flight_page import report_page
 from aerodrake.reports.flight_table import table_rows
 from aerodrake.scenario.load import load_scenario
+from aerodrake.scenario.plain_yaml import dump
+from aerodrake.scenario.schema import as_mapping
 from tests.browser import (
     assert_ids_are_found,
     assert_no_text_is_cut,
@@ -143,7 +145,9 @@ def test_it_shows_the_command_that_repeats_the_flight(desktop, folder, summary):
 def test_the_same_flight_gives_the_same_page(folder, summary, vehicle):
     scenario = load_scenario(str(folder / "scenario.yaml"))
     log = FlightLog.read(folder / "log.npz", summary, vehicle)
-    page = report_page(FlightSimulation(scenario), summary, log, "<p>replay</p>", folder)
+    closed_loop, resolved = FlightSimulation(scenario).closed_loop, dump(as_mapping(scenario))
+    flight = scenario, summary, log, closed_loop, "<p>replay</p>"
+    page = report_page(*flight, resolved=resolved, folder=folder)
     again = (folder / "report.html").read_text()
     packed = re.compile(r'(<script type="application/gzip" id="packed">)[^<]*')
     assert packed.sub(r"\1", page) == packed.sub(r"\1", again)
@@ -156,6 +160,7 @@ def test_flights_that_ended_early_have_one(samples, folder, summary, vehicle):
     log = FlightLog.read(folder / "log.npz", summary, vehicle)
     lost = lost_early(log, samples, "tilt & <b>")
     ended = summary | {"exit_reason": "lost", "exit_cause": "tilt & <b>"}
-    flight = FlightSimulation(load_scenario(str(folder / "scenario.yaml")))
-    page = report_page(flight, ended, lost, "", folder)
+    scenario = load_scenario(folder / "scenario.yaml")
+    closed_loop = FlightSimulation(scenario).closed_loop
+    page = report_page(scenario, ended, lost, closed_loop, "", resolved="", folder=folder)
     assert "tilt &amp; &lt;b&gt;" in page and "<iframe" not in page

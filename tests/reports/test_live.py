@@ -20,7 +20,7 @@ def watched(short_flight):
     """A view, its lines, and the log of the flight that it showed."""
     scenario, _ = short_flight
     flight = FlightSimulation(scenario)
-    with LiveView(flight, RATE) as view:
+    with LiveView(RATE, lambda line: None) as view:
         lines = []
         log = flight.fly(lambda simulated_s: lines.append(view.line()), RATE, view.attach)
         yield view, lines, log

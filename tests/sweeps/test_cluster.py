@@ -16,9 +16,10 @@ from aerodrake.support.errors import BadInput
 from aerodrake.sweeps import cluster as module
 from aerodrake.sweeps.cluster import cluster
 from aerodrake.sweeps.folder import ROWS, TIMINGS, sweep_folder
-from aerodrake.sweeps.loop import sweep
+from aerodrake.sweeps.loop import fly_trials
 from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.trial import fly_trial
+from tests.plans import by_key
 
 distributed = pytest.importorskip("distributed")
 
@@ -45,7 +46,7 @@ def scheduler(tmp_path_factory) -> str:
 
 @pytest.fixture(scope="module")
 def plan() -> Plan:
-    return Plan.make(load_with_options("hover", CHANGES), [VARY], TRIALS)
+    return Plan.make(load_with_options("hover", CHANGES), by_key([VARY]), TRIALS)
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +78,7 @@ def test_a_killed_worker_does_not_change_the_rows(scheduler, plan, flown, tmp_pa
                 os.kill(pid, signal.SIGKILL)
                 killed.append(pid)
 
-        sweep(folder, executor, progress)
+        fly_trials(folder, executor, progress)
         while True:  # Until its nanny has started another one.
             time.sleep(0.05)
             if len(executor._client.scheduler_info()["workers"]) == 2:

@@ -117,5 +117,5 @@ def test_choices_may_be_any_plain_values(text, values):
 def test_invalid_distributions_are_refused_with_the_key(text, message):
     with pytest.raises(BadInput) as refused:
         parse_distribution(text, "wind.gust")
-    assert str(refused.value).startswith("--vary: wind.gust") and message in str(refused.value)
+    assert str(refused.value).startswith("vary: wind.gust") and message in str(refused.value)
     assert len(str(refused.value).splitlines()) == 1

@@ -10,13 +10,14 @@ from aerodrake.scenario.schema import as_mapping
 from aerodrake.support.errors import BadInput
 from aerodrake.sweeps.folder import FILES, ROWS, SUMMARY, read_rows, sweep_folder
 from aerodrake.sweeps.plan import Plan
+from tests.plans import by_key
 
 GUSTS = "wind.gust_m_s[0]=uniform(0, 1)"
 
 
 def make(*vary: str, trials: int = 5, changes=(), scenario="hover") -> Plan:
     overrides = [("--set", change) for change in changes]
-    return Plan.make(load_with_options(scenario, overrides), vary or [GUSTS], trials)
+    return Plan.make(load_with_options(scenario, overrides), by_key(vary or [GUSTS]), trials)
 
 
 def row(index: int) -> dict:
@@ -60,7 +61,7 @@ def test_files_of_the_scenario_are_copied_and_compared(tmp_path):
     begin(tmp_path / "sweep", plan, 0)
     before = path.read_text()
     path.write_text(before.replace("0.1", "0.3"))
-    expected = "--resume: inputs/path.csv: the sweep in "
+    expected = "resume: inputs/path.csv: the sweep in "
     assert refusal(tmp_path / "sweep", plan, True).startswith(expected)
     path.write_text(before)
     with sweep_folder(tmp_path / "sweep", plan, True) as folder:
@@ -96,7 +97,7 @@ def test_a_sweep_is_resumed_with_more_trials_but_not_with_fewer(tmp_path):
     with sweep_folder(target, make(trials=7), True) as folder:
         assert not (target / SUMMARY).exists() and folder.recorded == {0, 1, 2, 3, 4}
     assert json.loads((target / "sweep.json").read_text())["trials"] == 7
-    assert "--resume: trials: the sweep in" in refusal(target, make(), True)
+    assert "resume: trials: the sweep in" in refusal(target, make(), True)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +115,7 @@ def test_another_plan_is_refused_with_the_key_that_differs(other, expected, tmp_
     begin(tmp_path / "sweep", make(), 1)
     before = files(tmp_path)
     message = refusal(tmp_path / "sweep", other, True)
-    assert message.startswith("--resume: ") and expected in message
+    assert message.startswith("resume: ") and expected in message
     assert files(tmp_path) == before
 
 
@@ -133,7 +134,7 @@ def test_a_grid_in_another_order_is_another_plan(tmp_path):
     with sweep_folder(tmp_path / "sweep", make(GUSTS, across, along), True) as folder:
         assert folder.recorded == {1}
     message = refusal(tmp_path / "sweep", make(along, across, GUSTS), True)
-    assert message.startswith("--resume: vary: the sweep in ") and message.endswith(
+    assert message.startswith("resume: vary: the sweep in ") and message.endswith(
         "[1]', 'wind.velocity_m_s[0]']"
     )
 
@@ -149,14 +150,14 @@ def test_another_version_is_refused(tmp_path):
     begin(tmp_path / "sweep", make(), 1)
     plan = tmp_path / "sweep" / "sweep.json"
     plan.write_text(plan.read_text().replace('"version": "', '"version": "0.'))
-    assert "--resume: version: the sweep" in refusal(tmp_path / "sweep", make(), True)
+    assert "resume: version: the sweep" in refusal(tmp_path / "sweep", make(), True)
 
 
 def test_an_unfinished_sweep_is_not_replaced_but_a_finished_one_is(tmp_path):
     target = tmp_path / "sweep"
     begin(target, make(), 1)
     before = files(target)
-    assert "--resume continues it" in refusal(target, make(), False)
+    assert "`resume` continues it" in refusal(target, make(), False)
     assert files(target) == before
     for name in (SUMMARY, "sweep.png"):
         (target / name).touch()

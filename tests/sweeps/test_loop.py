@@ -17,9 +17,10 @@ from aerodrake.scenario.load import load_with_options
 from aerodrake.support.errors import ProcessDied
 from aerodrake.sweeps import loop as module
 from aerodrake.sweeps.folder import ROWS, SUMMARY, TIMINGS, read_rows, sweep_folder
-from aerodrake.sweeps.loop import processes, sweep
+from aerodrake.sweeps.loop import fly_trials, processes
 from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.trial import fly_trial
+from tests.plans import by_key
 
 TRIALS = 6
 VARY = ["wind.gust_m_s[0]=uniform(0, 2)", "mpc.horizon=choice(10, 15)"]
@@ -34,7 +35,7 @@ OPTIONS = [
 @pytest.fixture(scope="module")
 def plan() -> Plan:
     scenario = load_with_options("hover", [("--set", change) for change in CHANGES])
-    return Plan.make(scenario, VARY, TRIALS)
+    return Plan.make(scenario, by_key(VARY), TRIALS)
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +86,7 @@ def is_alive(pid: int) -> bool:
 
 def fly(plan: Plan, folder: Path, executor: Executor, progress=lambda row: None) -> None:
     with sweep_folder(folder, plan, resumes=False) as opened:
-        sweep(opened, executor, progress)
+        fly_trials(opened, executor, progress)
 
 
 def call(folder: Path, *more: str) -> subprocess.Popen:

@@ -11,7 +11,7 @@ from aerodrake.scenario.load import load_scenario
 from aerodrake.support.errors import ProcessDied
 from aerodrake.sweeps import loop as module
 from aerodrake.sweeps.folder import ROWS, read_rows, sweep_folder
-from aerodrake.sweeps.loop import processes, sweep
+from aerodrake.sweeps.loop import fly_trials, processes
 from aerodrake.sweeps.plan import Plan
 from tests.room import room_for
 
@@ -21,7 +21,7 @@ ARGV = ["sweep", *SCENARIO, "--trials", "2", "--jobs", "1", "--quiet", "--out", 
 
 @pytest.fixture
 def plan() -> Plan:
-    return Plan.make(load_scenario("hover"), [], 3)
+    return Plan.make(load_scenario("hover"), {}, 3)
 
 
 def test_a_full_disk_writes_no_row(tmp_path, monkeypatch, capfd):
@@ -46,7 +46,7 @@ def rows_of_failed_sweep(plan, path, executors, match: str) -> str:
         executors as executor,
         sweep_folder(path, plan, False) as folder,
     ):
-        sweep(folder, executor)
+        fly_trials(folder, executor)
     return (path / ROWS).read_text()
 
 

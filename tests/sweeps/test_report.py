@@ -14,6 +14,7 @@ from aerodrake.sweeps.folder import FIGURE, SUMMARY, read_rows, sweep_folder
 from aerodrake.sweeps.outcomes import Outcomes
 from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.report import sweep_table, write_report
+from tests.plans import by_key
 
 VARY = ["wind.gust_m_s[0]=uniform(0, 2)", "residual.mode=choice(off, online)"]
 
@@ -27,7 +28,7 @@ def row(trial, reason="completed", lap=None, settled=None, mean=None) -> dict:
 
 def write(folder: Path, rows, vary=VARY) -> tuple[Plan, dict]:
     """Writes a sweep with these rows, in reverse order."""
-    plan = Plan.make(load_scenario("hover"), vary, len(rows))
+    plan = Plan.make(load_scenario("hover"), by_key(vary), len(rows))
     with sweep_folder(folder, plan, resumes=False) as opened:
         for index in reversed(range(len(rows))):
             opened.append(row(opened.plan.trial(index), **rows[index]), None)

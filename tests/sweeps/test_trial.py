@@ -12,6 +12,7 @@ from aerodrake.support.errors import BadInput
 from aerodrake.sweeps import trial as module
 from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.trial import fly_trial
+from tests.plans import by_key
 
 NOISY = [
     ("--set", "settle_s=0.04"),
@@ -21,7 +22,7 @@ NOISY = [
 
 
 def make(*vary: str, scenario="hover", changes=()):
-    return Plan.make(load_with_options(scenario, [*NOISY, *changes]), vary, 9)
+    return Plan.make(load_with_options(scenario, [*NOISY, *changes]), by_key(vary), 9)
 
 
 def test_a_row_equals_the_summary_of_the_run_without_wall_times(tmp_path):

@@ -1,0 +1,37 @@
+from .api.compare import compare
+from .api.flight_result import FlightResult, load_run
+from .api.fly import fly
+from .api.identify import identify
+from .api.sweep import sweep
+from .coordinator import make_coordinator
+from .gallery.export import graph
+from .reports.live import LiveView
+from .scenario.load import load_scenario, override
+from .scenario.sections import Scenario
+from .station import make_closed_loop, make_context, make_station
+from .support.errors import BadInput, ProcessDied, ScenarioError
+from .support.version import __version__
+from .wiring.replacements import Replacements
+
+__all__ = [
+    "BadInput",
+    "FlightResult",
+    "LiveView",
+    "ProcessDied",
+    "Replacements",
+    "Scenario",
+    "ScenarioError",
+    "__version__",
+    "compare",
+    "fly",
+    "graph",
+    "identify",
+    "load_run",
+    "load_scenario",
+    "make_closed_loop",
+    "make_context",
+    "make_coordinator",
+    "make_station",
+    "override",
+    "sweep",
+]

@@ -1,0 +1,1 @@
+"""The functions behind `import aerodrake`: one flight, a comparison, a sweep, an identification."""

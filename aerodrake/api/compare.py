@@ -1,0 +1,85 @@
+"""Comparison of variants of one flight."""
+
+import os
+import weakref
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from aerodrake.api.comparison_result import ComparisonResult
+from aerodrake.api.console import Console
+from aerodrake.api.jobs import checked_jobs
+from aerodrake.comparison.compare import (
+    fly_variants,
+    load_baseline,
+    make_variants,
+    notes,
+    own_variant,
+)
+from aerodrake.comparison.margins import find_margins
+from aerodrake.comparison.page import Comparison
+from aerodrake.flight.log import FlightLog
+from aerodrake.flight.notes import scenario_notes
+from aerodrake.flight.summary import headline
+from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.scenario import Scenario
+from aerodrake.scenario.inputs import frozen
+from aerodrake.scenario.load import resolve
+from aerodrake.support.scratch import temporary_folder
+
+
+def compare(
+    scenario: Scenario | str | os.PathLike[str],
+    overrides: Mapping[str, Any] | None = None,
+    /,
+    *,
+    variants: Sequence[str] = (),
+    baseline: str | os.PathLike[str] | None = None,
+    margins: bool = False,
+    jobs: int | None = None,
+    quiet: bool = False,
+    **keys: Any,
+) -> ComparisonResult:
+    """Flies variants of a scenario, and compares them with each other and with the paper.
+
+        comparison = aerodrake.compare("clover_paper", variants=["integral", "modified"])
+        comparison.flight("modified").error["max_m"]
+
+    Args:
+        scenario, overrides, keys: As for `aerodrake.fly`.
+        variants: Names of `aerodrake.comparison.compare.VARIANTS`; empty for all that differ.
+        baseline: YAML file with the weights of `integral_best`; None for the packaged file of
+            the scenario's name, or the default weights.
+        margins: True to search the delay, rotor thrust and payload at which the error of each
+            variant doubles, and at which its flight is not completed.
+        jobs: Number of concurrent processes; None for the number of cores.
+        quiet: True to print no notes and show no progress.
+
+    Raises:
+        BadInput: if the scenario, a name or the baseline is invalid, or a variant cannot be flown.
+    """
+    console, jobs = Console(quiet), checked_jobs(jobs)
+    scenario = resolve(scenario, overrides, **keys)
+    file = None if baseline is None else Path(baseline)
+    with ExitStack() as stack:
+        flown = stack.enter_context(frozen(scenario))
+        folder = stack.enter_context(temporary_folder())
+        chosen = make_variants(flown, variants, load_baseline(flown, file))
+        console.note([*scenario_notes(flown), *notes(flown)])
+        with console.bar(flown.name, len(chosen), "variant") as bar:
+            summaries = fly_variants(chosen, folder, jobs, lambda name: bar.update())
+        vehicle = VehicleModel.load(flown)  # The same in all variants.
+        logs = {
+            name: FlightLog.read(folder / name / "log.npz", summary, vehicle)
+            for name, summary in summaries.items()
+            if summary["exit_reason"] != "failed"
+        }
+        found = None
+        if margins:
+            with console.bar(f"{flown.name} margins", None, "flight") as bar:
+                found = find_margins(chosen, summaries, headline(summaries), jobs, bar.update)
+        comparison = Comparison(flown, chosen, own_variant(flown), summaries, logs, found)
+        result = ComparisonResult(comparison, scenario, file, folder)
+        weakref.finalize(result, stack.pop_all().close)  # Removes the folder of the flights.
+    return result

@@ -1,0 +1,47 @@
+"""Notes and progress bars of the functions in this folder."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from tqdm import tqdm
+
+from aerodrake.support.compiled import is_cold
+
+FLIGHT_BAR = (
+    "{desc} {percentage:3.0f}%|{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}, {rate_fmt}]"
+)
+"""Format of a progress bar over simulated time."""
+
+LIVE_BAR = "{desc} {n:.1f}/{total:.1f} s{postfix} |{bar}|"
+"""Format of a progress bar with the flight's state; fits into 80 columns."""
+
+
+class Console:
+    """Prints notes on standard output, and shows progress bars on standard error.
+
+    Args:
+        quiet: True to print and show nothing.
+    """
+
+    def __init__(self, quiet: bool):
+        self._quiet = quiet
+
+    def say(self, text: str) -> None:
+        """Prints a text."""
+        if not self._quiet:
+            print(text)
+
+    def note(self, notes: Iterable[str]) -> None:
+        """Prints notes, and one more if the equations are not compiled yet."""
+        for note in notes:
+            self.say(f"note: {note}")
+        if is_cold():
+            self.say("note: compiling the equations first; this takes a minute, once per machine")
+
+    def bar(self, name: str | None, total: float | None, unit: str, **others: Any) -> tqdm:
+        """Returns a progress bar up to `total`, if that is known."""
+        return tqdm(desc=name, total=total, unit=unit, disable=self._quiet, **others)
+
+    def flight_bar(self, name: str, total_s: float, form: str = FLIGHT_BAR) -> tqdm:
+        """Returns a progress bar over simulated time."""
+        return self.bar(name, total_s, "s", bar_format=form)
