@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.support.errors import BadInput
 
 STATE = (
     ("quaternion", "4"),
@@ -179,8 +180,19 @@ class FlightLog:
         """Opens a log that `save` wrote; each access reads a signal from the file.
 
         The ending is from the `summary` of the flight.
+
+        Raises:
+            BadInput: if the file is missing or damaged.
         """
-        signals = np.load(path, allow_pickle=False)
+        try:
+            signals = np.load(path, allow_pickle=False)
+            is_complete = signals.keys() >= DERIVED.keys() and signals.zip.testzip() is None
+        except FileNotFoundError:
+            raise BadInput(path, "", "expected a readable file: no such file") from None
+        except Exception:  # The exceptions for malformed files are not documented.
+            is_complete = False
+        if not is_complete:
+            raise BadInput(path, "", "expected the log of a flight")
         ending = (summary[key] for key in ("exit_reason", "exit_cause", "wall_s"))
         return cls(signals, *ending, vehicle)
 

@@ -103,7 +103,7 @@ def resolve(
         ScenarioError: as for `load_scenario`.
     """
     if isinstance(scenario, Scenario):
-        return override(scenario, overrides, **keys)
+        return override(scenario, overrides, **keys) if overrides or keys else scenario
     return load_scenario(scenario, overrides, **keys)
 
 

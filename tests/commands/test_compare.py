@@ -43,7 +43,7 @@ def test_files_and_output_are_reproducible(tmp_path, monkeypatch, capfd):
     first = read()
     monkeypatch.setattr(module, "run_parallel", in_this_process)
     # Only the figure of the comparison is compared.
-    monkeypatch.setattr(module, "plot_tracking", lambda *_: None)
+    monkeypatch.setattr("aerodrake.reports.flight_folder.plot_tracking", lambda *_: None)
     monkeypatch.setattr("aerodrake.comparison.page._pictures", lambda *_: [])
     assert main([*command, "--quiet", "--out", str(tmp_path / "a")]) == 0
     assert capfd.readouterr() == ("", "")

@@ -161,11 +161,12 @@ def test_options_change_the_scenario_and_are_recorded(tmp_path):
 @pytest.mark.usefixtures("undrawn")
 def test_default_folder_and_output(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
-    assert main(["run", "hover", "--duration", "0.1", "--set", "settle_s=0"]) == 0
+    wide = ["--set", "allocation.d_h_m=0.08"]
+    assert main(["run", "hover", "--duration", "0.1", "--set", "settle_s=0", *wide]) == 0
     (run,) = Path("runs").iterdir()
     assert run.name.startswith("hover-") and sorted(p.name for p in run.iterdir()) == FILES
     output, progress = capfd.readouterr()
-    assert "note: allocation.d_h_m (0.075 m)" in output
+    assert "note: allocation.d_h_m (0.08 m)" in output
     assert "hover: completed" in output and "end-effector error" in output
     assert output.rstrip().splitlines()[-1].startswith(f"{run}: ")
     assert "0.1/0.1 s" in progress
