@@ -143,9 +143,9 @@ def parse_distribution(text: str, key: str) -> Distribution:
     """Reads `uniform(0, 2)` and the like, for a key of the scenario.
 
     Raises:
-        BadInput: with `--vary`, the key and the expected form.
+        BadInput: with `vary`, the key and the expected form.
     """
-    match = re.fullmatch(r"\s*(\w+)\s*\((.*)\)\s*", text)
+    match = re.fullmatch(r"\s*(\w+)\s*\((.*)\)\s*", str(text))
     if not match:
         forms = ", ".join(kind.form for kind in KINDS.values())
         raise BadInput(VARY, key, f"expected one of {forms}, got '{text}'")

@@ -1,0 +1,61 @@
+"""`aerodrake.sweep` and its result."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+import aerodrake
+from aerodrake.sweeps import loop
+from aerodrake.sweeps.folder import FILES
+
+SHORT = {"duration": 0.04, "settle_s": 0.0}
+VARY = {"payload.mass_kg": "uniform(0, 0.5)"}
+
+
+@pytest.fixture(autouse=True)
+def _here(monkeypatch):
+    """Flies trials in this process instead of child processes."""
+    monkeypatch.setattr(loop, "call_in_child", lambda function, *arguments: function(*arguments))
+
+
+@pytest.fixture(scope="module")
+def result():
+    with pytest.MonkeyPatch.context() as patch, ThreadPoolExecutor(1) as executor:
+        patch.setattr(loop, "call_in_child", lambda function, *arguments: function(*arguments))
+        return aerodrake.sweep(
+            "hover", SHORT, vary=VARY, trials=2, executor=executor, quiet=True, seed=4
+        )
+
+
+def test_a_sweep_has_a_summary_and_a_row_for_each_trial(result):
+    assert result.summary["endings"] == {"completed": 2} and result.summary["seed"] == 4
+    assert [row["trial"] for row in result.rows] == [0, 1]
+    assert all(0 <= row["parameters"]["payload.mass_kg"] <= 0.5 for row in result.rows)
+    assert "hover, seed 4: 2 trials" in str(result) and "<img" in result._repr_html_()
+
+
+def test_a_sweep_in_a_folder_can_get_more_trials(result, tmp_path):
+    out = tmp_path / "sweep"
+    options = {"vary": VARY, "out": out, "jobs": 1, "quiet": True, "seed": 4}
+    first = aerodrake.sweep("hover", SHORT, trials=1, **options)
+    assert {path.name for path in out.iterdir()} == {*FILES}
+    more = aerodrake.sweep("hover", SHORT, trials=2, resume=True, **options)
+    assert first.summary["trials"] == 1 and more.rows == result.rows
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"vary": {}}, "trials: expected a number of trials"),
+        ({"vary": VARY, "trials": 0}, "trials: expected 1 to 100000, got 0"),
+        ({"vary": VARY, "trials": 1.5}, "trials: expected 1 to 100000, got 1.5"),
+        ({"vary": {"mass": "uniform(0, 1)"}, "trials": 1}, "vary: mass: unknown key"),
+        ({"vary": {"duration": "gamma(1)"}, "trials": 1}, "no such distribution 'gamma'"),
+        ({"vary": {"duration": 3}, "trials": 1}, "vary: duration: expected "),
+        ({"vary": VARY, "trials": 1, "resume": True}, "resume: expected the folder of a sweep"),
+        ({"vary": VARY, "trials": 1, "jobs": -1}, "jobs: expected a whole number"),
+    ],
+)
+def test_bad_input_names_the_argument(arguments, message):
+    with pytest.raises(aerodrake.BadInput, match=message):
+        aerodrake.sweep("hover", quiet=True, **arguments)
