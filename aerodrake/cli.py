@@ -8,10 +8,15 @@ from importlib.metadata import version
 from aerodrake.commands import bench, compare, coordinator, graph, identify, run, sweep, train
 from aerodrake.support.errors import BadInput, ProcessDied
 from aerodrake.support.interrupts import termination_as_interrupt
+from aerodrake.support.streams import output_streams
 
 _MODULES = (run, coordinator, compare, identify, train, sweep, graph, bench)
 COMMANDS = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
 """Commands by name, in the order of `aerodrake --help`."""
+
+EXIT_CODES = """Exit codes: 0 success; 1 a flight did not complete, a variant failed, a process
+died or standard output cannot be written; 2 bad input; 130 interrupted; 141 standard output
+has no reader. Results are written even if standard output or standard error cannot be."""
 
 
 POSITIONAL = ("scenario", "name")
@@ -19,12 +24,23 @@ POSITIONAL = ("scenario", "name")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs one command.
+    """Runs one command. Its results are written even if its output cannot be.
 
     Returns:
-        0 on success; 1 if a flight did not complete, a variant failed or a process died;
-        2 on bad input; 130 on an interrupt outside of the flight.
+        0 on success; 1 if a flight did not complete, a variant failed, a process died or
+        standard output cannot be written; 2 on bad input; 130 on an interrupt outside of the
+        flight; 141 if standard output has no reader, as programs that SIGPIPE ends.
+        The first cause counts, and standard error never does.
     """
+    with output_streams() as output:
+        try:
+            code = _run(argv)
+        except SystemExit as end:  # After --help, --version or an error of an option.
+            raise SystemExit(output.exit_code(end.code)) from None
+        return output.exit_code(code)
+
+
+def _run(argv: Sequence[str] | None) -> int:
     arguments = make_parser().parse_args(argv)
     try:
         with termination_as_interrupt():
@@ -42,6 +58,7 @@ def make_parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="aerodrake",
         description="Predictive kinematic control of aerial manipulators as a Drake diagram.",
+        epilog=EXIT_CODES,
     )
     parser.add_argument("--version", action="version", version=f"aerodrake {version('aerodrake')}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")

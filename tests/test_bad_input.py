@@ -214,11 +214,11 @@ RUNS = {
     "checkpoint_empty": (checkpoint("empty.pt"), "empty.pt: expected a checkpoint"),
     "checkpoint_pickle": (checkpoint("pickle.pt"), "pickle.pt: expected a checkpoint"),
     "checkpoint_nul": (checkpoint('"a\\0b"'), "expected "),
-    "out_file": (["hover", "--out", "file"], "--out: expected a folder, but file is a file"),
-    "out_below_file": (["hover", "--out", "file/run"], "--out: ", "file/run"),
-    "out_foreign": (["hover", "--out", "."], "--out: ", "holds files that are not of"),
-    "out_nowhere": (["hover", "--out", "/proc/run"], "--out: cannot write /proc/run"),
-    "out_nul": (["hover", "--out", "a\0b"], "--out: cannot write a"),
+    "out_file": (["hover", "--out", "file"], "file: expected a folder, got a file"),
+    "out_below_file": (["hover", "--out", "file/run"], "file/run: "),
+    "out_foreign": (["hover", "--out", "."], ".: holds files that are not of"),
+    "out_nowhere": (["hover", "--out", "/proc/run"], "/proc/run: cannot be written: "),
+    "out_nul": (["hover", "--out", "a\0b"], "a b: expected a path without a NUL"),
 }  # fmt: skip
 
 COMMANDS = {

@@ -1,7 +1,6 @@
 """Data collection, training and evaluation of the residual network."""
 
 from collections.abc import Sequence
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -26,6 +25,7 @@ from aerodrake.scenario.fingerprint import plant_hash, scenario_hash
 from aerodrake.support.errors import BadInput, ScenarioError
 from aerodrake.support.files import write_atomically
 from aerodrake.support.interrupts import deferred_interrupts
+from aerodrake.support.run_folder import writing
 from aerodrake.support.threads import single_thread
 
 CHECKPOINT, LOG, FIGURE, DATA = "network.pt", "training.json", "training.png", "stages"
@@ -130,20 +130,16 @@ def _write(
     hashes = plant_hash(scenario), scenario_hash(scenario)
     interface = scenario.flight.interface
     provenance = Provenance(version("aerodrake"), interface, delta.unit, *hashes)
-    try:
-        with deferred_interrupts():
-            save(folder / CHECKPOINT, result.network, provenance)
-            write_atomically(folder / LOG, to_json(log).encode())
-            with drawing(folder / FIGURE):
-                plot_training(result, delta, folder / FIGURE)
-    except OSError as error:
-        raise BadInput(folder, "", f"cannot be written: {error.strerror}") from None
+    with deferred_interrupts(), writing(folder):
+        save(folder / CHECKPOINT, result.network, provenance)
+        write_atomically(folder / LOG, to_json(log).encode())
+        with drawing(folder / FIGURE):
+            plot_training(result, delta, folder / FIGURE)
 
 
 def _prepare(folder: Path, joints: int) -> None:
     """Creates the folder; refuses one with files that are not of an earlier training."""
-    refuse = partial(BadInput, folder, "")
-    try:
+    with writing(folder):
         if folder.exists():
             names = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
             has_network, has_figure = CHECKPOINT in names, FIGURE in names
@@ -151,11 +147,8 @@ def _prepare(folder: Path, joints: int) -> None:
             is_interrupted = has_network and DATA in names
             is_incomplete = has_network != has_figure and not is_interrupted
             if is_incomplete or names - {CHECKPOINT, LOG, FIGURE, DATA}:
-                raise refuse("holds files that are not of an earlier training")
+                raise BadInput(folder, "", "holds files that are not of an earlier training")
         (folder / DATA).mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise refuse(f"cannot be written: {reason}") from None
     for name in (LOG, FIGURE):
         if (folder / name).is_dir():
             raise BadInput(folder / name, "", "expected a file, got a folder")

@@ -1,13 +1,13 @@
-"""Deferred handling of Ctrl-C and SIGTERM, so that results are saved first."""
+"""Deferred handling of Ctrl-C, SIGTERM and SIGHUP, so that results are saved first."""
 
 import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 MAX_INTERRUPTS = 3
 """Number of the interrupt that is not deferred."""
@@ -21,17 +21,22 @@ def deferred_interrupts() -> Iterator[Callable[[], None]]:
 
     Yields:
         A function that raises KeyboardInterrupt if an interrupt was received. Code that
-        never calls it runs to its end. The third interrupt is not deferred.
+        never calls it runs to its end. The third interrupt is not deferred, except by a
+        terminal that vanishes: the kernel and the shell send SIGHUP once each.
     """
     received = 0
 
     def defer(number: int, frame: Any) -> None:
         nonlocal received
+        if number == signal.SIGHUP:
+            received = max(received, 1)
+            return
         received += 1
         if received == MAX_INTERRUPTS:
             raise KeyboardInterrupt
         if received == MAX_INTERRUPTS - 1:
-            os.write(2, WARNING)  # `print` is not reentrant, and may be interrupted itself.
+            with suppress(OSError):  # Standard error may be closed or full.
+                os.write(2, WARNING)  # `print` is not reentrant, and may be interrupted itself.
 
     def check() -> None:
         if received:
@@ -43,7 +48,7 @@ def deferred_interrupts() -> Iterator[Callable[[], None]]:
 
 @contextmanager
 def termination_as_interrupt() -> Iterator[None]:
-    """Makes SIGTERM raise KeyboardInterrupt, so that unfinished files are removed."""
+    """Makes SIGTERM and SIGHUP raise KeyboardInterrupt, so that unfinished files are removed."""
     with _handler(signal.default_int_handler):
         yield
 

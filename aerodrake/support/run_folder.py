@@ -26,7 +26,7 @@ def run_folder(target: Path, markers: Sequence[str] = MARKERS) -> Iterator[Path]
         BadInput: if `target` cannot be written, or has other files than an earlier run.
     """
     path = check_target(target, markers)
-    with _writing(target):
+    with writing(target):
         path.parent.mkdir(parents=True, exist_ok=True)
         with scratch_folder(path.parent) as scratch:
             new = scratch / NEW / path.name
@@ -42,7 +42,7 @@ def existing_folder(target: str | os.PathLike[str]) -> Path:
         BadInput: if it cannot be created.
     """
     path = Path(target)
-    with _writing(path):
+    with writing(path):
         path.mkdir(parents=True, exist_ok=True)
     return path
 
@@ -53,29 +53,34 @@ def check_target(target: Path, markers: Sequence[str] = MARKERS) -> Path:
     Raises:
         BadInput: as for `run_folder`.
     """
-    with _writing(target):
-        if "\0" in str(target):
-            raise OSError("expected a path without a NUL")
+    with writing(target):
         path = Path(os.path.realpath(target))
         if path.is_symlink():
-            raise BadInput("--out", "", f"expected a folder, but {target} is a link to itself")
+            raise BadInput(target, "", "expected a folder, got a link to itself")
         if path.exists() and not path.is_dir():
-            raise BadInput("--out", "", f"expected a folder, but {target} is a file")
+            raise BadInput(target, "", "expected a folder, got a file")
         # Creating a folder shows that it is possible, and completes interrupted replacements.
         with scratch_folder(next(parent for parent in path.parents if parent.exists())):
             is_run = all(any(map(Path.is_file, path.glob(name))) for name in markers)
             if path.is_dir() and any(path.iterdir()) and not is_run:
-                message = f"{target} holds files that are not of an earlier run"
-                raise BadInput("--out", "", message)
+                raise BadInput(target, "", "holds files that are not of an earlier run")
         if path.is_dir() and (os.path.ismount(path) or path in (Path.cwd(), *Path.cwd().parents)):
-            message = f"{target} is a mount point or contains the working directory; "
-            raise BadInput("--out", "", message + "expected another folder")
+            message = "expected a folder that can be replaced, got a mount point or a folder that "
+            raise BadInput(target, "", message + "contains the working directory")
     return path
 
 
 @contextmanager
-def _writing(target: Path) -> Iterator[None]:
+def writing(target: Path) -> Iterator[None]:
+    """Raises BadInput that names `target` in place of errors of writing to it.
+
+    A broken pipe is not an error of the target, but of a stream that a callback writes to.
+    """
+    if "\0" in str(target):
+        raise BadInput(target, "", "expected a path without a NUL")
     try:
         yield
+    except BrokenPipeError:
+        raise
     except OSError as error:
-        raise BadInput("--out", "", f"cannot write {target}: {error.strerror or error}") from None
+        raise BadInput(target, "", f"cannot be written: {error.strerror or error}") from None

@@ -14,7 +14,7 @@ from aerodrake.flight.summary import to_json
 from aerodrake.scenario.load import load_scenario, save_scenario
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import write_atomically
-from aerodrake.support.run_folder import run_folder
+from aerodrake.support.run_folder import run_folder, writing
 from aerodrake.sweeps.match import PLAN, SCENARIO, check_same
 from aerodrake.sweeps.plan import Plan
 
@@ -131,16 +131,6 @@ def _reopen(target: Path, plan: Plan) -> None:
         for name in (SUMMARY, FIGURE):
             (target / name).unlink(missing_ok=True)
         write_atomically(target / PLAN, to_json(plan.as_mapping()).encode())
-
-
-@contextmanager
-def writing(target: Path) -> Iterator[None]:
-    """Raises BadInput in place of errors of writing to `target`."""
-    try:
-        yield
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise BadInput(target, "", f"cannot be written: {reason}") from None
 
 
 def _lock(folder: Path, locks: contextlib.ExitStack) -> None:

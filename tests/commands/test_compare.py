@@ -124,8 +124,8 @@ def test_a_failed_variant_is_a_failure(tmp_path, monkeypatch, capsys):
         ),
         (["hover", "--set", "residual.checkpoint=none.pt"], "none.pt: "),
         (["hover", "--set", "vehicle.robot=none.urdf"], "none.urdf: "),
-        (["hover", "--out", "file"], "--out: expected a folder"),
-        (["hover", "--out", "mine"], "mine holds files that are not of an earlier run"),
+        (["hover", "--out", "file"], "file: expected a folder"),
+        (["hover", "--out", "mine"], "mine: holds files that are not of"),
     ],
 )
 def test_bad_input_prints_one_line_and_writes_nothing(

@@ -85,7 +85,7 @@ def test_a_folder_with_other_files_is_refused(names, ideal, tmp_path, capsys):
     for name in names:
         (out / name).write_text("precious")
     assert main(["identify", "hover", "--quiet", "--out", str(out)]) == 2
-    assert capsys.readouterr().err.startswith(f"aerodrake: --out: {out} holds files")
+    assert capsys.readouterr().err.startswith(f"aerodrake: {out}: holds files")
     assert files(out) == dict.fromkeys(names, b"precious")
 
 

@@ -180,7 +180,7 @@ def test_the_folder_is_checked_before_the_flight_is_built(tmp_path, monkeypatch,
     (tmp_path / "file").touch()
     assert main(["run", "hover", "--out", str(tmp_path / "file")]) == 2
     out, err = capsys.readouterr()
-    assert out == "" and "--out: expected a folder" in err
+    assert out == "" and ": expected a folder, got a file" in err
 
 
 def test_two_runs_in_one_second_have_two_folders(tmp_path, monkeypatch):
@@ -221,7 +221,7 @@ def test_a_folder_with_other_files_is_refused(name, tmp_path, capsys):
     out.mkdir()
     (out / name).write_text("precious")
     assert main(["run", "hover", *TINY, "--out", str(out)]) == 2
-    assert f"{out} holds files" in capsys.readouterr().err
+    assert f"{out}: holds files" in capsys.readouterr().err
     assert files(tmp_path) == {f"mine/{name}": b"precious"}
 
 

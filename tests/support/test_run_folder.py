@@ -85,7 +85,7 @@ def test_an_error_leaves_everything_unchanged(error, tmp_path):
 )
 def test_a_full_disk_is_reported(error, reason, tmp_path):
     with (
-        pytest.raises(BadInput, match=f"^--out: cannot write .*run: {reason}$"),
+        pytest.raises(BadInput, match=f"run: cannot be written: {reason}$"),
         run_folder(tmp_path / "run"),
     ):
         raise error
@@ -105,7 +105,7 @@ def test_an_earlier_run_survives_a_failing_disk(failing, tmp_path, monkeypatch):
         rename(source, target)
 
     monkeypatch.setattr(os, "replace", replace)
-    with pytest.raises(BadInput, match="^--out: cannot write .*: Input/output error$"):
+    with pytest.raises(BadInput, match=": cannot be written: Input/output error$"):
         write(tmp_path / "run")
     assert texts(tmp_path) == run("old")
 
@@ -120,7 +120,7 @@ def test_a_folder_with_other_files_is_refused(own, tmp_path):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("precious")
     before = texts(tmp_path)
-    with pytest.raises(BadInput, match="--out: .*mine holds files that are not of an earlier run"):
+    with pytest.raises(BadInput, match="mine: holds files that are not of"):
         write(tmp_path / "mine")
     assert texts(tmp_path) == before
 
@@ -131,7 +131,7 @@ def test_the_working_directory_is_not_replaced(where, tmp_path, monkeypatch):
     (tmp_path / "b" / "c").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "b" / "c")
     entered = False
-    with pytest.raises(BadInput, match="^--out: "), run_folder(Path(where)):
+    with pytest.raises(BadInput, match=r"^[./b]+: "), run_folder(Path(where)):
         entered = True
     assert not entered
     assert Path.cwd() == tmp_path / "b" / "c"
@@ -151,7 +151,7 @@ def test_a_link_to_itself_is_refused_before_the_flight(tmp_path):
     (tmp_path / "a").symlink_to("b")
     (tmp_path / "b").symlink_to("a")
     entered = False
-    with pytest.raises(BadInput, match="--out: .*a is a link"), run_folder(tmp_path / "a"):
+    with pytest.raises(BadInput, match="a: expected .* got a link"), run_folder(tmp_path / "a"):
         entered = True
     assert not entered and (tmp_path / "a").is_symlink()
 
@@ -159,7 +159,7 @@ def test_a_link_to_itself_is_refused_before_the_flight(tmp_path):
 def test_a_file_is_refused(tmp_path):
     (tmp_path / "file").write_text("precious")
     for target in ("file", "file/run"):
-        with pytest.raises(BadInput, match="^--out: .*file"):
+        with pytest.raises(BadInput, match=r"file(/run)?: "):
             write(tmp_path / target)
     assert texts(tmp_path) == {"file": "precious"}
 
@@ -167,7 +167,7 @@ def test_a_file_is_refused(tmp_path):
 @pytest.mark.parametrize("target", ["/proc/run", "x" * 300, "a\0b", "/dev/null/run"])
 def test_an_unwritable_path_is_named(target, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(BadInput, match="^--out: cannot write |^--out: .*a file$") as caught:
+    with pytest.raises(BadInput, match=": cannot be |got a file$|without a NUL$") as caught:
         write(Path(target))
     assert "None" not in str(caught.value) and "Errno" not in str(caught.value)
     assert texts(tmp_path) == {}
