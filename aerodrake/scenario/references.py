@@ -55,6 +55,9 @@ class Waypoints(Kind, kind="waypoints"):
     """Smooth interpolation of a CSV with the header `t,x,y,z` (s and m, world frame)."""
 
     file: str = file()
+    # Step to whose multiples the file's coordinates are rounded: points are not interpolated but
+    # smoothed, with the mean squared deviation of rounding. 0: interpolated.
+    rounding_m: float = quantity(0.0, "m", 0.0, 0.1)
 
 
 @dataclass(frozen=True)

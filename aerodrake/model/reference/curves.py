@@ -8,8 +8,10 @@ import numpy as np
 
 from aerodrake.model.reference.closed_curves import CloverCurve, FigureEightCurve, LissajousCurve
 from aerodrake.model.reference.reference_curve import Motion, ReferenceCurve, path_diameter
+from aerodrake.model.reference.smoothing import smooth_waypoints
 from aerodrake.model.reference.waypoints import interpolate_waypoints, read_waypoints
 from aerodrake.scenario import references
+from aerodrake.support.errors import BadInput
 from aerodrake.support.files import locate
 
 
@@ -44,7 +46,7 @@ class MovingTargetCurve(ReferenceCurve):
 
 
 class WaypointCurve(ReferenceCurve):
-    """Smooth path through the points of a file, whatever `start` (3,) m is.
+    """Smooth path through the points of a file, or near rounded ones, whatever `start` (3,) m is.
 
     Outside the file's times it stays at the first or last point.
 
@@ -53,8 +55,16 @@ class WaypointCurve(ReferenceCurve):
     """
 
     def __init__(self, config: references.Waypoints, start: np.ndarray):
-        self._times, points = read_waypoints(locate(config.file))
-        self._position = interpolate_waypoints(self._times, points)
+        path = locate(config.file)
+        self._times, points = read_waypoints(path)
+        try:
+            self._position = (
+                smooth_waypoints(self._times, points, config.rounding_m)
+                if config.rounding_m
+                else interpolate_waypoints(self._times, points)
+            )
+        except ValueError as error:
+            raise BadInput(path, "", str(error)) from None
         self._velocity = self._position.derivative()
 
     @cached_property

@@ -1,7 +1,8 @@
-"""Waypoint files, CSV with the header `t,x,y,z`, and the smooth path through waypoints."""
+"""Waypoint files, CSV with the header `t,x,y,z`, and the path through waypoints."""
 
 import csv
 import io
+import re
 import reprlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -18,6 +19,12 @@ MAX_FILE_BYTES = 20_000_000
 MIN_STEP_S = 1e-3
 """Smallest step in time between rows."""
 
+TIME_ROUNDING_S = 2e-5
+"""Most by which rounding of times may reduce a step: in single precision up to 256 s."""
+
+NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+"""Decimal number."""
+
 Columns = Mapping[str, tuple[str, float, float]]
 """Unit and closed range of each column, by name; the first column is time in s."""
 
@@ -28,8 +35,9 @@ COLUMNS: Columns = {"t": ("s", 0.0, 1e5), **dict.fromkeys("xyz", ("m", -1000.0, 
 def read_waypoints(path: str | Path, columns: Columns = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
     """Reads a waypoint file, or a file with other `columns`.
 
-    The header consists of their names, in any case and spacing; a byte-order mark and blank
-    lines are skipped. Errors number rows as editors do: the header is row 1.
+    The header consists of their names, in any case and spacing, and may be a comment. A byte-order
+    mark, blank lines and comments, from `#` to the end of a line, are skipped. Errors number rows
+    as editors do: the first line is row 1.
 
     Returns:
         times: (M,) s, reference times, ascending from 0 or later; M >= 2.
@@ -37,8 +45,8 @@ def read_waypoints(path: str | Path, columns: Columns = COLUMNS) -> tuple[np.nda
 
     Raises:
         BadInput: if the file is missing, too large or not UTF-8 text, or if it does not
-            consist of two or more rows of four numbers in their ranges, at least
-            `MIN_STEP_S` apart in time.
+            consist of two or more rows of four decimal numbers in their ranges, at least
+            `MIN_STEP_S` apart in time, except for `TIME_ROUNDING_S`.
     """
     path, header = Path(path), ",".join(columns)
     content = read_bounded(path, MAX_FILE_BYTES)
@@ -70,23 +78,41 @@ def interpolate_waypoints(times: np.ndarray, points: np.ndarray) -> PiecewisePol
 
 def _rows(file: Iterator[str], path: Path, columns: Columns) -> Iterator[list[float]]:
     """Yields the checked numbers of each row."""
-    reader = csv.reader(file)
-    header = ",".join(cell.strip().lower() for cell in next(reader, []))
-    expected = ",".join(columns)
-    if header != expected:
-        raise BadInput(
-            path, "", f"row 1: expected the header {expected}, got {reprlib.repr(header)}"
-        )
+    expected, header = ",".join(columns), ""
     earliest = -np.inf
-    for cells in filter(None, reader):
+    reader = csv.reader(_without_comments(file, expected))
+    for cells in reader:
+        if not any(cell.strip() for cell in cells):
+            continue
+        if not header:
+            header = _names(",".join(cells))
+            if header != expected:
+                got = reprlib.repr(header)
+                place = f"row {reader.line_num}"
+                raise BadInput(path, "", f"{place}: expected the header {expected}, got {got}")
+            continue
         try:
             row = _numbers(cells, columns)
             if row[0] < earliest:
                 raise ValueError(f"expected t to ascend by at least {MIN_STEP_S} s, got {row[0]!r}")
         except ValueError as error:
             raise BadInput(path, "", f"row {reader.line_num}: {error}") from None
-        earliest = row[0] + MIN_STEP_S
+        earliest = row[0] + MIN_STEP_S - TIME_ROUNDING_S
         yield row
+    if not header:
+        raise BadInput(path, "", f"row 1: expected the header {expected}, got an empty file")
+
+
+def _without_comments(file: Iterator[str], header: str) -> Iterator[str]:
+    """Yields the lines without comments; a header may be one, as `numpy.savetxt` writes it."""
+    for line in file:
+        text, _, comment = line.partition("#")
+        yield comment if not text.strip() and _names(comment) == header else text
+
+
+def _names(line: str) -> str:
+    """Returns the names of a header in lower case and without spaces."""
+    return ",".join(name.strip().lower() for name in line.split(","))
 
 
 def _numbers(cells: list[str], columns: Columns) -> list[float]:
@@ -95,14 +121,11 @@ def _numbers(cells: list[str], columns: Columns) -> list[float]:
         raise ValueError(f"expected {len(columns)} cells, got {len(cells)}")
     row = []
     for cell, (name, (unit, low, high)) in zip(cells, columns.items(), strict=True):
-        problem = ValueError(
-            f"expected {name} in [{low:g}, {high:g}] {unit}, got {reprlib.repr(cell)}"
-        )
-        try:
-            number = float(cell)
-        except ValueError:
-            raise problem from None
-        if not low <= number <= high:  # Also true for NaN.
-            raise problem
+        text = cell.strip()
+        # `float` also reads 5_0 and digits of other scripts.
+        number = float(text) if NUMBER.fullmatch(text) else np.nan
+        if not low <= number <= high:
+            expected = f"expected {name} in [{low:g}, {high:g}] {unit} as a decimal number"
+            raise ValueError(f"{expected}, got {reprlib.repr(cell)}")
         row.append(number)
     return row

@@ -1,7 +1,9 @@
 """Tests of waypoint files, valid and invalid, and of the path through them."""
 
+import io
 import os
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
+from aerodrake.model.reference import direction
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.reference.waypoints import (
     MAX_FILE_BYTES,
@@ -19,6 +22,7 @@ from aerodrake.model.reference.waypoints import (
 from aerodrake.scenario import Waypoints
 from aerodrake.support.errors import BadInput
 
+read_directions = partial(read_waypoints, columns=direction.COLUMNS)
 START = np.array([0.0, 0.2, 1.2])
 PACKAGED = Path(__file__).parents[3] / "aerodrake" / "scenarios" / "waypoints.csv"
 GOOD = b"t,x,y,z\n0,0,0.2,1.2\n2,0.1,0.2,1.2\n"
@@ -43,6 +47,10 @@ BAD = {
     "long row": (b"t,x,y,z\n0,0,0,1\n1,0,0,1,\n", "row 3: expected 4 cells, got 5"),
     "repeated time": (b"t,x,y,z\n0,0,0,1\n1,0,0,1\n1,0,0,1\n", "row 4: expected t to ascend"),
     "descending time": (b"t,x,y,z\n0,0,0,1\n2,0,0,1\n1,0,0,1\n", "row 4: expected t to ascend"),
+    "too fast": (b"t,x,y,z\n0,0,0,1\n0.0009,0,0,1\n", "row 3: expected t to ascend by"),
+    "header again": (b"t,x,y,z\n0,0,0,1\nt,x,y,z\n1,0,0,1\n", "row 3: expected t"),
+    "comments only": (b"# a\n# b\n", "header"),
+    "another comment": (b"# time,x,y,z\n0,0,0,1\n1,0,0,1\n", "row 2: expected the header"),
     "binary": (b"\x89PNG\r\n\x1a\n\x00\x00\xff\xfe", "UTF-8"),
     "UTF-16": ("t,x,y,z\n0,0,0,1\n1,0,0,1\n".encode("utf-16"), "UTF-8"),
     "NUL": (b"t,x,y,z\n0,0,0,1\n1,0,0,\x00\n", ""),
@@ -99,6 +107,96 @@ def test_variants_of_a_good_file(write, content):
     times, points = read_waypoints(write(content))
     np.testing.assert_array_equal(times, [0, 2])
     np.testing.assert_array_equal(points, START + [[0, 0, 0], [0.1, 0, 0]])
+
+
+NO_DECIMALS = (
+    *("5_0", "\uff15", "\u0661", "0x1p3", "0x10", "1e", "e5", ".", "1,5", "1.5.2", "--1", "+-1"),
+    *(
+        "nan",
+        "NaN",
+        "inf",
+        "-Infinity",
+        "1d3",
+        "1 2",
+        "1j",
+        "True",
+        "0b1",
+        "1e5_0",
+        "1e400",
+        "\u2212",
+    ),
+)
+
+
+@pytest.mark.parametrize("text", NO_DECIMALS)
+@pytest.mark.parametrize("column", range(4))
+def test_other_spellings_of_numbers_are_refused(write, text, column):
+    cells = ["1", "0.1", "0.2", "1.2"]
+    cells[column] = f'"{text}"'
+    path = write(GOOD.replace(b"\n2,0.1,0.2,1.2", b"\n\n" + ",".join(cells).encode()))
+    with pytest.raises(
+        BadInput, match=f"row 4: expected {'txyz'[column]} in .* as a decimal number"
+    ):
+        read_waypoints(path)
+
+
+@given(st.floats(-1000, 1000), st.sampled_from(["{!r}", "{:.3f}", "{:+.9e}", "{:g}", " {:.1E} "]))
+def test_decimal_numbers_are_read_as_python_reads_them(tmp_path_factory, number, form):
+    path = tmp_path_factory.getbasetemp() / "numbers.csv"
+    text = form.format(number)
+    path.write_text(f"t,x,y,z\n0,{text},0,1\n1.,.5,-0,+1\n")
+    assert read_waypoints(path)[1].tolist() == [[float(text), 0, 1], [0.5, 0, 1]]
+
+
+FORMS = {
+    "decimals": lambda times: [f"{t:.6f}" for t in times],
+    "digits": lambda times: [f"{t:.9g}" for t in times],
+    "all digits": lambda times: map(repr, times.tolist()),
+    "single precision": lambda times: map(str, times.astype(np.float32)),
+    "10 us": lambda times: [f"{t:.5f}" for t in times],
+}
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.sampled_from(sorted(FORMS)),
+    st.sampled_from(["multiples", "sum"]),
+    st.floats(1.0, 1000.0),
+    st.floats(0.0, 250.0),
+)
+def test_rounding_of_times_is_tolerated(tmp_path_factory, form, way, rate, first):
+    """Rates up to 1 kHz, in any spelling; times are multiples of a step, or sums of steps."""
+    count = min(300, int((256 - first) * rate) + 2)
+    if way == "multiples":
+        times = first + np.arange(count) / rate
+    else:
+        times = first + np.cumsum(np.full(count, 1 / rate))
+    path = tmp_path_factory.getbasetemp() / "times.csv"
+    texts = list(FORMS[form](times))
+    for header, read in (("t,x,y,z", read_waypoints), ("t,ax,ay,az", read_directions)):
+        path.write_text(f"{header}\n" + "".join(f"{text},0,0,1\n" for text in texts))
+        assert read(path)[0].tolist() == [float(text) for text in texts]
+
+
+def test_ten_seconds_at_one_kilohertz_are_read(write):
+    times = np.arange(10_000) * 1e-3
+    assert (np.diff(times) < 1e-3).sum() > 1000
+    rows = "".join(f"{t!r},0,0,1\n" for t in times.tolist())
+    np.testing.assert_array_equal(read_waypoints(write(b"t,x,y,z\n" + rows.encode()))[0], times)
+
+
+def test_files_of_numpy_and_of_spreadsheets_are_read(write):
+    expected = [[0, 0, 0.2, 1.2], [2, 0.1, 0.2, 1.2]]
+    text = io.StringIO()
+    np.savetxt(text, expected, delimiter=",", header="recorded\nt,x,y,z")
+    for content in (
+        text.getvalue(),
+        "# from a survey\n\n t,x,y,z # s and m\n0,0,0.2,1.2\n  # a pause\n2,0.1,0.2,1.2\n \n\t\n",
+        '\ufeff"t","x","y","z"\r\n"0","0","0.2","1.2"\r\n2,0.1,0.2,1.2\r\n,,,\r\n\r\n',
+        "t,x,y,z\r0,0,.2,1.2\r2.,1e-1,0.2,1.2\r",
+    ):
+        times, points = read_waypoints(write(content.encode()))
+        np.testing.assert_array_equal(np.column_stack([times, points]), expected)
 
 
 paths = st.lists(
