@@ -7,7 +7,7 @@ from .coordinator import make_coordinator
 from .gallery.export import graph
 from .reports.live import LiveView
 from .scenario.load import load_scenario, override
-from .scenario.sections import Scenario
+from .scenario.scenario import Scenario
 from .station import make_closed_loop, make_context, make_station
 from .support.errors import BadInput, ProcessDied, ScenarioError
 from .support.version import __version__

@@ -70,7 +70,7 @@ def main(arguments: argparse.Namespace) -> int:
             out=target,
             resume=arguments.resume,
             jobs=arguments.jobs,
-            scheduler=arguments.scheduler,
+            executor=arguments.scheduler,
             quiet=arguments.quiet,
         )
     except (KeyboardInterrupt, ProcessDied):

@@ -14,10 +14,9 @@ from aerodrake.reports.flight_table import notes as flight_notes
 from aerodrake.scenario import OrientationOff, Scenario, Weights
 from aerodrake.scenario.load import MAX_FILE_BYTES
 from aerodrake.scenario.plain_yaml import parse
-from aerodrake.scenario.rules import check
 from aerodrake.scenario.schema import build
 from aerodrake.station import make_closed_loop
-from aerodrake.support.errors import BadInput, nearest
+from aerodrake.support.errors import BadInput, nearest, sourced
 from aerodrake.support.files import PACKAGE, locate, read_bounded
 from aerodrake.support.processes import run_parallel
 from aerodrake.systems.sensors import is_exact
@@ -107,7 +106,7 @@ def own_variant(scenario: Scenario) -> str:
 
 
 def make_variant(scenario: Scenario, name: str, baseline: Weights) -> Scenario:
-    """Returns one variant of a scenario, unchecked; `baseline` is used by `integral_best`."""
+    """Returns one variant of a scenario; `baseline` is used by `integral_best`."""
     variant = VARIANTS[name](_proposed(scenario))
     is_best = name == "integral_best"
     return _with(mpc=dataclasses.asdict(baseline))(variant) if is_best else variant
@@ -154,12 +153,12 @@ def make_variants(
     if scenario.residual.mode != "online":
         absent |= {"modified+printed"}
     chosen = [name for name in VARIANTS if name in names or not names and name not in absent]
-    variants = {name: make_variant(scenario, name, baseline) for name in chosen}
-    for name, variant in variants.items():
-        source = f"{scenario.source} as {name}"
-        check(variant, source)
-        # Reads the files of the scenario, so that errors occur before any flight.
-        make_closed_loop(replace(variant, source=source))
+    variants = {}
+    for name in chosen:
+        with sourced(f"{scenario.source} as {name}"):
+            variants[name] = make_variant(scenario, name, baseline)
+            # Reads the files of the scenario, so that errors occur before any flight.
+            make_closed_loop(variants[name])
     return variants
 
 

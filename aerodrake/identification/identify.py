@@ -35,9 +35,8 @@ from aerodrake.model.equivalent.identification import GainFit, fit_gain
 from aerodrake.model.setpoint.motion import held_acceleration_motion
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Model, Scenario
-from aerodrake.scenario.schema import as_mapping, build
-from aerodrake.support.errors import BadInput, ProcessDied, ScenarioError
+from aerodrake.scenario import Scenario
+from aerodrake.support.errors import BadInput, ProcessDied, ScenarioError, sourced
 from aerodrake.support.processes import run_parallel
 
 AXES = ("x", "y", "z")
@@ -158,7 +157,8 @@ def identify_gains(
         if not axis.fit.r2 >= LEAST_R2:
             raise _not_first_order(scenario, f"the fit of {name} has R^2 {axis.fit.r2:.2f}")
     identification = Identification(scenario, axes)
-    build(Model, as_mapping(identification.identified_scenario.model), scenario.source, "model")
+    with sourced(scenario.source):
+        dataclasses.replace(scenario.model, k_b=identification.k_b)  # Checks the range of K_B.
     return identification
 
 

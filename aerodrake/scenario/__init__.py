@@ -44,6 +44,7 @@ from aerodrake.scenario.references import (
     Waypoints,
 )
 from aerodrake.scenario.residual import Guards, Residual
+from aerodrake.scenario.scenario import Scenario
 from aerodrake.scenario.sections import (
     Allocation,
     Arm,
@@ -54,7 +55,6 @@ from aerodrake.scenario.sections import (
     Mpc,
     Rates,
     Rotor,
-    Scenario,
     Supervisor,
     Vehicle,
     Weights,

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from aerodrake.scenario.schema import quantity
+from aerodrake.scenario.schema import Section, quantity
 
 
 @dataclass(frozen=True)
-class Sensors:
+class Sensors(Section):
     """Standard deviations of the samples' white noise, per axis, and the samples' delay."""
 
     position_noise_m: float = quantity(0.0, "m", 0.0, 1.0)
@@ -19,7 +19,7 @@ class Sensors:
 
 
 @dataclass(frozen=True)
-class Wind:
+class Wind(Section):
     """Wind, and the drag force that it exerts at the base's origin, in the world frame.
 
     Without wind and gusts there is no drag, even if the base moves.
@@ -36,14 +36,14 @@ class Wind:
 
 
 @dataclass(frozen=True)
-class Payload:
+class Payload(Section):
     """A small steel ball at the end-effector, which is not part of any controller's model."""
 
     mass_kg: float = quantity(0.0, "kg", 0.0, 2.0)
 
 
 @dataclass(frozen=True)
-class Mismatch:
+class Mismatch(Section):
     """Model mismatch: factors on the plant's parameters, which the controllers do not have."""
 
     # Factors on each link's mass and on its inertia about its own centre of mass.

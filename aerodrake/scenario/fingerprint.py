@@ -7,8 +7,8 @@ from typing import Any
 
 from aerodrake.scenario.faults import LearnerFault, MpcFault, ReferenceFault
 from aerodrake.scenario.inputs import MAX_BYTES
+from aerodrake.scenario.scenario import Scenario
 from aerodrake.scenario.schema import as_mapping
-from aerodrake.scenario.sections import Scenario
 from aerodrake.support.errors import file_at
 from aerodrake.support.files import locate, read_bounded
 

@@ -4,9 +4,10 @@ import itertools
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
+from aerodrake.scenario.scenario import Scenario
 from aerodrake.scenario.schema import map_files
-from aerodrake.scenario.sections import Scenario
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import read_bounded
 from aerodrake.support.scratch import temporary_folder
@@ -77,8 +78,11 @@ def copy_inputs(scenario: Scenario, folder: Path) -> Scenario:
     return map_files(scenario, copy)
 
 
-def named_files(scenario: Scenario) -> list[str]:
-    """Returns the paths of the files that a scenario names, except for files in the package."""
+def named_files(scenario: Scenario | dict[str, Any]) -> list[str]:
+    """Returns the paths of the files that a scenario, or some of its fields, name.
+
+    Files in the package are left out.
+    """
     paths: list[str] = []
 
     def collect(file: Path) -> Path:

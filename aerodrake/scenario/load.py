@@ -1,6 +1,5 @@
 """Loading, overriding, checking and saving of scenarios."""
 
-import dataclasses
 import os
 from collections.abc import Iterable, Mapping
 from importlib import resources
@@ -10,10 +9,9 @@ from typing import Any
 from aerodrake.scenario.inputs import copy_inputs
 from aerodrake.scenario.overrides import Override, apply, from_keys, from_option
 from aerodrake.scenario.plain_yaml import dump, parse
-from aerodrake.scenario.rules import MAX_NAME_BYTES, check
-from aerodrake.scenario.schema import as_mapping, build, map_files
-from aerodrake.scenario.sections import Scenario
-from aerodrake.support.errors import BadInput, ScenarioError, nearest
+from aerodrake.scenario.scenario import MAX_NAME_BYTES, Scenario
+from aerodrake.scenario.schema import as_mapping, convert_field, map_files
+from aerodrake.support.errors import BadInput, ScenarioError, nearest, sourced
 from aerodrake.support.files import read_bounded
 
 MAX_FILE_BYTES = 100_000
@@ -84,7 +82,7 @@ def override(
         ScenarioError: if a key or value is invalid, or keys are inconsistent.
     """
     changes = from_keys(scenario.name or scenario.source, overrides, keys)
-    return _checked(vars(scenario), changes, scenario.name, scenario.name or scenario.source)
+    return _changed(vars(scenario), changes, scenario.name, scenario.name or scenario.source)
 
 
 def resolve(
@@ -116,10 +114,13 @@ def save_scenario(scenario: Scenario, folder: Path) -> Path:
         OSError: if a file cannot be written.
     """
 
+    folder = folder.absolute()
+
     def relative(file: Path) -> Path:
         return file.relative_to(folder) if file.is_relative_to(folder) else file
 
-    portable = map_files(copy_inputs(scenario, folder / "inputs"), relative)
+    copied = copy_inputs(scenario, folder / "inputs")
+    portable = {name: map_files(getattr(copied, name), relative) for name in as_mapping(copied)}
     path = folder / "scenario.yaml"
     path.write_text(dump(as_mapping(portable)), encoding="utf-8")
     return path
@@ -132,17 +133,20 @@ def _load(name_or_path: str, overrides: Iterable[Override], source: str) -> Scen
     if not isinstance(data, Mapping) or not data:
         got = "" if data else ", got an empty file"
         raise ScenarioError(path, "", f"expected a mapping of scenario keys to values{got}")
-    scenario = map_files(build(Scenario, data, path), lambda file: path.parent.resolve() / file)
-    return _checked(vars(scenario), overrides, scenario.name or _name(path), source or str(path))
+    fields = {name: convert_field(Scenario, name, value, path) for name, value in data.items()}
+    folder = path.parent.resolve()
+    fields = map_files(fields, lambda file: folder / file)
+    name = fields.get("name") or _name(path)
+    return _changed({**vars(Scenario()), **fields}, overrides, name, source or str(path))
 
 
-def _checked(
-    sections: Mapping[str, Any], overrides: Iterable[Override], name: str, source: str
+def _changed(
+    fields: Mapping[str, Any], overrides: Iterable[Override], name: str, source: str
 ) -> Scenario:
     """Returns the scenario with overridden keys; an empty name is replaced by `name`."""
-    scenario = map_files(Scenario(**apply(sections, overrides)), Path.absolute)
-    check(scenario, source)
-    return dataclasses.replace(scenario, name=scenario.name or name, source=source)
+    changed = apply(fields, overrides)
+    with sourced(source):
+        return Scenario(**changed | {"name": changed["name"] or name, "source": source})
 
 
 def _words(option: str, assignment: str) -> str:

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from aerodrake.scenario.plain_yaml import parse
 from aerodrake.scenario.renamed import successor
+from aerodrake.scenario.scenario import Scenario
 from aerodrake.scenario.schema import as_mapping, convert_field
-from aerodrake.scenario.sections import Scenario
 from aerodrake.support.errors import BadInput, ScenarioError, nearest
 
 UNIONS = ("reference", "orientation", "faults")
@@ -90,7 +90,7 @@ def apply(sections: Mapping[str, Any], overrides: Iterable[Override]) -> dict[st
 def _assign(sections: Mapping[str, Any], override: Override) -> tuple[str, Any]:
     """Returns the name of the field that has the key, and the field's plain data with it set."""
     source, key, value = override
-    data = node = {name: as_mapping(section) for name, section in sections.items()}
+    data = node = as_mapping(dict(sections))
     *parents, leaf = key.split(".")
     for depth, name in enumerate(parents):
         children = _mappings(node)

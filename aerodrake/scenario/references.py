@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 from aerodrake.scenario.schema import Kind, file, quantity
 
+SHORTEST_AXIS = 1e-3
+"""Length below which a vector has no direction."""
+
 
 @dataclass(frozen=True)
 class Hover(Kind, kind="hover"):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from aerodrake.scenario.schema import choice, file, quantity
+from aerodrake.scenario.schema import Section, choice, file, quantity
 
 
 class Guards(NamedTuple):
@@ -22,7 +22,7 @@ class Guards(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Residual:
+class Residual(Section):
     """Residual Delta of the equivalent model: the network and online learning of its last layer.
 
     Velocities are c Delta, what Delta adds to the predicted velocity in one period.

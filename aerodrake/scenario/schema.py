@@ -4,31 +4,25 @@ A section of a scenario is a frozen dataclass. Each field declares its unit and 
 
     amplitude_m: float = quantity(0.5, "m", 0.01, 5.0)
 
-`build` converts a mapping, as parsed from YAML, to such a dataclass. Its errors name the
-dotted key, the unit, the range and the nearest valid name. For a field whose type is a union
-of dataclasses, the key `kind` selects the class. A tuple of such a union is a list of mappings.
+A section converts and checks its values when it is built, from Python as from YAML: lists and
+arrays become tuples, paths strings, and mappings sections. Errors name the dotted key, the unit,
+the range and the nearest valid name. For a field whose type is a union of sections, the key
+`kind` of a mapping selects the class. A tuple of such a union is a list of mappings.
 """
 
 import dataclasses
 import math
-import os
-import reprlib
 import types
 import typing
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from aerodrake.scenario.renamed import successor
+from aerodrake.scenario.values import MAX_LIST, boolean, number, numbers, plain, show, string
 from aerodrake.support.errors import ScenarioError, nearest
-from aerodrake.support.files import PACKAGE, is_packaged, leaves_package
-
-_REPR = reprlib.Repr()  # Limits the depth and length of values in messages.
-_REPR.maxlevel = 2
-_REPR.maxstring = 60
-
-MAX_LIST = 1000
-"""Longest list in a scenario; protects against hostile files."""
+from aerodrake.support.files import is_packaged
 
 
 def quantity(
@@ -69,8 +63,25 @@ def provenance() -> Any:
     return dataclasses.field(default="", metadata={"provenance": True})
 
 
-class Kind:
-    """Base of dataclasses of a union; their keyword `kind` is the value of that key."""
+class Section:
+    """Base of the sections of a scenario: frozen dataclasses whose values are always valid.
+
+    Raises:
+        ScenarioError: if a value has the wrong type, length or range.
+    """
+
+    key: ClassVar[str] = ""
+    """Dotted key of the section in a scenario, for messages; see `assign_keys`."""
+
+    def __post_init__(self) -> None:
+        """Converts and checks all values."""
+        for name in _declared(type(self)):
+            value = convert_field(type(self), name, getattr(self, name), "", self.key)
+            object.__setattr__(self, name, value)
+
+
+class Kind(Section):
+    """Base of sections of a union; their keyword `kind` is the value of that key."""
 
     kind: ClassVar[str]
 
@@ -78,12 +89,23 @@ class Kind:
         cls.kind = kind
 
 
+def assign_keys(root: type[Section]) -> None:
+    """Sets the dotted key of each class of sections in `root`; items of a list have `[]`."""
+    for name, (hint, _) in _declared(root).items():
+        is_list = typing.get_origin(hint) is tuple
+        element = typing.get_args(hint)[0] if is_list else hint
+        for section in typing.get_args(element) or (element,):
+            if issubclass(section, Section):
+                section.key = _join(root.key, name) + "[]" * is_list
+                assign_keys(section)
+
+
 def build(cls: type, data: object, source: object, key: str = "") -> Any:
-    """Converts a mapping to the dataclass `cls`.
+    """Converts a mapping to the section `cls`.
 
     Args:
-        cls: A dataclass whose fields are declared with this module.
-        data: The mapping.
+        cls: A subclass of `Section`.
+        data: The mapping, as parsed from YAML.
         source: Named in errors: the file or option that `data` came from.
         key: Dotted key of `data` in the source.
 
@@ -94,44 +116,42 @@ def build(cls: type, data: object, source: object, key: str = "") -> Any:
         ScenarioError: on unknown or renamed keys, wrong types, lengths or ranges.
     """
     if not isinstance(data, Mapping):
-        raise ScenarioError(source, key, f"expected a mapping of keys to values, got {_show(data)}")
-    return cls(**{name: convert_field(cls, name, data[name], source, key) for name in data})
+        raise ScenarioError(source, key, f"expected a mapping of keys to values, got {show(data)}")
+    for name in data:
+        _check_name(cls, name, source, key)
+    try:
+        return cls(**data)
+    except ScenarioError as error:
+        own = error.key.removeprefix(cls.key).lstrip(".")
+        raise ScenarioError(source, _join(key, own), error.args[2]) from None
 
 
 def convert_field(cls: type, name: str, value: object, source: object, key: str = "") -> Any:
-    """Converts the value of one field of the dataclass `cls`.
+    """Converts the value of one field of the section `cls`.
 
     Args:
-        cls: A dataclass whose fields are declared with this module.
+        cls: A subclass of `Section`.
         name: Name of the field.
         value: A plain value as parsed from YAML, an array, a path, or a section.
         source: Named in errors.
-        key: Dotted key of the dataclass in the source.
+        key: Dotted key of the section in the source.
 
     Raises:
         ScenarioError: as for `build`.
     """
-    dotted = f"{key}.{name}" if key else str(name)
-    fields = {f.name: f for f in _data_fields(cls)}
-    if name not in fields:
-        advice = successor(dotted) or f"unknown key; {nearest(name, fields)}"
-        raise ScenarioError(source, dotted, advice)
-    hint = typing.get_type_hints(cls)[name]
-    return _convert(hint, fields[name].metadata, value, source, dotted)
+    _check_name(cls, name, source, key)
+    hint, metadata = _declared(cls)[name]
+    return _convert(hint, metadata, value, source, _join(key, name))
 
 
-def as_mapping(config: Any) -> dict[str, Any]:
+def as_mapping(config: Any) -> Any:
     """Returns a mapping of every key of `config`, defaults included: the inverse of `build`."""
-
-    def plain(value: Any) -> Any:
-        if dataclasses.is_dataclass(value):
-            data = {f.name: plain(getattr(value, f.name)) for f in _data_fields(value)}
-            return {"kind": value.kind, **data} if hasattr(value, "kind") else data
-        if isinstance(value, tuple):
-            return [plain(v) for v in value]
-        return value
-
-    return plain(config)
+    if isinstance(config, Section):
+        data = {name: as_mapping(getattr(config, name)) for name in _declared(type(config))}
+        return {"kind": config.kind, **data} if isinstance(config, Kind) else data
+    if isinstance(config, dict):
+        return {name: as_mapping(value) for name, value in config.items()}
+    return [as_mapping(value) for value in config] if isinstance(config, tuple) else config
 
 
 def flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -144,113 +164,94 @@ def flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def map_files(config: Any, change: typing.Callable[[Path], Path]) -> Any:
-    """Returns `config` with `change` applied to every file that is not in the package."""
+    """Returns `config` with `change` applied to every file that is not in the package.
+
+    Args:
+        config: A section, or a mapping of names to sections and other values.
+        change: Function of the file's path.
+    """
+    if isinstance(config, dict):
+        return {name: map_files(value, change) for name, value in config.items()}
+    if not isinstance(config, Section):
+        return config
     changes: dict[str, Any] = {}
-    for f in dataclasses.fields(config):
-        value = getattr(config, f.name)
-        if dataclasses.is_dataclass(value):
-            changes[f.name] = map_files(value, change)
-        elif f.metadata.get("file") and value and not is_packaged(value):
-            changes[f.name] = str(change(Path(value)))
-    return dataclasses.replace(config, **changes)
+    for name, (_, metadata) in _declared(type(config)).items():
+        value = getattr(config, name)
+        if metadata.get("file") and value and not is_packaged(value):
+            changes[name] = str(change(Path(value)))
+        else:
+            changes[name] = map_files(value, change)
+    changes = {name: new for name, new in changes.items() if new is not getattr(config, name)}
+    return dataclasses.replace(config, **changes) if changes else config
 
 
-def _data_fields(config: Any) -> list[dataclasses.Field]:
-    return [f for f in dataclasses.fields(config) if "provenance" not in f.metadata]
+class _Declared(NamedTuple):
+    """Type and metadata of a field."""
+
+    hint: Any
+    metadata: Mapping[str, Any]
+
+
+@cache
+def _declared(cls: type) -> dict[str, _Declared]:
+    """Returns the fields of a section by name, without `provenance`."""
+    hints = typing.get_type_hints(cls)
+    fields = [f for f in dataclasses.fields(cls) if "provenance" not in f.metadata]
+    return {f.name: _Declared(hints[f.name], f.metadata) for f in fields}
+
+
+def _check_name(cls: type, name: object, source: object, key: str) -> None:
+    if name not in _declared(cls):
+        dotted = _join(key, str(name))
+        advice = successor(dotted) or f"unknown key; {nearest(name, _declared(cls))}"
+        raise ScenarioError(source, dotted, advice)
+
+
+def _join(key: str, name: str) -> str:
+    return f"{key}.{name}" if key and name else key or name
 
 
 def _convert(hint: Any, meta: Mapping[str, Any], value: object, source: object, key: str) -> Any:
-    if hasattr(value, "tolist"):  # Arrays, and NumPy's numbers.
-        value = value.tolist()
+    value = plain(value)
     if isinstance(hint, types.UnionType):
         return _build_union(typing.get_args(hint), value, source, key)
     if dataclasses.is_dataclass(hint):
-        if dataclasses.is_dataclass(value):
-            return _section((hint,), value, source, key)
+        if isinstance(value, Section):
+            return _instance((hint,), value, source, key)
         return build(hint, value, source, key)
     if hint is bool:
-        if not isinstance(value, bool):
-            raise ScenarioError(source, key, f"expected true or false, got {_show(value)}")
-        return value
+        return boolean(value, source, key)
     if hint is str:
-        return _string(meta, value, source, key)
+        return string(meta, value, source, key)
     if hint in (int, float):
-        return _number(hint, meta, value, source, key)
+        return number(hint, meta, value, source, key)
     element = typing.get_args(hint)[0]
-    if isinstance(element, types.UnionType):
-        if not isinstance(value, list | tuple):
-            raise ScenarioError(source, key, f"expected a list of mappings, got {_show(value)}")
-        if len(value) > MAX_LIST:
-            raise ScenarioError(source, key, f"expected at most {MAX_LIST} items, got {len(value)}")
-        kinds = typing.get_args(element)
-        return tuple(_build_union(kinds, v, source, f"{key}[{i}]") for i, v in enumerate(value))
-    length = f"{meta['length']} " if meta["length"] else ""
-    unit = "" if meta["unit"] == "1" else f" in {meta['unit']}"
-    expected = f"expected a list of {length}numbers{unit}"
+    if not isinstance(element, types.UnionType):
+        return numbers(element, meta, value, source, key)
     if not isinstance(value, list | tuple):
-        raise ScenarioError(source, key, f"{expected}, got {_show(value)}")
-    if len(value) > MAX_LIST or (meta["length"] and len(value) != meta["length"]):
-        raise ScenarioError(source, key, f"{expected}, got {len(value)}")
-    return tuple(_number(element, meta, v, source, f"{key}[{i}]") for i, v in enumerate(value))
+        raise ScenarioError(source, key, f"expected a list of mappings, got {show(value)}")
+    if len(value) > MAX_LIST:
+        raise ScenarioError(source, key, f"expected at most {MAX_LIST} items, got {len(value)}")
+    kinds = typing.get_args(element)
+    return tuple(_build_union(kinds, v, source, f"{key}[{i}]") for i, v in enumerate(value))
 
 
 def _build_union(options: tuple[type, ...], value: object, source: object, key: str) -> Any:
-    if dataclasses.is_dataclass(value):
-        return _section(options, value, source, key)
+    if isinstance(value, Section):
+        return _instance(options, value, source, key)
     kinds = {option.kind: option for option in options}
     kind = value.get("kind") if isinstance(value, Mapping) else None
     if kind is None:
         raise ScenarioError(source, key, f"expected a mapping with a kind; {nearest('', kinds)}")
     if not isinstance(kind, str) or kind not in kinds:
-        message = f"unknown kind {_show(kind)}; {nearest(kind, kinds)}"
+        message = f"unknown kind {show(kind)}; {nearest(kind, kinds)}"
         raise ScenarioError(source, f"{key}.kind", message)
     return build(kinds[kind], {k: v for k, v in value.items() if k != "kind"}, source, key)
 
 
-def _section(options: tuple[type, ...], value: object, source: object, key: str) -> Any:
+def _instance(options: tuple[type, ...], value: Section, source: object, key: str) -> Section:
     """Returns a section that was built in Python, after a check of its class."""
     if isinstance(value, options):
         return value
     names = " or ".join(option.__name__ for option in options)
-    raise ScenarioError(source, key, f"expected {names}, got {_show(value)}")
-
-
-def _string(meta: Mapping[str, Any], value: object, source: object, key: str) -> str:
-    options = meta.get("options")
-    if meta.get("file") and isinstance(value, os.PathLike):
-        value = os.fspath(value)
-    if not isinstance(value, str):
-        raise ScenarioError(source, key, f"expected a string, got {_show(value)}")
-    if options and value not in options:
-        raise ScenarioError(source, key, f"unknown value {_show(value)}; {nearest(value, options)}")
-    if not value.isprintable():
-        raise ScenarioError(source, key, f"expected printable text, got {_show(value)}")
-    if meta.get("file") and is_packaged(value) and leaves_package(value):
-        message = f"expected {PACKAGE}... of a file in the package, got {_show(value)}"
-        raise ScenarioError(source, key, message)
-    return value
-
-
-def _number(hint: type, meta: Mapping[str, Any], value: object, source: object, key: str) -> float:
-    low, high = meta["low"], meta["high"]
-    kind = "a whole number" if hint is int else "a number"
-    unit = "" if meta["unit"] == "1" else f" {meta['unit']}"
-    expected = f"expected {kind} in [{low:.10g}, {high:.10g}]{unit}"
-    problem = ScenarioError(source, key, f"{expected}, got {_show(value)}")
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise problem
-    try:
-        number = float(value)
-    except OverflowError:
-        raise problem from None
-    if not math.isfinite(number) or not low <= number <= high:
-        raise problem
-    if hint is int and number != int(number):
-        raise problem
-    return hint(number)
-
-
-def _show(value: object) -> str:
-    return _REPR.repr(value)
+    raise ScenarioError(source, key, f"expected {names}, got {show(value)}")

@@ -4,18 +4,13 @@ Each class is one mapping of the YAML file, each field one key. A field is decla
 default, its unit and its range; a comment above it gives its meaning. Symbols are the paper's.
 """
 
-import dataclasses
 from dataclasses import dataclass
 
-from aerodrake.scenario.environment import Mismatch, Payload, Sensors, Wind
-from aerodrake.scenario.faults import AnyFault
-from aerodrake.scenario.references import Hover, Orientation, OrientationOff, Reference
-from aerodrake.scenario.residual import Residual
-from aerodrake.scenario.schema import choice, file, provenance, quantity
+from aerodrake.scenario.schema import Section, choice, file, quantity
 
 
 @dataclass(frozen=True)
-class Rates:
+class Rates(Section):
     """Periods of the discrete updates. Each is a multiple of `plant_step_s`."""
 
     plant_step_s: float = quantity(0.001, "s", 1e-4, 5e-3)
@@ -27,7 +22,7 @@ class Rates:
 
 
 @dataclass(frozen=True)
-class Rotor:
+class Rotor(Section):
     """One rotor: range of thrust, drag torque over thrust, time constants of rise and fall."""
 
     min_thrust_n: float = quantity(0.0, "N", 0.0, 100.0)
@@ -38,7 +33,7 @@ class Rotor:
 
 
 @dataclass(frozen=True)
-class Vehicle:
+class Vehicle(Section):
     """Robot, its rotors and initial configuration."""
 
     # A URDF.
@@ -53,7 +48,7 @@ class Vehicle:
 
 
 @dataclass(frozen=True)
-class Filter:
+class Filter(Section):
     """Kalman filters that estimate the state, and the base's disturbance, from the samples.
 
     With `none`, or if samples are exact and the assumed delay is zero, the state is the sample.
@@ -75,7 +70,7 @@ class Filter:
 
 
 @dataclass(frozen=True)
-class Supervisor:
+class Supervisor(Section):
     """Thresholds and durations at which the supervisor leaves NOMINAL.
 
     The conditions are defined in `aerodrake.model.supervision.conditions`.
@@ -110,7 +105,7 @@ class Supervisor:
 
 
 @dataclass(frozen=True)
-class Flight:
+class Flight(Section):
     """Flight controller with extended state observers; gains are per unit mass and inertia."""
 
     # Base setpoint: `trajectory` is (p_d, v_d, a_d), `position` is p_d alone as in the paper.
@@ -136,7 +131,7 @@ class Flight:
 
 
 @dataclass(frozen=True)
-class Arm:
+class Arm(Section):
     """Joint PID controller; its gains are computed from each joint's inertia."""
 
     # Natural frequency and damping ratio of each joint's closed loop.
@@ -147,7 +142,7 @@ class Arm:
 
 
 @dataclass(frozen=True)
-class Model:
+class Model(Section):
     """Equivalent model of the base with its flight controller."""
 
     # flight: the closed loop with its gains and rotor lag. velocity_aware: first order with v_d.
@@ -160,7 +155,7 @@ class Model:
 
 
 @dataclass(frozen=True)
-class Weights:
+class Weights(Section):
     """K_e and the diagonals of W_1 ... W_4; for the joints one value, or one per joint."""
 
     # Gain K_e of the desired end-effector velocity.
@@ -207,7 +202,7 @@ class Mpc(Weights):
 
 
 @dataclass(frozen=True)
-class Clik:
+class Clik(Section):
     """Closed-loop inverse kinematics; K_e, approach speed and bounds are those of `mpc`."""
 
     # lambda of the damped least squares, for weights scaled to a minimum of 1.
@@ -219,7 +214,7 @@ class Clik:
 
 
 @dataclass(frozen=True)
-class Allocation:
+class Allocation(Section):
     """Weight allocation: gamma, its gains and its boundaries."""
 
     # gamma: weights depend on the distances. fixed: constant weights, those of `fixed_gamma` at
@@ -241,39 +236,3 @@ class Allocation:
     d_o_floor_m: float = quantity(0.01, "m", 1e-4, 1.0)
     # Size of the learning space, a box in the base frame whose centre is p_O.
     learning_space_m: tuple[float, ...] = quantity((0.15, 0.15, 0.10), "m", 0.01, 10.0, length=3)
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """All data of one flight; equal scenarios give equal flights."""
-
-    # Name in results and messages; empty for the name of the file.
-    name: str = dataclasses.field(default="")
-    # Reference time to fly.
-    duration: float = quantity(30.0, "s", 0.02, 3600.0)
-    # Duration of the initial hover, before reference time 0.
-    settle_s: float = quantity(3.0, "s", 0.0, 60.0)
-    seed: int = quantity(0, "1", 0, 2**31 - 1)
-    rates: Rates = Rates()
-    reference: Reference = Hover()
-    # Desired direction of the tool's axis, which is -z of the frame `tool`.
-    orientation: Orientation = OrientationOff()
-    vehicle: Vehicle = Vehicle()
-    sensors: Sensors = Sensors()
-    filter: Filter = Filter()
-    wind: Wind = Wind()
-    payload: Payload = Payload()
-    mismatch: Mismatch = Mismatch()
-    # Faults to inject.
-    faults: tuple[AnyFault, ...] = ()
-    flight: Flight = Flight()
-    arm: Arm = Arm()
-    model: Model = Model()
-    residual: Residual = Residual()
-    controller: str = choice("mpc", "clik")
-    mpc: Mpc = Mpc()
-    clik: Clik = Clik()
-    allocation: Allocation = Allocation()
-    supervisor: Supervisor = Supervisor()
-    # The file that the scenario was read from, for messages.
-    source: str = provenance()

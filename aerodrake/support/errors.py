@@ -53,6 +53,15 @@ def file_at(source: object, key: str) -> Iterator[None]:
         raise ScenarioError(source, key, ": ".join(filter(None, error.args))) from None
 
 
+@contextmanager
+def sourced(source: object) -> Iterator[None]:
+    """Names `source` in errors of a scenario."""
+    try:
+        yield
+    except ScenarioError as error:
+        raise ScenarioError(source, *error.args[1:]) from None
+
+
 def nearest(name: object, valid: Iterable[str]) -> str:
     """Returns a clause with the valid name closest to `name`, if one is close, and all others."""
     options = sorted(valid)

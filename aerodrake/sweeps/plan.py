@@ -58,9 +58,6 @@ class Plan:
         Raises:
             BadInput: with the argument and the key.
         """
-        if not isinstance(vary, Mapping):
-            expected = "expected a mapping of dotted keys to distributions"
-            raise BadInput(VARY, "", f"{expected}, got {vary!r:.50}")
         distributions: dict[str, Distribution] = {}
         for key, distribution in vary.items():
             for other in distributions:
@@ -128,15 +125,14 @@ def _integer_keys(scenario: Scenario, vary: Mapping[str, Distribution]) -> froze
     Keys are set in order, since some exist only with an earlier one: `reference.kind` determines
     the other keys of `reference`.
     """
-    keys, files = set(), {*named_files(scenario)}
+    keys, fields, files = set(), vars(scenario), {*named_files(scenario)}
     for key, distribution in vary.items():
-        overrides = [Override(VARY, key, value) for value in distribution.probes]
-        probed = [Scenario(**apply(vars(scenario), [one])) for one in overrides]
+        probed = [apply(fields, [Override(VARY, key, probe)]) for probe in distribution.probes]
         if any({*named_files(other)} - files for other in probed):
             expected = "expected a packaged file; others are set once for the whole sweep"
             raise BadInput(VARY, key, expected)
-        scenario = probed[0]
-        if type(reduce(getitem, _parts(key), as_mapping(scenario))) is int:
+        fields = probed[0]
+        if type(reduce(getitem, _parts(key), as_mapping(fields))) is int:
             if not isinstance(distribution, Choice | Linspace):
                 kinds = f"{Choice.form} or {Linspace.form}"
                 raise BadInput(VARY, key, f"is a whole number; expected {kinds}")

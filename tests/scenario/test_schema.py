@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar
 
 import pytest
 
 from aerodrake.scenario.schema import (
-    MAX_LIST,
+    Kind,
+    Section,
     as_mapping,
     build,
     choice,
@@ -17,28 +17,27 @@ from aerodrake.scenario.schema import (
     provenance,
     quantity,
 )
+from aerodrake.scenario.values import MAX_LIST
 from aerodrake.support.errors import ScenarioError
 
 
 @dataclass(frozen=True)
-class Ring:
-    kind: ClassVar[str] = "ring"
+class Ring(Kind, kind="ring"):
     radius_m: float = quantity(1.0, "m", 0.0, 5.0)
 
 
 @dataclass(frozen=True)
-class Line:
-    kind: ClassVar[str] = "line"
+class Line(Kind, kind="line"):
     table: str = file()
 
 
 @dataclass(frozen=True)
-class Disc:
+class Disc(Section):
     radius_m: float = quantity(1.0, "m", 0.0, 5.0)
 
 
 @dataclass(frozen=True)
-class Root:
+class Root(Section):
     title: str = ""
     speed: float = quantity(1.5, "m/s", -2.0, 2.0)
     mass: float = quantity(1.0, "kg")

@@ -6,17 +6,27 @@ import typing
 
 import pytest
 
-from aerodrake.scenario import AnyFault, Hover, Orientation, Push, Reference, Scenario
+from aerodrake.scenario import (
+    AnyFault,
+    AxisAlong,
+    Hover,
+    Orientation,
+    Push,
+    Reference,
+    Scenario,
+    Waypoints,
+)
 from aerodrake.scenario.schema import as_mapping, build
 from aerodrake.support.errors import BadInput
 
-KINDS = [reference() for reference in typing.get_args(Reference)]
-ORIENTATIONS = [orientation() for orientation in typing.get_args(Orientation)]
+NAMED = {Waypoints: {"file": "/path.csv"}, AxisAlong: {"file": "/axis.csv"}}
+KINDS = [kind(**NAMED.get(kind, {})) for kind in typing.get_args(Reference)]
+ORIENTATIONS = [kind(**NAMED.get(kind, {})) for kind in typing.get_args(Orientation)]
 
 
 def nested(values: dict[str, object], reference: object = Hover()) -> dict:
     """Returns the mapping of a scenario with values at dotted keys and a kind of reference."""
-    data: dict = {"reference": {"kind": reference.kind}}
+    data: dict = {"reference": {"kind": reference.kind, **NAMED.get(type(reference), {})}}
     for key, value in values.items():
         *parents, leaf = key.split(".")
         node = data
@@ -64,14 +74,15 @@ def refuses(reference: object, key: str, value: object) -> str:
 def test_mapping_round_trip(reference):
     scenario = Scenario(reference=reference)
     assert build(Scenario, as_mapping(scenario), "f.yaml") == scenario
-    assert build(Scenario, {"reference": {"kind": reference.kind}}, "f.yaml") == scenario
+    assert build(Scenario, nested({}, reference), "f.yaml") == scenario
 
 
 @pytest.mark.parametrize("orientation", ORIENTATIONS, ids=lambda kind: kind.kind)
 def test_every_kind_of_orientation(orientation):
     scenario = Scenario(orientation=orientation)
     assert build(Scenario, as_mapping(scenario), "f.yaml") == scenario
-    assert build(Scenario, {"orientation": {"kind": orientation.kind}}, "f.yaml") == scenario
+    named = {"kind": orientation.kind, **NAMED.get(type(orientation), {})}
+    assert build(Scenario, {"orientation": named}, "f.yaml") == scenario
     data = {"orientation": {"kind": orientation.kind, "axes": [0, 0, 1]}}
     with pytest.raises(BadInput, match="f.yaml: orientation.axes: unknown key"):
         build(Scenario, data, "f.yaml")

@@ -11,7 +11,7 @@ from aerodrake.model.reference.reference_curve import Motion, TimedPath
 from aerodrake.model.reference.waypoints import interpolate_waypoints, read_waypoints
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import AxisAlong, FixedAxis, Orientation, OrientationOff
-from aerodrake.scenario.rules import SHORTEST_AXIS
+from aerodrake.scenario.references import SHORTEST_AXIS
 from aerodrake.support.errors import BadInput, ScenarioError
 from aerodrake.support.files import locate
 
