@@ -162,7 +162,7 @@ RUNS = {
     "robot_folder": (robot("folder"), "folder: ", "URDF"),
     "robot_text": (robot("text.urdf"), "text.urdf: cannot be parsed"),
     "robot_other_xml": (robot("other.urdf"), "other.urdf: cannot be parsed"),
-    "robot_other_ending": (robot("robot.txt"), "robot.txt: expected the path of a URDF"),
+    "robot_other_ending": (robot("robot.txt"), "robot.txt: expected a URDF, whose name ends in"),
     "robot_no_tool": (robot("no_tool.urdf"), "no_tool.urdf: expected a frame named 'tool'"),
     "robot_other_package": (robot("package://other/x.urdf"), "package://other/x.urdf", "expected "),
     "robot_no_package": (robot("package://"), "package://", "expected "),

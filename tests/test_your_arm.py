@@ -86,27 +86,27 @@ def test_joints_are_in_the_order_of_the_chain(tmp_path):
     [
         (
             lambda urdf: reversed_blocks("transmission", urdf),
-            "one transmission per joint, in this order: yaw, shoulder_pitch, elbow_pitch, wrist",
+            "transmissions in the order of the joints, yaw, shoulder_pitch, elbow_pitch, wrist",
         ),
         (
             lambda urdf: urdf.replace('<parent link="forearm"/>', '<parent link="base"/>'),
-            "from it to the tool, revolute joints in series",
+            "joint yaw: expected all moving joints in series .* a branch beside wrist_pitch",
         ),
         (
             lambda urdf: with_wrist(urdf, 'type="revolute"', 'type="prismatic"'),
-            "from it to the tool, revolute joints in series",
+            "joint wrist_pitch: expected type revolute, continuous or fixed, got 'prismatic'",
         ),
         (
             lambda urdf: with_wrist(urdf, 'lower="-2.0" upper="2.0"', ""),
-            "hexarotor_arm4.urdf: wrist_pitch: expected every joint to have limits of position",
+            "hexarotor_arm4.urdf: joint wrist_pitch: <limit>: missing lower, upper; expected",
         ),
         (
             lambda urdf: with_wrist(urdf, "</joint>", '<mimic joint="elbow_pitch"/></joint>'),
-            "hexarotor_arm4.urdf: wrist_pitch: expected no <mimic>",
+            "hexarotor_arm4.urdf: joint wrist_pitch: expected no <mimic>",
         ),
         (
             lambda urdf: urdf.replace('name="tool" link="hand"', 'name="tool" link="forearm"'),
-            "from it to the tool, revolute joints in series",
+            "joint wrist_pitch: expected .* a branch beside yaw, shoulder_pitch, elbow_pitch",
         ),
     ],
 )
@@ -139,7 +139,7 @@ def test_a_joint_without_limits_is_refused_by_any_type_name(tmp_path):
         urdf = with_wrist(urdf, 'type="revolute"', 'type="continuous"')
         return with_wrist(urdf, 'lower="-2.0" upper="2.0" ', "")
 
-    with pytest.raises(ScenarioError, match="wrist_pitch: expected every joint to have limits"):
+    with pytest.raises(ScenarioError, match="wrist_pitch: <limit>: missing lower, upper"):
         VehicleModel.load(load_scenario(changed(tmp_path, turns_for_ever)))
 
 

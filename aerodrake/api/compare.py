@@ -34,7 +34,7 @@ def compare(
     overrides: Mapping[str, Any] | None = None,
     /,
     *,
-    variants: Sequence[str] = (),
+    variants: str | Sequence[str] = (),
     baseline: str | os.PathLike[str] | None = None,
     margins: bool = False,
     jobs: int | None = None,
@@ -48,7 +48,8 @@ def compare(
 
     Args:
         scenario, overrides, keys: As for `aerodrake.fly`.
-        variants: Names of `aerodrake.comparison.compare.VARIANTS`; empty for all that differ.
+        variants: One name or several of `aerodrake.comparison.compare.VARIANTS`; empty for all
+            that differ from each other.
         baseline: YAML file with the weights of `integral_best`; None for the packaged file of
             the scenario's name, or the default weights.
         margins: True to search the delay, rotor thrust and payload at which the error of each
@@ -62,10 +63,11 @@ def compare(
     console, jobs = Console(quiet), checked_jobs(jobs)
     scenario = resolve(scenario, overrides, **keys)
     file = None if baseline is None else Path(baseline)
+    names = [variants] if isinstance(variants, str) else variants
     with ExitStack() as stack:
         flown = stack.enter_context(frozen(scenario))
         folder = stack.enter_context(temporary_folder())
-        chosen = make_variants(flown, variants, load_baseline(flown, file))
+        chosen = make_variants(flown, names, load_baseline(flown, file))
         console.note([*scenario_notes(flown), *notes(flown)])
         with console.bar(flown.name, len(chosen), "variant") as bar:
             summaries = fly_variants(chosen, folder, jobs, lambda name: bar.update())

@@ -33,7 +33,8 @@ def sweep(
     out: str | os.PathLike[str] | None = None,
     resume: bool = False,
     jobs: int | None = None,
-    executor: Executor | str | None = None,
+    scheduler: str | None = None,
+    executor: Executor | None = None,
     quiet: bool = False,
     **keys: Any,
 ) -> SweepResult:
@@ -53,8 +54,9 @@ def sweep(
         out: Folder of the sweep; None for a temporary one that lasts as long as the result.
         resume: True to continue the sweep in `out`, or to add trials to it.
         jobs: Number of concurrent processes; None for the number of cores.
-        executor: Address of a Dask scheduler, or an executor of `concurrent.futures`, in place of
-            processes on this machine.
+        scheduler: Address of a Dask scheduler whose cluster flies the trials; None for processes
+            on this machine.
+        executor: Executor of `concurrent.futures` that flies the trials instead; None for none.
         quiet: True to print no notes and show no progress.
 
     Raises:
@@ -70,17 +72,22 @@ def sweep(
     console.note(scenario_notes(scenario))
     with ExitStack() as stack:
         target = stack.enter_context(temporary_folder()) / "sweep" if out is None else Path(out)
-        with _engine(executor, jobs) as engine, sweep_folder(target, plan, resume) as folder:
+        with (
+            _engine(jobs, scheduler, executor) as engine,
+            sweep_folder(target, plan, resume) as folder,
+        ):
             _fly(console, folder, engine)
             result = SweepResult(write_report(folder), target)
         weakref.finalize(result, stack.pop_all().close)
     return result
 
 
-def _engine(executor: Executor | str | None, jobs: int) -> AbstractContextManager[Executor]:
-    if executor is None:
-        return processes(jobs)
-    return cluster(executor) if isinstance(executor, str) else nullcontext(executor)
+def _engine(
+    jobs: int, scheduler: str | None, executor: Executor | None
+) -> AbstractContextManager[Executor]:
+    if executor is not None:
+        return nullcontext(executor)
+    return processes(jobs) if scheduler is None else cluster(scheduler)
 
 
 def _fly(console: Console, folder: SweepFolder, executor: Executor) -> None:

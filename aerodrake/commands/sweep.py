@@ -70,7 +70,7 @@ def main(arguments: argparse.Namespace) -> int:
             out=target,
             resume=arguments.resume,
             jobs=arguments.jobs,
-            executor=arguments.scheduler,
+            scheduler=arguments.scheduler,
             quiet=arguments.quiet,
         )
     except (KeyboardInterrupt, ProcessDied):

@@ -5,13 +5,19 @@ import logging
 from typing import Self
 
 import numpy as np
-from pydrake.geometry import Box, Meshcat, MeshcatParams, MeshcatVisualizer, Rgba, SceneGraph
+from pydrake.geometry import Box, Meshcat, MeshcatParams, MeshcatVisualizer, Rgba
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.perception import PointCloud
 from pydrake.systems.framework import DiagramBuilder
 
-from aerodrake.model.vehicle.robot import BASE_FRAME, add_ground, add_payload, add_robot
+from aerodrake.model.vehicle.robot import (
+    BASE_FRAME,
+    add_ground,
+    add_payload,
+    add_robot,
+    make_scene_graph,
+)
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 
@@ -47,7 +53,7 @@ class Scene:
         self._size_m = scenario.allocation.learning_space_m
         builder = DiagramBuilder()
         self._plant = builder.AddSystem(MultibodyPlant(0.0))
-        scene_graph = builder.AddSystem(SceneGraph())
+        scene_graph = builder.AddSystem(make_scene_graph())
         self._plant.RegisterAsSourceForSceneGraph(scene_graph)
         add_robot(self._plant, vehicle.description)
         add_payload(self._plant, scenario.payload.mass_kg)

@@ -1,5 +1,6 @@
 """Reading and copying of robot descriptions, without external entities, with their meshes."""
 
+import os
 from pathlib import Path
 from typing import Any
 from xml.dom import expatbuilder
@@ -7,9 +8,12 @@ from xml.dom.minidom import Document, Element
 from xml.parsers.expat import ExpatError
 
 from aerodrake.support.errors import BadInput
-from aerodrake.support.files import read_bounded
+from aerodrake.support.files import PACKAGE, is_packaged, leaves_package, locate, read_bounded
+from aerodrake.support.urdf_element import children, owner
 
 SUFFIX = ".urdf"
+FILE = "file://"
+"""Beginning of the URI of a file outside the package."""
 
 MAX_BYTES = 5_000_000
 """Largest size of a URDF; meshes may be ten times as large. Protects against hostile files."""
@@ -18,30 +22,53 @@ MAX_DEPTH = 50
 
 
 def read_urdf(path: Path) -> Document:
-    """Reads a URDF and makes the URIs of local meshes absolute.
+    """Reads a URDF and makes the URIs of local meshes and textures absolute.
 
     Raises:
         BadInput: if the file cannot be read or does not end in `.urdf`; if its content is not a
-            URDF, declares a document type (and so can have entities), is nested too deep, names
-            a mesh that is not a file, or has a <mimic>.
+            URDF, has xacro macros, declares a document type (and so can have entities), is nested
+            too deep, or names a mesh or texture that does not exist.
     """
     if path.suffix != SUFFIX:
-        raise BadInput(path, "", f"expected the path of a URDF, ending in {SUFFIX}")
+        raise BadInput(path, "", f"expected a URDF, whose name ends in {SUFFIX}{_advice(path)}")
     try:
         document = _UrdfBuilder().parseString(read_bounded(path, MAX_BYTES))
     except (ExpatError, ValueError, LookupError) as error:
         raise BadInput(path, "", f"cannot be parsed: {error}") from None
-    if document.documentElement.tagName != "robot":
-        raise BadInput(path, "", "cannot be parsed: expected a URDF, whose root is <robot>")
-    for mimic in document.getElementsByTagName("mimic"):
-        joint = mimic.parentNode.getAttribute("name")
-        raise BadInput(path, "", f"{joint}: expected no <mimic>, since all joints are independent")
-    for mesh in _local_meshes(document):
-        file = path.absolute().parent / mesh.getAttribute("filename").removeprefix("file://")
-        if file.exists() and not file.is_file():
-            raise BadInput(path, "", f"expected {file} to be a mesh")
-        mesh.setAttribute("filename", f"file://{file}")
+    root = document.documentElement
+    if root.tagName != "robot":
+        problem = f"cannot be parsed: expected a URDF, whose root is <robot>, got <{root.tagName}>"
+        raise BadInput(path, "", problem)
+    for element in _with_files(document):
+        uri = element.getAttribute("filename")
+        if _is_local(uri):
+            element.setAttribute("filename", f"{FILE}{_file(path.absolute().parent, uri)}")
+        elif not is_packaged(uri) or leaves_package(uri):
+            raise _no_file(path, element, uri, "is of another package or scheme")
+        file = _file(Path(), element.getAttribute("filename"))
+        if not os.path.isfile(file):
+            reason = "is no file" if os.path.exists(file) else "does not exist"
+            raise _no_file(path, element, uri, reason)
     return document
+
+
+def _advice(path: Path) -> str:
+    """Returns the way to a URDF from another format of robot descriptions."""
+    if path.suffix == ".xacro":
+        return f": expand it with `xacro {path.name} > robot.urdf`"
+    if path.suffix in (".sdf", ".xml", ".mjcf", ".usd"):
+        return "; other formats have to be converted"
+    return ""
+
+
+def _no_file(path: Path, element: Element, uri: str, reason: str) -> BadInput:
+    """Returns the error of a mesh or texture that cannot be read."""
+    return BadInput(
+        path,
+        owner(element),
+        f"<{element.tagName} filename>: expected the path of a file, relative to the URDF or as "
+        f"{FILE}..., or {PACKAGE}..., got '{uri}', which {reason}",
+    )
 
 
 def copy_urdf(source: Path, target: Path) -> None:
@@ -55,24 +82,40 @@ def copy_urdf(source: Path, target: Path) -> None:
     """
     document = read_urdf(source)
     homes: dict[Path, str] = {}
-    for mesh in _local_meshes(document):
-        file = Path(mesh.getAttribute("filename").removeprefix("file://"))
+    for element in _with_files(document):
+        uri = element.getAttribute("filename")
+        if not _is_local(uri):
+            continue
+        file = Path(uri.removeprefix(FILE))
         home = homes.setdefault(file.parent, f"{target.stem}-meshes/{len(homes)}")
         (target.parent / home).mkdir(parents=True, exist_ok=True)
-        for part in file.parent.iterdir() if file.is_file() else ():
+        for part in file.parent.iterdir():
             if part.stem == file.stem and part.is_file():
                 (target.parent / home / part.name).write_bytes(read_bounded(part, 10 * MAX_BYTES))
-        mesh.setAttribute("filename", f"{home}/{file.name}")
+        element.setAttribute("filename", f"{home}/{file.name}")
     # Without meshes the copy is identical.
     content = document.toxml("utf-8") if homes else read_bounded(source, MAX_BYTES)
     target.write_bytes(content)
 
 
-def _local_meshes(document: Document) -> list[Element]:
-    """Returns the elements of meshes in files, not in packages."""
-    meshes = document.getElementsByTagName("mesh")
-    files = [(mesh, mesh.getAttribute("filename")) for mesh in meshes]
-    return [mesh for mesh, file in files if "://" not in file or file.startswith("file://")]
+def _with_files(document: Document) -> list[Element]:
+    """Returns the elements that name a mesh or a texture, and that Drake reads."""
+    links = list(children(document.documentElement, "link"))
+    meshes = [mesh for link in links for mesh in link.getElementsByTagName("mesh")]
+    return meshes + [
+        texture
+        for material in document.getElementsByTagName("material")
+        for texture in children(material, "texture")
+    ]
+
+
+def _is_local(uri: str) -> bool:
+    return "://" not in uri or uri.startswith(FILE)
+
+
+def _file(folder: Path, uri: str) -> Path:
+    """Returns the path of a mesh or texture; relative ones begin in the folder."""
+    return folder / locate(uri.removeprefix(FILE))
 
 
 class _UrdfBuilder(expatbuilder.ExpatBuilder):
@@ -87,6 +130,8 @@ class _UrdfBuilder(expatbuilder.ExpatBuilder):
         self._depth += 1
         if self._depth > MAX_DEPTH:
             raise ExpatError(f"expected no more than {MAX_DEPTH} levels")
+        if name.startswith("xacro:"):
+            raise ExpatError(f"expected no <{name}>; expand the macros with the command `xacro`")
         super().start_element_handler(name, attributes)
 
     def end_element_handler(self, name: str) -> None:

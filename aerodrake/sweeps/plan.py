@@ -58,6 +58,9 @@ class Plan:
         Raises:
             BadInput: with the argument and the key.
         """
+        if not isinstance(vary, Mapping):
+            expected = "expected a mapping of dotted keys to distributions"
+            raise BadInput(VARY, "", f"{expected}, got {vary!r:.50}")
         distributions: dict[str, Distribution] = {}
         for key, distribution in vary.items():
             for other in distributions:

@@ -1,12 +1,17 @@
 """Plant, scene graph, rotors and propellers, connected."""
 
 import numpy as np
-from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
-from aerodrake.model.vehicle.robot import BASE_FRAME, add_ground, add_payload, add_robot
+from aerodrake.model.vehicle.robot import (
+    BASE_FRAME,
+    add_ground,
+    add_payload,
+    add_robot,
+    make_scene_graph,
+)
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.errors import file_at
@@ -42,7 +47,7 @@ def add_physics(
     """
     step, rotor = scenario.rates.plant_step_s, scenario.vehicle.rotor
     plant = builder.AddNamedSystem("plant", MultibodyPlant(step))
-    scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
+    scene_graph = builder.AddNamedSystem("scene_graph", make_scene_graph())
     plant.RegisterAsSourceForSceneGraph(scene_graph)
     with file_at(scenario.source, "vehicle.robot"):
         add_robot(plant, vehicle.description, scenario.mismatch)

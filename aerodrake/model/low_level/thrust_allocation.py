@@ -40,11 +40,13 @@ class ThrustAllocation(NamedTuple):
         """
         mixer = vehicle.rotors.mixer(rotor.torque_ratio_m)
         allocation = cls.of(mixer, rotor.min_thrust_n, rotor.max_thrust_n)
-        if not (allocation.inverse[0] > 1e-6).all():
+        names = zip(vehicle.rotors.names, allocation.inverse[0], strict=True)
+        if idle := [name for name, thrust in names if thrust <= 1e-6]:
             raise ScenarioError(
                 vehicle.source,
                 "vehicle.robot",
-                f"{vehicle.robot}: expected rotors all around the base's origin",
+                f"{vehicle.robot}: expected rotors all around the base's origin; for lift without "
+                f"torque {', '.join(idle)} would have to pull down",
             )
         return allocation
 

@@ -1,23 +1,25 @@
 """Robots as parts of plants: description, mismatch, payload and ground."""
 
 import math
-import re
 from dataclasses import dataclass, field
-from importlib import resources
 from typing import Self
 from xml.dom.minidom import Document, Element
 
 import numpy as np
-from pydrake.geometry import Box, SceneGraph, Sphere
+from pydrake.geometry import HalfSpace, SceneGraph, SceneGraphConfig, Sphere
 from pydrake.math import RigidTransform
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
-from pydrake.multibody.tree import SpatialInertia
+from pydrake.multibody.tree import RevoluteJoint, SpatialInertia
 
+from aerodrake.model.vehicle.drake_parser import parse_urdf
+from aerodrake.model.vehicle.urdf_joints import check_joints
+from aerodrake.model.vehicle.urdf_links import check_links
+from aerodrake.model.vehicle.urdf_numbers import MOMENTS, check_numbers
 from aerodrake.scenario import Mismatch
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import locate
-from aerodrake.support.urdf import SUFFIX, read_urdf
+from aerodrake.support.urdf import read_urdf
+from aerodrake.support.urdf_element import child, children
 
 BASE_FRAME = "base"
 """Link of the base in the URDF; its frame is B."""
@@ -27,8 +29,6 @@ TOOL_AXIS = np.array([0.0, 0.0, -1.0])
 """Direction in which the tool approaches objects, in the tool frame."""
 EXACT = Mismatch()
 """No mismatch."""
-MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-"""Attributes of `<inertia>` in a URDF."""
 PAYLOAD_BODY = "payload"
 STEEL_KG_M3 = 7850.0
 """Density of the payload, which determines its size."""
@@ -55,40 +55,51 @@ class RobotDescription:
             robot: A `package://aerodrake/...` URI, or the path of a URDF.
 
         Raises:
-            BadInput: if the file is missing or is no URDF.
+            BadInput: if the file is missing or no URDF; if a number, link or joint of it is
+                invalid.
         """
         try:
-            return cls(robot, read_urdf(locate(robot)))
+            document = read_urdf(locate(robot))
+            root = document.documentElement
+            check_numbers(root)
+            check_links(root, BASE_FRAME)
+            check_joints(root, BASE_FRAME, TOOL_FRAME)
         except BadInput as error:
             raise BadInput(robot, *error.args[1:]) from None
+        return cls(robot, document)
 
     def urdf(self, mismatch: Mismatch) -> str:
         """Returns the URDF with the mass and central inertia of every link scaled.
 
         The numbers are scaled in the description, since a body welded to a link could not
         add to its mass without adding to its inertia.
-
-        Raises:
-            BadInput: if a number in the file is malformed.
         """
         if mismatch.mass_scale == mismatch.inertia_scale == 1:
             return self.document.toxml()
         document = self.document.cloneNode(deep=True)
-        try:
-            for link in document.getElementsByTagName("inertial"):
-                for mass in link.getElementsByTagName("mass"):
-                    _scale(mass, ("value",), mismatch.mass_scale)
-                for inertia in link.getElementsByTagName("inertia"):
-                    _scale(inertia, MOMENTS, mismatch.inertia_scale)
-        except ValueError as error:
-            raise BadInput(self.robot, "", f"mismatch of links: {error}") from None
+        for link in children(document.documentElement, "link"):
+            for inertial in children(link, "inertial"):
+                _scale(child(inertial, "mass"), ("value",), mismatch.mass_scale)
+                _scale(child(inertial, "inertia"), MOMENTS, mismatch.inertia_scale)
         return document.toxml()
+
+    def invisible_urdf(self) -> str:
+        """Returns the URDF without visual geometry, most of which is meshes to be read."""
+        robot = self.document.documentElement
+        invisible = robot.cloneNode(deep=False)
+        for element in children(robot):
+            copy = element.cloneNode(deep=element.tagName != "link")
+            if element.tagName == "link":
+                for part in children(element):
+                    if part.tagName != "visual":
+                        copy.appendChild(part.cloneNode(deep=True))
+            invisible.appendChild(copy)
+        return invisible.toxml()
 
 
 def _scale(element: Element, attributes: tuple[str, ...], factor: float) -> None:
     for name in attributes:
-        if element.hasAttribute(name):
-            element.setAttribute(name, repr(factor * float(element.getAttribute(name))))
+        element.setAttribute(name, repr(factor * float(element.getAttribute(name))))
 
 
 def add_robot(
@@ -97,20 +108,20 @@ def add_robot(
     """Adds a robot to an unfinalised plant, with factors of its links' masses and inertias.
 
     Raises:
-        BadInput: if Drake cannot parse it, or it lacks the frames `base` and `tool`.
+        BadInput: if Drake cannot parse it.
     """
-    robot, parser = description.robot, Parser(plant)
-    parser.package_map().AddPackageXml(str(resources.files("aerodrake") / "package.xml"))
-    try:
-        parser.AddModelsFromString(description.urdf(mismatch), SUFFIX)
-    except (RuntimeError, ValueError, SystemExit) as error:  # Drake's own, and its conditions.
-        problem = re.sub(r"<literal-string>\S*: error: ", "", str(error))
-        raise BadInput(robot, "", f"cannot be parsed: {problem}") from None
-    for frame in (BASE_FRAME, TOOL_FRAME):
-        if not plant.HasFrameNamed(frame):
-            raise BadInput(robot, "", f"expected a frame named '{frame}'")
-    if not plant.HasBodyNamed(BASE_FRAME):
-        raise BadInput(robot, "", f"expected '{BASE_FRAME}' to be a link")
+    parse_urdf(plant, description.urdf(mismatch), description.robot)
+
+
+def arm_joints(plant: MultibodyPlant) -> list[RevoluteJoint]:
+    """Returns the joints of a robot's arm, from the base to the tool.
+
+    Args:
+        plant: The finalised plant, which contains the robot alone.
+    """
+    joints = map(plant.get_joint, plant.GetJointIndices())
+    arm = [joint for joint in joints if isinstance(joint, RevoluteJoint)]
+    return sorted(arm, key=RevoluteJoint.position_start)  # The file may have another order.
 
 
 def add_payload(plant: MultibodyPlant, mass: float) -> None:
@@ -135,18 +146,30 @@ def add_payload(plant: MultibodyPlant, mass: float) -> None:
         plant.RegisterVisualGeometry(body, pose, ball, PAYLOAD_BODY, STEEL_COLOR)
 
 
+def make_scene_graph() -> SceneGraph:
+    """Makes a SceneGraph for point contact of rigid bodies."""
+    config = SceneGraphConfig()
+    # Without a resolution Drake makes no meshes for deformable bodies, which half spaces lack.
+    config.default_proximity_properties.resolution_hint = None
+    return SceneGraph(config)
+
+
 def add_ground(plant: MultibodyPlant) -> None:
-    """Adds ground at z = 0 to a plant that is registered with a SceneGraph."""
-    slab = Box(100.0, 100.0, 1.0)
-    pose = RigidTransform([0.0, 0.0, -0.5])
+    """Adds the ground, the half space below z = 0, to a plant registered with a SceneGraph."""
     friction = CoulombFriction(static_friction=0.8, dynamic_friction=0.6)
-    plant.RegisterCollisionGeometry(plant.world_body(), pose, slab, "ground_collision", friction)
+    plant.RegisterCollisionGeometry(
+        plant.world_body(), RigidTransform(), HalfSpace(), "ground_collision", friction
+    )
 
 
 def make_nominal_plant(description: RobotDescription) -> tuple[MultibodyPlant, SceneGraph]:
-    """Makes a finalised plant of the robot alone, and the SceneGraph with its geometry."""
-    plant, scene_graph = MultibodyPlant(0.0), SceneGraph()
+    """Makes a finalised plant of the robot alone, and the SceneGraph with its collision geometry.
+
+    Raises:
+        BadInput: if Drake cannot parse the robot.
+    """
+    plant, scene_graph = MultibodyPlant(0.0), make_scene_graph()
     plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, description)
+    parse_urdf(plant, description.invisible_urdf(), description.robot)
     plant.Finalize()
     return plant, scene_graph

@@ -1,30 +1,35 @@
 """Model of the vehicle: facts from its URDF, and its trim."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Self
 
 import numpy as np
+from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 
-from aerodrake.model.vehicle.arm import HEAVIEST, LIGHTEST, arm_joints
+from aerodrake.model.vehicle.overlap import deepest_overlap
 from aerodrake.model.vehicle.robot import (
     BASE_FRAME,
     TOOL_AXIS,
     TOOL_FRAME,
     RobotDescription,
+    arm_joints,
     make_nominal_plant,
 )
 from aerodrake.model.vehicle.rotors import Rotors
 from aerodrake.model.vehicle.state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
 from aerodrake.model.vehicle.tucking import GroundGeometry, tuck
 from aerodrake.scenario import Scenario
-from aerodrake.support.errors import ScenarioError, file_at
+from aerodrake.support.errors import BadInput, ScenarioError, file_at
 
 GRAVITY = 9.81
 """m/s^2, Drake's default."""
 ROUNDING_M = 1e-6
-"""Depth to which feet that rest on the ground may be below it."""
+"""Depth to which feet that rest on the ground may be below it, and links may overlap."""
+LIGHTEST, HEAVIEST = 1e-9, 1e9
+"""Bounds of masses in kg and moments of inertia in kg m^2."""
 
 
 @dataclass(frozen=True)
@@ -132,31 +137,30 @@ class VehicleModel:
             description = RobotDescription.read(scenario.vehicle.robot)
             plant, scene_graph = make_nominal_plant(description)
             base, tool = plant.GetFrameByName(BASE_FRAME), plant.GetFrameByName(TOOL_FRAME)
-            joints = arm_joints(plant, base.body(), tool.body(), description.robot)
+            names = tuple(joint.name() for joint in arm_joints(plant))
             rotors = Rotors.of(plant, base.body(), description.robot)
-        n, working = len(joints), np.array(scenario.vehicle.working_rad, dtype=float)
+        n, working = len(names), np.array(scenario.vehicle.working_rad, dtype=float)
         lower, upper = plant.GetPositionLowerLimits()[-n:], plant.GetPositionUpperLimits()[-n:]
-        _check_working(working, lower, upper, [j.name() for j in joints], scenario.source)
+        _check_working(working, lower, upper, names, scenario.source)
 
         context = plant.CreateDefaultContext()
         q = plant.GetDefaultPositions()
         q[BASE_POSITIONS:] = working
         plant.SetPositions(context, q)
+        with file_at(scenario.source, "vehicle.robot"):
+            _check_inertia(plant.CalcMassMatrix(context), names, description.robot)
+        _check_overlap(plant, scene_graph, q, scenario.source)
         X_BE = plant.CalcRelativeTransform(context, base, tool)
         inertia = plant.CalcSpatialInertia(
             context, base, plant.GetBodyIndices(base.model_instance())
         )
         gravity = plant.CalcGravityGeneralizedForces(context)
-        joint_inertia = _joint_inertia(plant.CalcMassMatrix(context))
-        if not np.all(joint_inertia > LIGHTEST):
-            problem = "expected links of masses and inertias that can be moved"
-            raise ScenarioError(scenario.source, "vehicle.robot", f"{description.robot}: {problem}")
         vehicle = cls(
             source=scenario.source,
             description=description,
             plant=plant,
             ground_geometry=GroundGeometry(plant, scene_graph, BASE_FRAME),
-            joint_names=tuple(j.name() for j in joints),
+            joint_names=names,
             lower=lower,
             upper=upper,
             velocity=plant.GetVelocityUpperLimits()[-n:],
@@ -169,7 +173,7 @@ class VehicleModel:
             tool_axis=X_BE.rotation().multiply(TOOL_AXIS),
             mass=inertia.get_mass(),
             inertia=inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3(),
-            joint_inertia=joint_inertia,
+            joint_inertia=_joint_inertia(plant.CalcMassMatrix(context)),
             trim_wrench=-gravity[[5, 0, 1, 2]],  # Generalized forces are [torque, force].
             trim_torque=-gravity[BASE_VELOCITIES:],
         )
@@ -198,18 +202,43 @@ class VehicleModel:
 
 
 def _joint_inertia(M: np.ndarray) -> np.ndarray:
-    """Returns the effective inertia (n,) of each joint with a free base, from the mass matrix.
-
-    Zero if the mass matrix is not positive.
-    """
+    """Returns the effective inertia (n,) of each joint with a free base, from the mass matrix."""
     b, a = slice(BASE_VELOCITIES), slice(BASE_VELOCITIES, None)
-    if not np.all((np.diag(M) > LIGHTEST) & (np.diag(M) < HEAVIEST)):
-        return np.zeros(len(M) - BASE_VELOCITIES)
     return np.diag(M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])).copy()
 
 
+def _check_inertia(M: np.ndarray, names: Sequence[str], robot: str) -> None:
+    """Raises BadInput if the base, or a joint with the links beyond it, has no inertia."""
+    places = [*["the base and the arm"] * BASE_VELOCITIES, *names]
+    for place, inertia in zip(places, np.diag(M), strict=True):
+        if not LIGHTEST < inertia < HEAVIEST:
+            problem = "expected links with masses and inertias that can be moved"
+            got = f"got {inertia:.4g} kg or kg m^2 at {place}"
+            raise BadInput(robot, "", f"{problem}, {got}")
+    for name, inertia in zip(names, _joint_inertia(M), strict=True):
+        if not inertia > LIGHTEST:
+            problem = "expected links beyond it with a moment of inertia about its axis"
+            raise BadInput(robot, f"joint {name}", f"{problem}, got {inertia:.4g} kg m^2")
+
+
+def _check_overlap(
+    plant: MultibodyPlant, scene_graph: SceneGraph, positions: np.ndarray, source: str
+) -> None:
+    """Raises ScenarioError if collision geometry of the robot overlaps at its positions."""
+    overlap = deepest_overlap(plant, scene_graph, positions)
+    if overlap is not None and overlap.depth > ROUNDING_M:
+        first, second = overlap.links
+        raise ScenarioError(
+            source,
+            "vehicle.working_rad",
+            f"expected angles at which the links do not collide, got collision geometry of {first} "
+            f"{1000 * overlap.depth:.3g} mm deep in {second}; if that is harmless, list both in a "
+            "<drake:collision_filter_group> of the URDF",
+        )
+
+
 def _check_working(
-    working: np.ndarray, lower: np.ndarray, upper: np.ndarray, names: list[str], source: object
+    working: np.ndarray, lower: np.ndarray, upper: np.ndarray, names: Sequence[str], source: object
 ) -> None:
     """Raises ScenarioError if the working configuration does not fit the joints."""
     key = "vehicle.working_rad"

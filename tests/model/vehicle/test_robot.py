@@ -5,7 +5,7 @@ from collections import Counter
 import pytest
 
 from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.model.vehicle import robot
+from aerodrake.model.vehicle import drake_parser
 from aerodrake.model.vehicle.robot import RobotDescription
 from aerodrake.scenario import Flight, Mismatch, Payload, Scenario
 from aerodrake.scenario.references import Clover
@@ -39,7 +39,7 @@ def calls(monkeypatch) -> Counter:
 
     count(urdf, "read_bounded")
     count(urdf, "_UrdfBuilder")
-    count(robot, "Parser")
+    count(drake_parser, "Parser")
     return counts
 
 

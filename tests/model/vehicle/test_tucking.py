@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydrake.geometry import SceneGraph
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
+from pydrake.geometry import Box, SceneGraph
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.bench.arms import with_joints
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation
-from aerodrake.model.vehicle.robot import BASE_FRAME, RobotDescription, add_ground, add_robot
+from aerodrake.model.vehicle.robot import BASE_FRAME, RobotDescription, add_robot
 from aerodrake.model.vehicle.tucking import CLEARANCE_M, TOLERANCE_M, GroundGeometry, tuck
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
@@ -53,7 +54,9 @@ def test_heights_are_no_higher_than_the_collision_geometry(geometry, vehicle):
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
     add_robot(plant, vehicle.description)
-    add_ground(plant)
+    slab, pose = Box(100.0, 100.0, 1.0), RigidTransform([0.0, 0.0, -0.5])
+    friction = CoulombFriction(1.0, 1.0)
+    plant.RegisterCollisionGeometry(plant.world_body(), pose, slab, "slab", friction)
     plant.Finalize()
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()

@@ -1,0 +1,122 @@
+"""Links and frames of a URDF: their names, masses, inertias and geometry."""
+
+from collections import Counter
+from pathlib import Path
+from xml.dom.minidom import Element
+
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.tree import RotationalInertia, SpatialInertia
+
+from aerodrake.model.vehicle.urdf_numbers import MOMENTS, SHAPES
+from aerodrake.support.errors import BadInput, nearest
+from aerodrake.support.urdf_element import children, fault, numbers
+
+COLLISION_MESHES = (".obj", ".vtk", ".gltf")
+"""Endings of the meshes whose convex hull Drake can compute."""
+
+
+def check_links(robot: Element, base: str) -> None:
+    """Checks the links and frames of a URDF whose numbers have been checked.
+
+    Args:
+        robot: The root element.
+        base: Name of the link of the base.
+
+    Raises:
+        BadInput: if a name is missing or not unique; if the inertia of a link is not physical; if
+            geometry has no shape, or a shape that cannot collide; if a frame or a member of a
+            collision filter group has no link.
+    """
+    for tags in (("link", "frame"), ("joint",)):
+        _check_names(robot, tags)
+    links = {link.getAttribute("name"): link for link in children(robot, "link")}
+    if base not in links:
+        raise BadInput("", "", f"expected a link named '{base}'; {nearest(base, links)}")
+    for link in links.values():
+        if (inertial := only_child(link, "inertial")) is not None:
+            _check_inertia(inertial)
+        for role in ("visual", "collision"):
+            for element in children(link, role):
+                _check_geometry(element)
+    for frame in children(robot, "frame"):
+        if (link := frame.getAttribute("link")) not in links:
+            raise fault(frame, f"expected the name of a link, got '{link}'; {nearest(link, links)}")
+    for group in children(robot, "drake:collision_filter_group"):
+        for member in children(group, "drake:member"):
+            if (link := member.getAttribute("link")) not in links:
+                problem = f"<drake:member link>: expected a link, got '{link}'"
+                raise BadInput("", "", f"{problem}; {nearest(link, links)}")
+
+
+def only_child(element: Element, tag: str) -> Element | None:
+    """Returns the child with a tag, if there is one.
+
+    Raises:
+        BadInput: if there are several, since Drake ignores all but the first.
+    """
+    if len(found := list(children(element, tag))) > 1:
+        raise fault(element, f"expected one <{tag}>, got {len(found)}")
+    return found[0] if found else None
+
+
+def _check_names(robot: Element, tags: tuple[str, ...]) -> None:
+    """Raises BadInput unless elements that share a name space have names of their own."""
+    elements = [element for element in children(robot) if element.tagName in tags]
+    for element in elements:
+        if not element.getAttribute("name"):
+            raise BadInput("", "", f"<{element.tagName}>: expected the attribute 'name'")
+        if element.getAttribute("drake_ignore"):
+            raise fault(element, "expected no attribute 'drake_ignore'; remove the element")
+    for name, count in Counter(element.getAttribute("name") for element in elements).items():
+        if count > 1:
+            kinds = " and ".join(f"{tag}s" for tag in tags)
+            problem = f"expected different names of {kinds}, got '{name}' {count} times"
+            raise BadInput("", "", problem)
+
+
+def _check_inertia(inertial: Element) -> None:
+    """Raises BadInput if Drake would not accept a link's inertia and replace it."""
+    mass, inertia = only_child(inertial, "mass"), only_child(inertial, "inertia")
+    if mass is None or inertia is None:
+        tag = "mass" if mass is None else "inertia"
+        problem = f"<inertial>: missing <{tag}>; a link without mass has no <inertial>"
+        raise fault(inertial, problem)
+    origin = only_child(inertial, "origin")
+    pose = RigidTransform(
+        RollPitchYaw(numbers(origin, "rpy", "0 0 0")), numbers(origin, "xyz", "0 0 0")
+    )
+    I_B = RotationalInertia(*(float(inertia.getAttribute(name)) for name in MOMENTS))
+    is_physical = I_B.CouldBePhysicallyValid()
+    if is_physical:
+        try:
+            SpatialInertia.MakeFromCentralInertia(
+                float(mass.getAttribute("value")),
+                pose.translation(),
+                I_B.ReExpress(pose.rotation()),
+            )
+        except RuntimeError:
+            is_physical = False
+    if not is_physical:
+        given = ", ".join(f"{name}={inertia.getAttribute(name)}" for name in MOMENTS)
+        principal = ", ".join(f"{x:.4g}" for x in I_B.CalcPrincipalMomentsOfInertia())
+        raise fault(
+            inertial,
+            "<inertia>: expected principal moments that are not negative, each at most the sum of "
+            f"the other two, got {principal} kg m^2 from {given}",
+        )
+
+
+def _check_geometry(element: Element) -> None:
+    geometry = only_child(element, "geometry")
+    shapes = list(children(geometry)) if geometry is not None else []
+    if len(shapes) != 1 or shapes[0].tagName not in SHAPES:
+        got = " and ".join(f"<{shape.tagName}>" for shape in shapes) or "none"
+        names = ", ".join(f"<{name}>" for name in SHAPES)
+        raise fault(element, f"<geometry>: expected one shape, {names}, got {got}")
+    name = Path(shapes[0].getAttribute("filename")).name
+    if element.tagName == "collision" and name and not name.lower().endswith(COLLISION_MESHES):
+        raise fault(
+            element,
+            f"<mesh filename>: expected a mesh for collisions in {', '.join(COLLISION_MESHES)}, "
+            f"got '{name}'; convert it, or use a box, cylinder, sphere or capsule",
+        )
