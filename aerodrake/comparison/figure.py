@@ -11,7 +11,16 @@ from matplotlib.figure import Figure
 
 from aerodrake.flight.log import FlightLog
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.reports.figures import ACCENT, INK, REFERENCE, STYLE, cover, plain_ticks, write_png
+from aerodrake.reports.drawable import drawable
+from aerodrake.reports.figures import (
+    ACCENT,
+    INK,
+    REFERENCE,
+    STYLE,
+    cover,
+    cover_positive,
+    write_png,
+)
 from aerodrake.reports.flight_panels import (
     LEAST_ERROR_MM,
     draw_allocation,
@@ -63,6 +72,8 @@ class View(NamedTuple):
         """Returns the view along the world axis with the least motion that contains all paths."""
         places = np.vstack([log[key] for log in logs.values() for key in ("p_E_m", "p_Ed_m")])
         places = places[np.isfinite(places).all(axis=1)]
+        if not len(places):
+            places = np.zeros((1, 3))
         first, second = np.sort(np.argsort(np.ptp(places, axis=0), kind="stable")[1:])
         middle, span = (places.max(axis=0) + places.min(axis=0)) / 2, np.ptp(places, axis=0) + 0.1
         width = max(span[first], span[second] / PANEL_RATIO) / 2
@@ -97,11 +108,7 @@ def draw_errors(axes: Axes, logs: Mapping[str, FlightLog], columns: int) -> None
     for name, log in logs.items():
         plot_error(axes, log, log.error_m, color=COLORS[name], label=name)
     errors = np.concatenate([log.error_m[log.is_flown] for log in logs.values()])
-    errors = errors[np.isfinite(errors)]
-    if len(errors):
-        low = max(1e3 * np.quantile(errors, 0.02), LEAST_ERROR_MM / 10)
-        axes.set_ylim(low, max(2e3 * errors.max(), 10 * low))
-    plain_ticks(axes.yaxis)
+    cover_positive(axes, 1e3 * errors, LEAST_ERROR_MM)
     axes.set(ylabel="end-effector error / mm", xlabel="reference time / s")
     axes.margins(x=0)
     axes.legend(loc="lower center", ncols=columns, bbox_to_anchor=(0.5, 1.0))
@@ -124,7 +131,7 @@ def plot_comparison(
         figure = Figure(figsize=(14, 10 + 3 * rows), dpi=110, layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
         if logs:
-            _draw(figure, rows, logs, own, scenario)
+            _draw(figure, rows, {n: drawable(log) for n, log in logs.items()}, own, scenario)
         write_png(figure, path)
 
 

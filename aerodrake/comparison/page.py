@@ -10,6 +10,7 @@ from aerodrake.comparison.margins import Margins
 from aerodrake.comparison.table import comparison_rows, comparison_titles, paper_rows
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.summary import HEADLINES, Summaries, headline
+from aerodrake.reports.drawable import drawable
 from aerodrake.reports.flight_panels import draw_allocation, draw_inputs
 from aerodrake.reports.flight_pictures import residual_picture
 from aerodrake.reports.page import render
@@ -89,6 +90,7 @@ def changes(scenario: Scenario, variant: Scenario) -> list[tuple[str, str, str]]
 def _pictures(logs: Mapping[str, FlightLog], own: str, scenario: Scenario) -> Iterator[Picture]:
     if not logs:
         return
+    logs = {name: drawable(log) for name, log in logs.items()}
     thin = {name: log.thinned(MOST_SAMPLES) for name, log in logs.items()}
     top = _legend_height(len(thin))
     with sheet("errors", 3.2 + top, top=top) as (figure, done):

@@ -199,8 +199,8 @@ class FlightLog:
 
 def rotate(quaternion: np.ndarray, r: np.ndarray) -> np.ndarray:
     """Returns (T, 3): vectors r (T, 3), each rotated by its quaternion (T, 4); NaN stays NaN."""
-    q = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        q = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
         turn = 2 * np.cross(q[:, 1:], r)
         return r + q[:, :1] * turn + np.cross(q[:, 1:], turn)
 

@@ -116,7 +116,8 @@ class FlightSimulation:
             self._link.phase = Phase.FLYING
         simulator.set_target_realtime_rate(rate)
         start = time.perf_counter()
-        with single_thread():
+        # The monitor ends a flight whose state is not finite.
+        with single_thread(), np.errstate(over="ignore", invalid="ignore"):
             try:
                 reason, cause = self._advance(simulator, monitor, recording, progress)
             except KeyboardInterrupt:

@@ -32,6 +32,7 @@ Summaries = Mapping[str, Mapping[str, Any]]
 """Summaries by the name of the flight; those of failed flights have no `error`."""
 
 
+@np.errstate(over="ignore", invalid="ignore")  # What overflows is null.
 def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
     """Returns the results of a flight, null if undefined. Errors are of the true state.
 

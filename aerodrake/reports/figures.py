@@ -67,6 +67,19 @@ def cover(axes: Axes, times: np.ndarray) -> None:
     axes.set_xlim(times[0], max(times[-1], times[0] + LEAST_TIME_S))
 
 
+def cover_positive(axes: Axes, values: np.ndarray, least: float) -> None:
+    """Makes the y axis logarithmic, from the 2 % quantile of `values` or `least` to twice the max.
+
+    Only values from `least` on count, which is level of rounding. Call it after all is drawn.
+    """
+    shown = values[values >= least]
+    low = np.quantile(shown, 0.02) if len(shown) else least
+    # Limits first: those of lines without positive values are none of a logarithmic axis.
+    axes.set_ylim(low, max(2 * shown.max(initial=low), 10 * low))
+    axes.set_yscale("log", nonpositive="mask")
+    plain_ticks(axes.yaxis)
+
+
 def plain_ticks(axis: Axis) -> None:
     """Labels a logarithmic axis with plain numbers instead of powers of ten."""
     axis.set_major_formatter("{x:g}")

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from aerodrake.flight.events import spans
 from aerodrake.flight.log import FlightLog
+from aerodrake.reports.drawable import drawable
 from aerodrake.reports.figures import INK, STYLE, cover, write_png
 from aerodrake.reports.flight_panels import (
     draw_allocation,
@@ -36,7 +37,7 @@ def plot_tracking(log: FlightLog, scenario: Scenario, title: str, path: Path) ->
     of the supervisor has a panel of these.
     """
     time_spans = spans(scenario, log)
-    log = log.thinned(MOST_SAMPLES)
+    log = drawable(log).thinned(MOST_SAMPLES)
     with rc_context(STYLE):
         has_angle = log.tool_angle_rad is not None
         rows = 6 + has_angle + bool(time_spans)

@@ -1,7 +1,7 @@
 """Panels of a flight's figures, of one subject each."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib import colormaps
@@ -12,11 +12,24 @@ from aerodrake.flight.log import FlightLog
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.supervision.safe_mode import SafeMode
-from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, plain_ticks, widen
+from aerodrake.reports.figures import (
+    ACCENT,
+    AXIS_COLORS,
+    INK,
+    REFERENCE,
+    cover_positive,
+    widen,
+)
 from aerodrake.scenario import Scenario
 
-LEAST_ERROR_MM = 1e-2
-"""Smallest error that figures show."""
+LEAST_ERROR_MM = 1e-6
+"""Smallest error that figures show: level of rounding."""
+
+LEAST_TICK_MS = 1e-3
+"""Smallest wall time of a tick that figures show."""
+
+LEAST_WEIGHT = 1e-6
+"""Smallest weight that figures show."""
 
 MOST_TICKS = 1500
 """Largest number of ticks in a line of a figure."""
@@ -34,6 +47,10 @@ SAFE_MODE_COLORS = {
     SafeMode.STOP: "#fa5252",
 }
 FAULT_COLOR = "#495057"
+
+WEIGHTS = ("w_q", "w_m", "w_d")
+
+M = TypeVar("M", Mode, SafeMode)
 
 PATHS: dict[str, dict[str, Any]] = {
     "p_E_m": {"color": ACCENT, "linewidth": 2.2, "label": "end-effector"},
@@ -78,19 +95,17 @@ def draw_axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
 
 
 def plot_error(axes: Axes, log: FlightLog, error_m: np.ndarray, **style: Any) -> None:
-    """Draws a distance error_m (T,) m in mm on a logarithmic axis."""
-    error_mm = np.maximum(1e3 * error_m[log.is_flown], LEAST_ERROR_MM / 10)
-    axes.semilogy(log.time_s[log.is_flown], error_mm, **style)
+    """Draws a distance error_m (T,) m in mm, for a logarithmic axis."""
+    error_mm = np.maximum(1e3 * error_m[log.is_flown], LEAST_ERROR_MM)
+    axes.plot(log.time_s[log.is_flown], error_mm, **style)
 
 
 def draw_error(axes: Axes, log: FlightLog) -> None:
     """Draws the distances of end-effector and base from reference and setpoint."""
     plot_error(axes, log, log.error_m, color=ACCENT, label="end-effector")
     plot_error(axes, log, log.base_error_m, **PATHS["p_B_m"])
-    low, high = axes.get_ylim()
-    low = max(low, LEAST_ERROR_MM)
-    axes.set_ylim(low, max(high, 10 * low))
-    plain_ticks(axes.yaxis)
+    errors = np.concatenate([log.error_m[log.is_flown], log.base_error_m[log.is_flown]])
+    cover_positive(axes, 1e3 * errors, LEAST_ERROR_MM)
     axes.set_ylabel("error / mm")
     axes.legend(loc="best", ncols=2)
 
@@ -104,23 +119,24 @@ def draw_angle(axes: Axes, log: FlightLog) -> None:
 
 def draw_allocation(axes: Axes, log: FlightLog) -> None:
     """Draws gamma, with the modes in the background."""
-    mode = log["mode"].astype(int)
-    for kind, start_s, end_s in _stretches(mode, log.time_s):
-        axes.axvspan(start_s, end_s, color=MODE_COLORS[Mode(kind)], linewidth=0)
-    for kind in map(Mode, sorted(set(mode))):
+    stretches = list(_stretches(Mode, log["mode"], log.time_s))
+    for kind, start_s, end_s in stretches:
+        axes.axvspan(start_s, end_s, color=MODE_COLORS[kind], linewidth=0)
+    for kind in sorted({kind for kind, _, _ in stretches}):
         axes.fill_between([], [], facecolor=MODE_COLORS[kind], edgecolor=INK, label=kind.label)
     axes.plot(log.time_s, log["gamma"], color=INK)
     axes.set_ylim(-1.05, 1.05)
     axes.set_ylabel("gamma, mode")
-    axes.legend(loc="lower right", ncols=4)
+    if stretches:
+        axes.legend(loc="lower right", ncols=4)
 
 
 def draw_weights(axes: Axes, log: FlightLog) -> None:
     """Draws the weights of the MPC's cost that the allocation sets."""
-    for key, color in zip(("w_q", "w_m", "w_d"), AXIS_COLORS, strict=True):
-        weights = np.where(log[key] > 0, log[key], np.nan)  # Zero before the first tick.
-        axes.semilogy(log.time_s, weights, color=color, label=key)
-    plain_ticks(axes.yaxis)
+    for key, color in zip(WEIGHTS, AXIS_COLORS, strict=True):
+        axes.plot(log.time_s, log[key], color=color, label=key)
+    weights = np.concatenate([log[key] for key in WEIGHTS])  # Zero before the first tick.
+    cover_positive(axes, weights, LEAST_WEIGHT)
     axes.set_ylabel("weights")
     axes.legend(loc="best", ncols=3)
 
@@ -184,18 +200,19 @@ def draw_ticks(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     # The slowest of the ticks that share a point of the line.
     starts = np.arange(0, len(ticks), -(-len(ticks) // MOST_TICKS) or 1)
     slowest = np.maximum.reduceat(ticks, starts) if len(ticks) else ticks
-    axes.semilogy(starts, slowest, color=ACCENT, linewidth=0.8, label="forming and solving")
-    axes.axhline(1e3 * scenario.rates.mpc_period_s, **REFERENCE, label="period")
-    plain_ticks(axes.yaxis)
+    period_ms = 1e3 * scenario.rates.mpc_period_s
+    axes.plot(starts, slowest, color=ACCENT, linewidth=0.8, label="forming and solving")
+    axes.axhline(period_ms, **REFERENCE, label="period")
+    cover_positive(axes, np.append(slowest, period_ms), LEAST_TICK_MS)
     axes.set(xlabel="tick", ylabel="wall time / ms")
     axes.legend(loc="best", ncols=2)
 
 
 def shade_safe_modes(axes: Axes, log: FlightLog) -> None:
     """Shades the times in which the supervisor is not in NOMINAL."""
-    for mode, start_s, end_s in _stretches(log["supervisor_mode"].astype(int), log.time_s):
+    for mode, start_s, end_s in _stretches(SafeMode, log["supervisor_mode"], log.time_s):
         if mode != SafeMode.NOMINAL:
-            color = SAFE_MODE_COLORS[SafeMode(mode)]
+            color = SAFE_MODE_COLORS[mode]
             axes.axvspan(start_s, end_s, color=color, alpha=0.35, linewidth=0)
 
 
@@ -223,8 +240,14 @@ def _plot_columns(axes: Axes, time_s: np.ndarray, rows: np.ndarray, prefix: str 
         axes.plot(time_s, rows[:, i], color=color, label=f"{prefix}{i + 1}")
 
 
-def _stretches(modes: np.ndarray, time_s: np.ndarray) -> Iterator[tuple[int, float, float]]:
-    """Yields each mode of `modes` (T,) with the start and end in s of its time span."""
+def _stretches(
+    kind: type[M], modes: np.ndarray, time_s: np.ndarray
+) -> Iterator[tuple[M, float, float]]:
+    """Yields each mode of `modes` (T,) with the start and end in s of its time span.
+
+    Spans in which `modes` are not of that kind, NaN for example, are left out.
+    """
     edges = np.flatnonzero(np.diff(modes)) + 1
     for start, end in zip([0, *edges], [*edges, len(modes) - 1], strict=True):
-        yield modes[start], time_s[start], time_s[end]
+        if modes[start] in [*kind]:
+            yield kind(int(modes[start])), time_s[start], time_s[end]

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from aerodrake.flight.events import Span, spans
 from aerodrake.flight.log import FlightLog
 from aerodrake.model.equivalent.model import EquivalentModel
+from aerodrake.reports.drawable import drawable
 from aerodrake.reports.figures import cover
 from aerodrake.reports.flight_panels import (
     draw_allocation,
@@ -35,6 +36,7 @@ from aerodrake.scenario import Scenario
 
 def flight_pictures(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
     """Yields all pictures of a flight in the order of the page; `log` has all samples."""
+    log = drawable(log)
     thin = log.thinned(MOST_SAMPLES)
     yield from _motion(thin, scenario)
     caption = "gamma with its modes in the background, and the weights that follow from it."

@@ -25,6 +25,7 @@ VIEW_FROM_M = np.array([0.85, 1.3, 0.3])
 """(3,) in the world, from the point that the camera looks at to the camera."""
 DOT_SPACING_M = 0.02
 DOT_SIZE_M = 0.008
+MOST_DOTS = 20_000
 REFERENCE_COLOR = Rgba(0.12, 0.16, 0.2, 1.0)
 TRACE_COLOR = Rgba(0.91, 0.35, 0.05, 1.0)
 PREDICTION_COLOR = Rgba(0.09, 0.39, 0.67, 1.0)
@@ -82,8 +83,11 @@ class Scene:
 
     def draw_reference(self, points: np.ndarray) -> None:
         """Draws dots along points (K, 3) m in the world, which stay visible under a trace."""
+        if not len(points):
+            return
         along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-        dots = np.searchsorted(along, np.arange(0.0, along[-1] + 1e-9, DOT_SPACING_M))
+        spacing = max(DOT_SPACING_M, along[-1] / MOST_DOTS)
+        dots = np.searchsorted(along, np.arange(0.0, along[-1] + 1e-9, spacing))
         dots = np.minimum(dots, len(points) - 1)  # The last may exceed it by rounding.
         cloud = PointCloud(len(dots))
         cloud.mutable_xyzs()[:] = points[dots].T
