@@ -68,12 +68,12 @@ def cover(axes: Axes, times: np.ndarray) -> None:
 
 
 def cover_positive(axes: Axes, values: np.ndarray, least: float) -> None:
-    """Makes the y axis logarithmic, from the 2 % quantile of `values` or `least` to twice the max.
+    """Makes the y axis logarithmic, from the least of `values` (K,) to twice the largest.
 
-    Only values from `least` on count, which is level of rounding. Call it after all is drawn.
+    Only values from `least`, the level of rounding, on count. Call it after all is drawn.
     """
     shown = values[values >= least]
-    low = np.quantile(shown, 0.02) if len(shown) else least
+    low = shown.min() if len(shown) else least
     # Limits first: those of lines without positive values are none of a logarithmic axis.
     axes.set_ylim(low, max(2 * shown.max(initial=low), 10 * low))
     axes.set_yscale("log", nonpositive="mask")
