@@ -53,7 +53,11 @@ def collect(
         path = dataset_path(folder, metadata)
         if path.exists():
             size = round(run.duration_s / model.dt) - 1, len(feature_names(model.joints))
-            flights[run.name] = load_samples(path, metadata, size)
+            try:
+                flights[run.name] = load_samples(path, metadata, size)
+            except BadInput as error:
+                remedy = f"delete the file, and collection run {run.name} is flown again"
+                raise BadInput(path, "", f"{error.args[2]}; {remedy}") from None
             progress(run)
         else:
             missing.append((run, path, metadata))

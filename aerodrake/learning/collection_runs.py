@@ -65,10 +65,15 @@ class CollectionRun:
 def circle(radius_m: float, speed_m_s: float, tilt_rad: float) -> Lissajous:
     """Returns a circle in a plane tilted about x; a negative speed reverses its sense."""
     lap_s = 2 * math.pi * radius_m / abs(speed_m_s)
+    y, z = radius_m * math.cos(tilt_rad), radius_m * math.sin(tilt_rad)
     return Lissajous(
-        amplitude_m=(radius_m, radius_m * math.cos(tilt_rad), radius_m * math.sin(tilt_rad)),
+        amplitude_m=(radius_m, abs(y), abs(z)),
         period_s=(lap_s,) * 3,
-        phase_rad=(math.copysign(math.pi / 2, speed_m_s), 0.0, 0.0),
+        phase_rad=(
+            math.copysign(math.pi / 2, speed_m_s),
+            math.pi if y < 0 else 0.0,
+            math.pi if z < 0 else 0.0,
+        ),
         start_s=START_S,
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from aerodrake.model.residual.samples import Samples
 from aerodrake.support.errors import BadInput
-from aerodrake.support.files import is_stored_zip, read_bounded, write_atomically
+from aerodrake.support.files import check_stored_zip, read_bounded, write_atomically
 
 MAX_BYTES = 100_000_000
 """Largest accepted file, as a guard against hostile files."""
@@ -59,13 +59,17 @@ def load_samples(path: Path, metadata: dict[str, Any], size: tuple[int, int]) ->
 def _read(path: Path) -> dict[str, Any]:
     """Reads the arrays, and the metadata from JSON."""
     content = read_bounded(path, MAX_BYTES)
+    expected = "expected a dataset of aerodrake"
     try:
-        if not is_stored_zip(content):  # As numpy writes it.
-            raise ValueError("compressed")
+        check_stored_zip(content)  # As numpy writes it.
+    except ValueError as error:
+        raise BadInput(path, "", f"{expected}, got {error}") from None
+    try:
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
             if set(file.files) != {*ARRAYS, "metadata"}:
                 raise ValueError("other arrays")
             arrays = {name: file[name] for name in file.files}
         return {**arrays, "metadata": json.loads(arrays["metadata"].item())}
     except Exception:  # numpy does not document its errors on malformed files.
-        raise BadInput(path, "", "expected a dataset of aerodrake") from None
+        names = ", ".join((*ARRAYS, "metadata"))
+        raise BadInput(path, "", f"{expected} with the arrays {names}, got others") from None

@@ -153,4 +153,8 @@ def _prepare(folder: Path, joints: int) -> None:
         if (folder / name).is_dir():
             raise BadInput(folder / name, "", "expected a file, got a folder")
     if (folder / CHECKPOINT).exists():
-        load(folder / CHECKPOINT, joints)
+        try:
+            load(folder / CHECKPOINT, joints)
+        except BadInput as error:
+            remedy = "delete the file, or train in another folder"
+            raise BadInput(folder / CHECKPOINT, "", f"{error.args[2]}; {remedy}") from None

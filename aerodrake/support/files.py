@@ -53,15 +53,30 @@ def read_bounded(path: Path, most: int) -> bytes:
     return content
 
 
-def is_stored_zip(content: bytes) -> bool:
-    """Returns True for a zip file without compression, whose entries are no larger than itself."""
+def check_stored_zip(content: bytes) -> None:
+    """Checks that the content is a zip archive without compression and damage.
+
+    Raises:
+        ValueError: if it is not, or if its entries are larger than itself; the message is what it
+            is instead.
+    """
+    if not content:
+        raise ValueError("an empty file")
     try:
-        entries = zipfile.ZipFile(io.BytesIO(content)).infolist()
+        archive = zipfile.ZipFile(io.BytesIO(content))
+        entries = archive.infolist()
     except Exception:  # The exceptions for malformed files are not documented.
-        return False
+        raise ValueError("another or a truncated file") from None
     is_stored = all(entry.compress_type == zipfile.ZIP_STORED for entry in entries)
     # Overlapping entries would have a larger sum.
-    return is_stored and sum(entry.file_size for entry in entries) <= len(content)
+    if not is_stored or sum(entry.file_size for entry in entries) > len(content):
+        raise ValueError("a compressed file")
+    try:
+        damaged = archive.testzip()  # Compares checksums.
+    except Exception:
+        damaged = "its headers"
+    if damaged is not None:
+        raise ValueError("a damaged file")
 
 
 def write_atomically(path: Path, content: bytes) -> None:

@@ -7,6 +7,8 @@ import zipfile
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from aerodrake.learning import dataset
 from aerodrake.learning.dataset import load_samples, save_samples
@@ -134,6 +136,21 @@ def test_any_other_file_is_bad_input_in_one_line(path, samples, defect, message)
         load_samples(path, METADATA, SIZE)
     assert "\n" not in str(error.value) and str(path) in str(error.value)
     assert (path.read_bytes() if path.exists() else None) == before
+
+
+@given(st.data())
+def test_no_flipped_bit_changes_the_samples(tmp_path_factory, data):
+    samples = np.arange(14.0).reshape(2, 7), np.ones((2, 3))
+    path = tmp_path_factory.getbasetemp() / "flipped.npz"
+    save_samples(path, samples, METADATA)
+    content = bytearray(path.read_bytes())
+    content[data.draw(st.integers(0, len(content) - 1))] ^= 1 << data.draw(st.integers(0, 7))
+    path.write_bytes(content)
+    try:
+        read = load_samples(path, METADATA, (2, 7))
+    except BadInput:
+        return
+    assert all(map(np.array_equal, read, samples))
 
 
 def test_a_file_above_the_limit_is_not_read(path, monkeypatch):

@@ -7,7 +7,7 @@ import zipfile
 import pytest
 
 from aerodrake.support.errors import BadInput
-from aerodrake.support.files import is_stored_zip, leaves_package, read_bounded, write_atomically
+from aerodrake.support.files import check_stored_zip, leaves_package, read_bounded, write_atomically
 
 
 def names(folder) -> list[str]:
@@ -49,24 +49,39 @@ def test_uris_that_leave_the_package(uri):
     assert leaves_package(uri) and not leaves_package("package://aerodrake/robots/x.urdf")
 
 
-@pytest.mark.parametrize("method", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
-def test_only_a_zip_without_compression_is_stored(method):
+def archive(method=zipfile.ZIP_STORED, more=0):
+    """Returns a zip archive with one file, whose entry is repeated in the directory."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", method) as file:
         file.writestr("a", "0" * 1000)
-    assert is_stored_zip(content.getvalue()) == (method == zipfile.ZIP_STORED)
-    assert not is_stored_zip(content.getvalue()[:-20])
-    assert not is_stored_zip(b"")
-
-
-def test_a_zip_with_overlapping_entries_is_not_stored():
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w") as file:
-        file.writestr("a", "0" * 1000)
-        for _ in range(10):  # More directory entries of the same data.
+        for _ in range(more):
             file.filelist.append(file.filelist[0])
         file._didModify = True
-    assert not is_stored_zip(content.getvalue())
+    return content.getvalue()
+
+
+DAMAGED = archive()[:500] + b"1" + archive()[501:]
+
+
+def test_an_intact_zip_archive_is_accepted():
+    check_stored_zip(archive())
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        (b"", "an empty file"),
+        (b"t,x,y,z", "another or a truncated file"),
+        (archive()[:-20], "another or a truncated file"),
+        (archive(zipfile.ZIP_DEFLATED), "a compressed file"),
+        (archive(more=10), "a compressed file"),
+        (DAMAGED, "a damaged file"),
+        (archive().replace(b"PK\x03\x04", b"PK\x03\x05"), "a damaged file"),
+    ],
+)
+def test_other_contents_are_named(content, expected):
+    with pytest.raises(ValueError, match=f"^{expected}$"):
+        check_stored_zip(content)
 
 
 def test_writing_preserves_the_mode_and_links(tmp_path):

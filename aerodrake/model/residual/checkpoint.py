@@ -11,7 +11,7 @@ import torch
 from aerodrake.model.residual.features import HIDDEN, feature_names
 from aerodrake.model.residual.network import ResidualNetwork
 from aerodrake.support.errors import BadInput
-from aerodrake.support.files import is_stored_zip, read_bounded, write_atomically
+from aerodrake.support.files import check_stored_zip, read_bounded, write_atomically
 
 FORMAT = 2
 """Version of the file format."""
@@ -90,11 +90,14 @@ def load(path: Path, joints: int) -> tuple[ResidualNetwork, Provenance]:
 
 def _read(path: Path) -> dict[str, Any]:
     """Reads the checkpoint's mapping and checks its keys and plain types."""
-    not_a_checkpoint = BadInput(path, "", "expected a checkpoint of aerodrake")
+    expected = "expected a checkpoint of aerodrake, the network.pt of a training"
+    not_a_checkpoint = BadInput(path, "", f"{expected}, got another content")
     content, names = read_bounded(path, MAX_BYTES), {f.name for f in fields(Provenance)}
     try:
-        if not is_stored_zip(content):  # As torch writes it.
-            raise ValueError("compressed")
+        check_stored_zip(content)  # As torch writes it; torch does not compare checksums.
+    except ValueError as error:
+        raise BadInput(path, "", f"{expected}, got {error}") from None
+    try:
         data = torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
     except Exception:  # torch.load does not document its errors on malformed files.
         raise not_a_checkpoint from None

@@ -7,6 +7,8 @@ import zipfile
 import numpy as np
 import pytest
 import torch
+from hypothesis import given
+from hypothesis import strategies as st
 
 from aerodrake.model.residual.checkpoint import (
     FORMAT,
@@ -120,6 +122,22 @@ def test_truncated(tmp_path):
     for length in range(1, len(content), len(content) // 20):
         path.write_bytes(content[:length])
         rejects(path, "expected a checkpoint of aerodrake")
+
+
+@given(st.data())
+def test_no_flipped_bit_changes_the_network(tmp_path_factory, data):
+    path = tmp_path_factory.getbasetemp() / "flipped.pt"
+    network = trained()
+    save(path, network, PROVENANCE)
+    content = bytearray(path.read_bytes())
+    content[data.draw(st.integers(0, len(content) - 1))] ^= 1 << data.draw(st.integers(0, 7))
+    path.write_bytes(content)
+    try:
+        read, _ = load(path, JOINTS)
+    except BadInput:
+        return
+    for name, tensor in network.state_dict().items():
+        assert torch.equal(read.state_dict()[name], tensor), name
 
 
 def test_too_large(tmp_path):
