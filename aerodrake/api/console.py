@@ -5,7 +5,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from aerodrake.support.compiled import is_cold
+from aerodrake.support.compiled import CACHE, is_cold
 
 FLIGHT_BAR = (
     "{desc} {percentage:3.0f}%|{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}, {rate_fmt}]"
@@ -32,8 +32,8 @@ class Console:
             print(text)
 
     def note(self, notes: Iterable[str]) -> None:
-        """Prints notes, and one more if the equations are not compiled yet."""
-        for note in notes:
+        """Prints notes, and others if compiled code has an unusual folder or is missing."""
+        for note in (*notes, *([CACHE.note] if CACHE.note else [])):
             self.say(f"note: {note}")
         if is_cold():
             self.say("note: compiling the equations first; this takes a minute, once per machine")

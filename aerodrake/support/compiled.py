@@ -1,7 +1,6 @@
 """Compilation of equations to machine code, with a cache on disk."""
 
 import hashlib
-import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -9,40 +8,67 @@ from typing import Any
 
 from numba import config, njit
 
+from aerodrake.support.cache_folders import (
+    first_writable,
+    let_matplotlib_cache,
+    temporary_folder,
+    user_folder,
+)
+from aerodrake.support.machine_code import SUFFIX, MachineCode
+
 EQUATIONS = Path(__file__).parents[1] / "model"
 
 
-def cache_folder(sources: Path, elsewhere: Path) -> Path:
-    """Returns the cache folder for machine code, named by a hash of all source files.
+class CacheFolders:
+    """Folders of the machine code of some sources, named by a hash of all their files.
 
-    numba's own cache only checks the file of a function, not the files of the functions and
-    constants that it inlines. Caches of other hashes in `__pycache__` are deleted.
+    The hash covers the functions and constants that a function inlines from other files. New code
+    is written to `NUMBA_CACHE_DIR` if that is set, else to the `__pycache__` of the sources, else
+    to the user's cache; if all of them are not writable, to a temporary folder. Code is read from
+    any of them, so that a cache that was installed with the package is used by all users.
+
+    Attributes:
+        reads: Folders in which code may be.
+        writes: Folder of new code; None if no folder can be written.
+        note: One line if the usual folders cannot be written; empty otherwise.
 
     Args:
-        sources: Folder of the sources. The cache is in its `__pycache__` if that is writable.
-        elsewhere: Parent of the cache otherwise.
+        sources: Folder of the sources.
     """
-    content = hashlib.sha256()
-    for source in sorted(sources.rglob("*.py")):
-        content.update(str(source.relative_to(sources)).encode() + source.read_bytes())
-    beside = sources / "__pycache__"
-    name = f"compiled-{content.hexdigest()[:16]}"
-    if not os.access(beside if beside.exists() else sources, os.W_OK):
-        return elsewhere / name
-    for other in beside.glob("compiled-*"):
-        if other.name != name:
-            shutil.rmtree(other, ignore_errors=True)
-    return beside / name
+
+    def __init__(self, sources: Path):
+        content = hashlib.sha256()
+        for source in sorted(sources.rglob("*.py")):
+            content.update(str(source.relative_to(sources)).encode() + source.read_bytes())
+        name = f"compiled-{content.hexdigest()[:16]}"
+        beside, user = sources / "__pycache__", user_folder("XDG_CACHE_HOME", "~/.cache")
+        usual = [beside, *([user / "aerodrake"] if user else [])]
+        if config.CACHE_DIR:
+            usual = [Path(config.CACHE_DIR).absolute()]
+        writes = first_writable(usual)
+        self.note = ""
+        if writes is None:
+            writes = temporary_folder()
+            kept = f"kept in {writes}" if writes else "compiled anew in each process"
+            folders = " and ".join(map(str, usual))
+            self.note = f"compiled code is {kept}, since {folders} cannot be written"
+        self.reads = [
+            folder / name for folder in dict.fromkeys([*usual, *([writes] if writes else [])])
+        ]
+        self.writes = writes and writes / name
+        if writes == beside:  # Other installations do not use this folder.
+            for other in beside.glob("compiled-*"):
+                if other.name != name:
+                    shutil.rmtree(other, ignore_errors=True)
 
 
-CACHE = cache_folder(
-    EQUATIONS, Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser(), "aerodrake")
-)
+CACHE = CacheFolders(EQUATIONS)
+let_matplotlib_cache()  # Before its first import, which chooses its folder.
 
 
 def is_cold() -> bool:
     """Returns True if the equations are not compiled yet, which takes a minute."""
-    return not any(CACHE.rglob("*.nbi"))
+    return not any(any(folder.glob(f"*{SUFFIX}")) for folder in CACHE.reads)
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -55,8 +81,7 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     With NUMBA_DISABLE_JIT=1 in the environment the function runs as Python; results then agree
     up to rounding.
     """
-    before, config.CACHE_DIR = config.CACHE_DIR, str(CACHE)
-    try:
-        return njit(cache=True, error_model="numpy")(function)
-    finally:
-        config.CACHE_DIR = before
+    dispatcher = njit(error_model="numpy")(function)
+    if not config.DISABLE_JIT:
+        dispatcher._cache = MachineCode(function, CACHE.reads, CACHE.writes)
+    return dispatcher

@@ -57,7 +57,7 @@ def test_lost_flights_are_a_success(tmp_path):
         ),
         (["hover", "--trials", "2", "--resume", "--out", "no"], "the folder of a sweep, got no"),
         (["hover", "--trials", "2", "--out", "file"], "file: cannot be written: "),
-        (["hover", "--trials", "2", "--out", "mine"], "mine holds files that are not of an ear"),
+        (["hover", "--trials", "2", "--out", "mine"], "mine: holds files that are not of an ear"),
         (["hover", "--trials", "2", "--seed", "x"], "seed: expected a whole number"),
         (["hover", "--trials", "2", "--set", "vehicle.robot=no.urdf"], "no.urdf: "),
         (

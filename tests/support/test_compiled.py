@@ -1,27 +1,30 @@
 """The cache of machine code depends on all source files."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from numba import config
 
-from aerodrake.support.compiled import cache_folder
+from aerodrake.support import cache_folders, compiled
+from aerodrake.support.compiled import CacheFolders
 
 NUMBER = "NUMBER = {}\n"
 CALLED = (
-    "from numba import njit\nfrom inner.number import NUMBER\n"
-    "@njit(cache=True)\ndef f():\n    return {} + NUMBER\n"
+    "from aerodrake.support.compiled import compiled\nfrom inner.number import NUMBER\n"
+    "@compiled\ndef f():\n    return {} + NUMBER\n"
 )
 CALLS = (
-    "from numba import njit\nfrom called import f\n@njit(cache=True)\ndef g():\n    return f()\n"
+    "from aerodrake.support.compiled import compiled\nfrom called import f\n"
+    "@compiled\ndef g():\n    return f()\n"
 )
 RUN = """
 from pathlib import Path
-from numba import config
-from aerodrake.support.compiled import cache_folder
-config.CACHE_DIR = str(cache_folder(Path(), Path("elsewhere")))
+from aerodrake.support import compiled
+compiled.CACHE = compiled.CacheFolders(Path().absolute())
 from calls import g
 print(g())
 """
@@ -70,17 +73,77 @@ def test_changing_a_called_function_or_a_constant_recompiles(sources):
     assert len(machine_code(sources)) == len(before)
 
 
-def test_the_cache_is_elsewhere_if_the_sources_are_read_only(sources, tmp_path, monkeypatch):
-    elsewhere = tmp_path / "elsewhere"
-    assert cache_folder(sources, elsewhere).parent == sources / "__pycache__"
-    monkeypatch.setattr(os, "access", lambda path, mode: False)
-    folder = cache_folder(sources, elsewhere)
-    assert folder.parent == elsewhere
-    assert folder.name == cache_folder(sources, elsewhere).name
+@pytest.fixture
+def usual(tmp_path, monkeypatch):
+    """Function that sets NUMBA_CACHE_DIR, the user's cache and the folders that are writable."""
+
+    def usual(numba: str, user: Path | None, *writable: Path) -> None:
+        monkeypatch.setattr(config, "CACHE_DIR", numba)
+        monkeypatch.setattr(compiled, "user_folder", lambda *names: user)
+        monkeypatch.setattr(compiled, "temporary_folder", lambda: tmp_path / "temporary")
+        monkeypatch.setattr(cache_folders, "is_writable", lambda folder: folder in writable)
+
+    return usual
+
+
+def test_folders_in_the_order_of_their_preference(sources, usual, tmp_path):
+    beside, user = sources / "__pycache__", tmp_path / "user"
+    own, temporary = user / "aerodrake", tmp_path / "temporary"
+    for numba, home, writable, writes, reads in (
+        ("", user, (beside, own), beside, [beside, own]),
+        ("", user, (own,), own, [beside, own]),
+        ("", user, (), temporary, [beside, own, temporary]),
+        ("", None, (), temporary, [beside, temporary]),
+        ("/numba", user, (beside, own, Path("/numba")), Path("/numba"), [Path("/numba")]),
+        ("/numba", user, (beside, own), temporary, [Path("/numba"), temporary]),
+    ):
+        usual(numba, home, *writable)
+        folders = CacheFolders(sources)
+        assert folders.writes.parent == writes
+        assert [folder.parent for folder in folders.reads] == reads
+        assert {folder.name for folder in folders.reads} == {folders.writes.name}
+        assert bool(folders.note) == (writes == temporary)
+        if folders.note:
+            assert f"kept in {temporary}, since {reads[0]} " in folders.note
+
+
+def test_without_any_folder_the_note_says_so(sources, usual, monkeypatch):
+    usual("", None)
+    monkeypatch.setattr(compiled, "temporary_folder", lambda: None)
+    folders = CacheFolders(sources)
+    assert folders.writes is None and "compiled anew in each process" in folders.note
+
+
+def test_old_folders_are_deleted_beside_the_sources_alone(sources, usual, tmp_path):
+    """Other installations may use the others."""
+    for parent in (sources / "__pycache__", tmp_path / "numba"):
+        (parent / "compiled-old").mkdir(parents=True)
+        usual(str(parent) if parent.name == "numba" else "", None, parent)
+        CacheFolders(sources)
+        assert (parent / "compiled-old").exists() == (parent.name == "numba")
 
 
 def test_the_folder_depends_on_the_content_of_the_sources(sources):
-    first = cache_folder(sources, sources)
-    assert cache_folder(sources, sources) == first
+    first = CacheFolders(sources).writes
+    assert CacheFolders(sources).writes == first
     (sources / "another.py").write_text("")
-    assert cache_folder(sources, sources) != first
+    assert CacheFolders(sources).writes != first
+
+
+def test_an_unknown_user_without_a_home_has_compiled_code(sources, tmp_path):
+    """The user may read everything and write nothing but temporary files."""
+    if os.getuid() != 0 or not shutil.which("setpriv"):
+        pytest.skip("needs root and setpriv, to become another user")
+    shared = tmp_path / "shared"
+    shared.mkdir()
+    shared.chmod(0o777)
+    rights = "-all,+dac_read_search"
+    user = ["setpriv", "--reuid=54321", "--regid=54321", "--clear-groups"]
+    user += [f"--inh-caps={rights}", f"--ambient-caps={rights}", f"--bounding-set={rights}"]
+    command = [*user, sys.executable, "-B", "-c", RUN + "print(compiled.CACHE.note)"]
+    environment = {"PYTHONPATH": os.pathsep.join(sys.path), "TMPDIR": str(shared)}
+    done = subprocess.run(command, cwd=sources, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr == ""
+    value, note = done.stdout.splitlines()
+    assert value == "101" and "shared/aerodrake-54321, since" in note
+    assert len(machine_code(shared)) == 2
