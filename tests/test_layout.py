@@ -206,14 +206,15 @@ def test_packaged_data_is_packaged():
 
 
 def test_the_link_over_lcm_is_an_option():
-    """Without `aerodrake.wire`, only the flight and the commands would change."""
+    """Without `aerodrake.wire`, only the flight, the commands and the gallery would change."""
     users = {
         path.relative_to(PACKAGE).as_posix()
         for path in PACKAGE.rglob("*.py")
         if any(module.startswith("aerodrake.wire.") for module in imports(path))
     }
     users = {user for user in users if not user.startswith("wire/")}
-    assert users == {"flight/simulate.py", "api/fly.py", "commands/coordinator.py"}
+    gallery = {"gallery/export.py", "gallery/system_page.py"}
+    assert users == {"flight/simulate.py", "api/fly.py", "commands/coordinator.py"} | gallery
 
 
 @pytest.mark.parametrize("path", TESTS, ids=str)

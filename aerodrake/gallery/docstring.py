@@ -26,10 +26,15 @@ class Docstring:
     @classmethod
     def of(cls, thing: object) -> Self:
         """Parses the docstring of a class, function or module; empty if it has none."""
+        return cls.parse(inspect.getdoc(thing) or "")
+
+    @classmethod
+    def parse(cls, docstring: str) -> Self:
+        """Parses a docstring without indentation."""
         text: list[str] = []
         sections: dict[str, list[str]] = {}
         lines = text
-        for line in (inspect.getdoc(thing) or "").splitlines():
+        for line in docstring.splitlines():
             if match := SECTION.match(line):
                 lines = sections.setdefault(match[1], [])
                 line = match[2].strip()

@@ -8,10 +8,16 @@ from collections.abc import Collection, Iterable, Mapping
 from os import PathLike
 from pathlib import Path
 
-from pydrake.systems.framework import System
+from pydrake.lcm import DrakeLcm
+from pydrake.systems.framework import Diagram, System
 
-from aerodrake.gallery.graph import systems_by_name, to_dot, to_mermaid
+from aerodrake.gallery.dot import to_dot
+from aerodrake.gallery.graph import label, systems_by_name
+from aerodrake.gallery.mermaid import to_mermaid
+from aerodrake.gallery.n2_chart import n2_svg
+from aerodrake.gallery.ports import opens
 from aerodrake.gallery.system_page import system_page
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import (
     FixedAxis,
     JointDegraded,
@@ -23,10 +29,12 @@ from aerodrake.scenario import (
     RotorDegraded,
     SampleNan,
     Scenario,
+    Sensors,
 )
 from aerodrake.station import make_closed_loop
 from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.files import write_atomically
+from aerodrake.wire.remote_coordinator import make_remote_coordinator, make_station_link
 
 MOST_DEPTH = 100
 """Largest number of levels of diagrams to open."""
@@ -46,8 +54,9 @@ def graph(
 ) -> list[Path]:
     """Writes a page and the graphs of diagrams and systems, and returns the paths.
 
-    They are `NAME.md`, `NAME.dot` and `NAME.mmd`, with Graphviz also `NAME.svg` and `NAME.png`.
-    Pages link to each other if one call writes them.
+    They are `NAME.md`, `NAME.dot`, `NAME.mmd` (Mermaid) and, of an opened diagram, `NAME_n2.svg`,
+    an N-squared chart. With Graphviz also `NAME.svg` and `NAME.png`. Pages link to each other if
+    one call writes them.
 
     Args:
         systems: A name such as `closed_loop`, `station`, `coordinator` or `mpc`, a Diagram or
@@ -66,44 +75,93 @@ def graph(
     folder = Path(out)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return [path for name in chosen for path in export(name, chosen[name], folder, depth)]
+        return [
+            path
+            for name, system in chosen.items()
+            for path in export(name, system, folder, depth, chosen)
+        ]
     except OSError as error:
         raise BadInput(folder, "", f"cannot be written: {error.strerror}") from None
 
 
-def export(name: str, system: System, folder: Path, depth: int) -> list[Path]:
-    """Writes `NAME.md`, `.dot`, `.mmd`, with Graphviz also `.svg` and `.png`; returns the paths."""
-    dot = to_dot(system, depth)
-    contents = {
-        "md": system_page(name, system, depth).encode(),
-        "dot": dot.encode(),
-        "mmd": to_mermaid(system, depth).encode(),
-    }
-    contents |= {suffix: _drawn(dot, suffix) for suffix in ("svg", "png")}
+def export(
+    name: str, system: System, folder: Path, depth: int, pages: Collection[str] = ()
+) -> list[Path]:
+    """Writes the files of one system into an existing folder, as `graph` does; returns the paths.
+
+    The other arguments are those of `texts`.
+    """
+    contents = {file: text.encode() for file, text in texts(name, system, depth, pages).items()}
+    dot = contents[f"{name}.dot"]
+    contents |= {f"{name}.{form}": _drawn(dot, form) for form in ("svg", "png")}
     written = []
-    for suffix, content in contents.items():
+    for file, content in contents.items():
         if content:
-            written.append(folder / f"{name}.{suffix}")
+            written.append(folder / file)
             write_atomically(written[-1], content)
     return written
+
+
+def texts(name: str, system: System, depth: int, pages: Collection[str] = ()) -> dict[str, str]:
+    """Returns the page, graphs and chart of a system by name of the file.
+
+    Args:
+        name: Stem of the names of the files.
+        system: Diagram or leaf system.
+        depth: Number of levels of diagrams to open.
+        pages: Names with a page in the same folder, for links.
+    """
+    files = {
+        f"{name}.md": system_page(name, system, depth, pages),
+        f"{name}.dot": to_dot(system, depth),
+        f"{name}.mmd": to_mermaid(system, depth),
+    }
+    chart = {f"{name}_n2.svg": n2_svg(system, depth)} if opens(system, depth) else {}
+    return files | chart
 
 
 def gallery(names: Collection[str] = ()) -> dict[str, System]:
     """Returns all diagrams and systems by name, from the default scenario if it has them.
 
-    Other scenarios have the systems of the orientation task, of faults and of CLIK. They are
-    built if one of `names` is missing, or if `names` is empty.
+    Other scenarios have the systems of the orientation task, of delays, of faults and of CLIK,
+    and the station's end of the link. They are built if one of `names` is missing, or if `names`
+    is empty. A system that replaces another one of the same name has the name of its class,
+    such as `faulty_mpc`.
     """
-    in_station = (SampleNan(), RotorDegraded(), JointDegraded(), Push())
-    faults = (*in_station, MpcMissed(), LearnerPoisoned(), ReferenceNan())
-    all_tasks = Scenario(orientation=FixedAxis(), faults=faults, residual=Residual(mode="online"))
     systems: dict[str, System] = {}
-    for scenario in (Scenario(), all_tasks, Scenario(controller="clik")):
-        for name, system in systems_by_name(make_closed_loop(scenario)).items():
-            systems.setdefault(name, system)
+    for make in (_default_loop, _all_tasks, _clik_loop, _station_end):
+        for name, inner in systems_by_name(make()).items():
+            known = systems.get(name)
+            if known is not None and type(known) is not type(inner):
+                name = "_".join(_camel_words(type(inner).__name__)).lower()
+            systems.setdefault(name, inner)
         if names and systems.keys() >= set(names):
             break
     return systems
+
+
+def _default_loop() -> Diagram:
+    return make_closed_loop(Scenario())
+
+
+def _all_tasks() -> Diagram:
+    in_station = (SampleNan(), RotorDegraded(), JointDegraded(), Push())
+    faults = (*in_station, MpcMissed(), LearnerPoisoned(), ReferenceNan())
+    residual, sensors = Residual(mode="online"), Sensors(base_delay_s=0.01)
+    tasks = {"orientation": FixedAxis(), "residual": residual, "sensors": sensors}
+    return make_closed_loop(Scenario(faults=faults, **tasks))
+
+
+def _clik_loop() -> Diagram:
+    return make_closed_loop(Scenario(controller="clik"))
+
+
+def _station_end() -> Diagram:
+    scenario = Scenario()
+    link = make_station_link(scenario, DrakeLcm("memq://"))
+    remote = make_remote_coordinator(scenario, VehicleModel.load(scenario), link)
+    remote.set_name("remote_coordinator")
+    return remote
 
 
 def _chosen(systems: Shown | Iterable[Shown] | None) -> dict[str, System]:
@@ -122,7 +180,11 @@ def _chosen(systems: Shown | Iterable[Shown] | None) -> dict[str, System]:
                 )
             chosen[shown] = known[shown]
         elif isinstance(shown, System):
-            chosen[_file_name(shown)] = shown
+            name = _file_name(shown)
+            if name in chosen:
+                problem = f"expected systems with different names, got two '{name}'"
+                raise BadInput("graph", "", problem)
+            chosen[name] = shown
         else:
             raise _unexpected(shown)
     return chosen
@@ -140,12 +202,13 @@ def _unexpected(shown: object) -> BadInput:
     return BadInput("graph", "", problem)
 
 
+def _camel_words(name: str) -> list[str]:
+    """Returns the words of a name in any spelling."""
+    return re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+", name)
+
+
 def _file_name(system: System) -> str:
-    """Returns the name of a system as a word; that of its class if it has none."""
-    name = system.get_name()
-    if not name or "@" in name:  # Drake's default names contain an address.
-        name = type(system).__name__
-    return re.sub(r"\W+", "_", name)
+    return re.sub(r"\W+", "_", label(system))
 
 
 def _suggestion(name: str, systems: Mapping[str, System]) -> str:
@@ -153,27 +216,26 @@ def _suggestion(name: str, systems: Mapping[str, System]) -> str:
 
     Words may be in another order, in capitals, or joined by another character.
     """
-    spellings = {_words(type(system).__name__): own for own, system in systems.items()}
-    spellings |= {_words(own): own for own in systems}
-    close = difflib.get_close_matches(_words(name[:100]), spellings, n=1, cutoff=0.5)
+    spellings = {_sorted_words(type(system).__name__): own for own, system in systems.items()}
+    spellings |= {_sorted_words(own): own for own in systems}
+    close = difflib.get_close_matches(_sorted_words(name[:100]), spellings, n=1, cutoff=0.5)
     return nearest(spellings[close[0]] if close else name, systems)
 
 
-def _words(name: str) -> str:
-    """Returns the sorted words of a name in any spelling, without `system`."""
-    words = re.findall(r"[A-Z]?[a-z]+|[A-Z]+|[0-9]+", name)
-    return " ".join(sorted({word.lower() for word in words} - {"system"}))
+def _sorted_words(name: str) -> str:
+    """Returns the words of a name without `system`, in lower case and sorted."""
+    return " ".join(sorted({word.lower() for word in _camel_words(name)} - {"system"}))
 
 
-def _drawn(dot: str, suffix: str) -> bytes:
+def _drawn(dot: bytes, form: str) -> bytes:
     """Returns the drawing by Graphviz; empty if Graphviz is missing or fails."""
     command = shutil.which("dot")
     if command is None:
         return b""
     try:
         return subprocess.run(
-            [command, f"-T{suffix}"],
-            input=dot.encode(),
+            [command, f"-T{form}"],
+            input=dot,
             capture_output=True,
             check=True,
             timeout=DOT_TIMEOUT_S,

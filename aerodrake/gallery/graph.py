@@ -1,35 +1,138 @@
-"""Graphs of diagrams and systems, as Graphviz and Mermaid text.
+"""Boxes and arrows of a drawing of a diagram or system, in the order of the signals.
 
-Both depend only on the wiring. A diagram gives the same bytes in every process,
-so that its graphs can be committed and compared. `system` is a diagram or a leaf system;
-`depth` is the number of levels of diagrams to open, and 0 draws one box.
+They depend only on the wiring: a diagram gives the same drawing in every process, so that it can
+be committed and compared. `system` is a diagram or a leaf system; `depth` is the number of levels
+of diagrams to open, and 0 draws one box.
 """
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 
-from pydrake.systems.framework import Diagram, InputPort, OutputPort, PortDataType, System
+from pydrake.systems.framework import Diagram, System
 
-Port = InputPort | OutputPort
+from aerodrake.gallery.ports import (
+    Port,
+    box_output,
+    connections,
+    input_ports,
+    is_default,
+    opens,
+    output_ports,
+    size,
+    targets,
+)
+from aerodrake.gallery.signal_order import signal_order
+
+INPUTS, OUTPUTS = "inputs", "outputs"
+"""Boxes for the ports of an opened diagram."""
 
 
-def input_ports(system: System) -> list[InputPort]:
-    """Returns the inputs, without ports of size zero, which plants have for absent parts."""
-    ports = map(system.get_input_port, range(system.num_input_ports()))
-    return [port for port in ports if size(port) != "0"]
+@dataclass(frozen=True)
+class Box:
+    """A box: a system, or ports of the drawn system.
+
+    Attributes:
+        id: A word, different for each box of a drawing.
+        label: Text in the box.
+        system: The system; None for ports.
+        rank: Row of the box, 0 at the top; of an opened diagram, of its uppermost boxes.
+        inside: Boxes of an opened diagram in signal order; empty for all others.
+    """
+
+    id: str
+    label: str
+    system: System | None
+    rank: int
+    inside: tuple["Box", ...] = ()
+
+    @property
+    def leaves(self) -> tuple["Box", ...]:
+        """The boxes in it, at any depth, that contain no others; for such a box, itself."""
+        return tuple(leaf for box in self.inside for leaf in box.leaves) or (self,)
 
 
-def output_ports(system: System) -> list[OutputPort]:
-    """Returns the outputs, without ports of size zero."""
-    ports = map(system.get_output_port, range(system.num_output_ports()))
-    return [port for port in ports if size(port) != "0"]
+@dataclass(frozen=True)
+class Arrow:
+    """All signals from one box to another.
+
+    Attributes:
+        source, target: Boxes that contain no others.
+        signals: Names of the source's ports, or of the target's where the source has a default
+            name such as `y0`; empty if both have.
+    """
+
+    source: Box
+    target: Box
+    signals: tuple[str, ...]
+
+    @property
+    def is_feedback(self) -> bool:
+        """True if the target is above the source, or is the source."""
+        return self.target.rank <= self.source.rank
 
 
-def size(port: Port) -> str:
-    """Returns the size of a port as text; `abstract` if it has none."""
-    is_abstract = port.get_data_type() == PortDataType.kAbstractValued
-    return "abstract" if is_abstract else str(port.size())
+@dataclass(frozen=True)
+class Graph:
+    """A drawing.
+
+    Attributes:
+        boxes: Boxes in signal order, which contain others if they are opened.
+        arrows: Arrows in the order of their ends.
+    """
+
+    boxes: tuple[Box, ...]
+    arrows: tuple[Arrow, ...]
+
+    @property
+    def leaves(self) -> tuple[Box, ...]:
+        """All boxes that contain no others, in signal order."""
+        return tuple(leaf for box in self.boxes for leaf in box.leaves)
+
+
+def graph_of(system: System, depth: int, without: Collection[str] = ()) -> Graph:
+    """Returns the drawing of a system, whose subsystems of some names are left out.
+
+    An opened diagram is drawn with its systems, in signal order, and a box each for its inputs
+    and its outputs. A closed loop, which has no inputs, is drawn without outputs. Any other
+    system is one box between its ports. Ports of size zero are left out.
+    """
+    ids = _Ids()
+    if not opens(system, depth):
+        return _closed(system, ids)
+    top = _opened(system, depth, 1, ids, without)
+    box_of = {leaf.system.GetSystemPathname(): leaf for leaf in top.leaves}
+    signals: dict[tuple[Box, Box], set[str]] = defaultdict(set)
+
+    def box(port: Port) -> Box | None:
+        return box_of.get(port.get_system().GetSystemPathname())
+
+    for source, target in connections(system, depth):
+        if box(source) and box(target):
+            signals[box(source), box(target)].add(_signal(source, target))
+    boxes = top.inside
+    if inputs := input_ports(system):
+        last_rank = max(leaf.rank for leaf in top.leaves)
+        first = Box(ids.new(INPUTS), INPUTS, None, 0)
+        last = Box(ids.new(OUTPUTS), OUTPUTS, None, last_rank + 1)
+        boxes = (first, *boxes, last)
+        for port in inputs:
+            for target in targets(port, depth):
+                signals[first, box(target)].add(_signal(port))
+        for port in output_ports(system):
+            signals[box(box_output(port, depth)), last].add(_signal(port))
+    places = {leaf.id: i for i, leaf in enumerate(leaf for top in boxes for leaf in top.leaves)}
+    arrows = [Arrow(*ends, tuple(sorted(names - {""}))) for ends, names in signals.items()]
+    arrows.sort(key=lambda arrow: (places[arrow.source.id], places[arrow.target.id]))
+    return Graph(boxes, tuple(arrows))
+
+
+def label(system: System) -> str:
+    """Returns the name of a system; that of its class if it has none."""
+    name = system.get_name()
+    # Drake's default names contain an address.
+    return type(system).__name__ if not name or "@" in name else name
 
 
 def systems_by_name(system: System) -> dict[str, System]:
@@ -39,7 +142,7 @@ def systems_by_name(system: System) -> dict[str, System]:
         ValueError: if two of them share a name, or one has no name.
     """
     systems: dict[str, System] = {}
-    for inner in _systems(system):
+    for inner in all_systems(system):
         name = inner.get_name()
         if not re.fullmatch(r"\w+", name) or name in systems:
             problem = f"two named '{name}'" if name in systems else f"'{name}'"
@@ -48,140 +151,73 @@ def systems_by_name(system: System) -> dict[str, System]:
     return systems
 
 
-def to_dot(system: System, depth: int) -> str:
-    """Returns Drake's own graph, with every port, as Graphviz text."""
-    ids: dict[str, int] = {}
-
-    def renumber(match: re.Match[str]) -> str:
-        return f"{match[1]}{ids.setdefault(match[2], len(ids) + 1)}"
-
-    def sort_edges(match: re.Match[str]) -> str:
-        return "".join(sorted(match[0].splitlines(keepends=True), key=_natural))
-
-    # Drake numbers the systems of the whole process, and orders edges by address.
-    text = system.GetGraphvizString(max_depth=depth).rstrip() + "\n"
-    text = re.sub(r"(?m)(^digraph _|^subgraph clusters?|^s| -> s)(\d+)", renumber, text)
-    return re.sub(r"(?m)(^s\d+.* -> .*\n)+", sort_edges, text)
-
-
-def to_mermaid(system: System, depth: int) -> str:
-    """Returns the signals between systems as a Mermaid flowchart.
-
-    An arrow joins two systems and lists its signals by the names of their
-    ports, without Drake's default names such as `u0`. Rounded nodes are the
-    ports of `system` with their sizes, except ports of size zero. An open
-    diagram without inputs is a closed loop, whose outputs are left out.
-
-    Raises:
-        ValueError: as `systems_by_name`.
-    """
-    names = systems_by_name(system)
-    opened = _opens(system, depth)
-    inputs = {f"in_{port.get_name()}": port for port in input_ports(system)}
-    outputs = {f"out_{port.get_name()}": port for port in output_ports(system)}
-    if opened and not inputs:
-        outputs = {}
-
-    arrows: dict[tuple[str, str], set[str]] = defaultdict(set)
-    for node, port in inputs.items():
-        for target in _targets(port, depth):
-            arrows[node, _box(target)].add(_signal(target, known=port))
-    for source, target in connections(system, depth):
-        arrows[_box(source), _box(target)].add(_signal(source, target))
-    for node, port in outputs.items():
-        source = _source(port, depth)
-        arrows[_box(source), node].add(_signal(source, known=port))
-
-    lines = [
-        "flowchart TB" if opened else "flowchart LR",  # The narrower of the two.
-        *(_rounded(node, port) for node, port in inputs.items()),
-        *_boxes(system, depth),
-        *(_rounded(node, port) for node, port in outputs.items()),
-    ]
-    # Layout engines break cycles in the order of the text.
-    order = [*inputs, *names, *outputs]
-    for arrow in sorted(arrows, key=lambda ends: [order.index(end) for end in ends]):
-        label = "<br/>".join(sorted(arrows[arrow] - {""}))
-        lines.append((f' -->|"{label}"| ' if label else " --> ").join(arrow))
-    return "\n  ".join(lines) + "\n"
-
-
-def _boxes(system: System, depth: int) -> Iterator[str]:
-    """Yields the lines that declare systems, open ones as subgraphs."""
-    if not _opens(system, depth):
-        yield system.get_name()
-        return
-    for inner in system.GetSystems():
-        if _opens(inner, depth - 1):
-            yield f"subgraph {inner.get_name()}"
-            yield from (f"  {line}" for line in _boxes(inner, depth - 1))
-            yield "end"
-        else:
-            yield inner.get_name()
-
-
-def _rounded(node: str, port: Port) -> str:
-    return f'{node}(["{port.get_name()} ({size(port)})"])'
-
-
-def _box(port: Port) -> str:
-    return port.get_system().get_name()
-
-
-def _signal(*ports: Port, known: Port | None = None) -> str:
-    """Returns the names of ports for their signal, except the name of a `known` port."""
-    names = dict.fromkeys(port.get_name() for port in ports)
-    if known is not None:
-        names.pop(known.get_name(), None)
-    return " → ".join(name for name in names if not is_default(name))
-
-
-def is_default(name: str) -> bool:
-    """Returns True for a default name of Drake's, such as `u0`."""
-    return re.fullmatch(r"[uy]\d+", name) is not None
-
-
-def connections(system: System, depth: int) -> Iterator[tuple[OutputPort, InputPort]]:
-    """Yields the signals between boxes of the graph, in no particular order."""
-    if not _opens(system, depth):
-        return
-    for (target, i), (source, o) in system.connection_map().items():
-        for port in _targets(target.get_input_port(i), depth - 1):
-            yield _source(source.get_output_port(o), depth - 1), port
-    for inner in system.GetSystems():
-        yield from connections(inner, depth - 1)
-
-
-def _source(port: OutputPort, depth: int) -> OutputPort:
-    """Returns the port of a box that is the source of an output."""
-    system = port.get_system()
-    if not _opens(system, depth):
-        return port
-    inner, index = system.get_output_port_locator(port.get_index())
-    return _source(inner.get_output_port(index), depth - 1)
-
-
-def _targets(port: InputPort, depth: int) -> Iterator[InputPort]:
-    """Yields the ports of boxes that are targets of an input."""
-    system = port.get_system()
-    if not _opens(system, depth):
-        yield port
-        return
-    for inner, index in system.GetInputPortLocators(port.get_index()):
-        yield from _targets(inner.get_input_port(index), depth - 1)
-
-
-def _opens(system: System, depth: int) -> bool:
-    return depth > 0 and isinstance(system, Diagram)
-
-
-def _systems(system: System) -> Iterator[System]:
+def all_systems(system: System) -> Iterator[System]:
+    """Yields a system and, if it is a diagram, all systems in it, diagrams before their own."""
     yield system
     if isinstance(system, Diagram):
         for inner in system.GetSystems():
-            yield from _systems(inner)
+            yield from all_systems(inner)
 
 
-def _natural(line: str) -> list[str | int]:
-    """Returns a sort key that orders numbers by value."""
-    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", line)]
+def _closed(system: System, ids: "_Ids") -> Graph:
+    inputs = tuple(_port(ids, "in", port, 0) for port in input_ports(system))
+    box = Box(ids.new(label(system)), label(system), system, 1)
+    outputs = tuple(_port(ids, "out", port, 2) for port in output_ports(system))
+    arrows = [Arrow(port, box, ()) for port in inputs] + [Arrow(box, port, ()) for port in outputs]
+    return Graph((*inputs, box, *outputs), tuple(arrows))
+
+
+def _port(ids: "_Ids", side: str, port: Port, rank: int) -> Box:
+    name = port.get_name()
+    return Box(ids.new(f"{side}_{name}"), f"{name} ({size(port)})", None, rank)
+
+
+def _opened(
+    system: System, depth: int, rank: int, ids: "_Ids", without: Collection[str] = ()
+) -> Box:
+    """Returns the box of a system, whose uppermost boxes have the given rank."""
+    word = ids.new(label(system))
+    if not opens(system, depth):
+        return Box(word, label(system), system, rank)
+    systems = [inner for inner in system.GetSystems() if inner.get_name() not in without]
+    signals = list(_signals(system, systems))
+    joined = {frozenset((source, target)) for source, own in signals for target in own}
+    inside: dict[int, Box] = {}
+    for i in signal_order(signals, len(systems)):
+        above = [inside[other] for other in inside if frozenset((i, other)) in joined]
+        ranks = [leaf.rank for box in above for leaf in box.leaves]
+        inside[i] = _opened(systems[i], depth - 1, max(ranks, default=rank - 1) + 1, ids)
+    return Box(word, label(system), system, rank, tuple(inside.values()))
+
+
+def _signals(diagram: Diagram, systems: list[System]) -> Iterator[tuple[int, frozenset[int]]]:
+    """Yields source and targets of each signal between some systems of a diagram."""
+    index = {inner.GetSystemPathname(): i for i, inner in enumerate(systems)}
+    fed: dict[tuple[int, int], set[int]] = defaultdict(set)
+    for (target, _), (source, port) in diagram.connection_map().items():
+        ends = index.get(source.GetSystemPathname()), index.get(target.GetSystemPathname())
+        if None not in ends:
+            fed[ends[0], int(port)].add(ends[1])
+    for (source, _), own in sorted(fed.items()):
+        yield source, frozenset(own)
+
+
+class _Ids:
+    """Words that differ from each other."""
+
+    def __init__(self) -> None:
+        self._used: set[str] = set()
+
+    def new(self, name: str) -> str:
+        """Returns a word close to a name that has not been returned before."""
+        word = unique = re.sub(r"\W+", "_", name)
+        number = 1
+        while unique in self._used:
+            number += 1
+            unique = f"{word}_{number}"
+        self._used.add(unique)
+        return unique
+
+
+def _signal(*ports: Port) -> str:
+    return next((port.get_name() for port in ports if not is_default(port.get_name())), "")

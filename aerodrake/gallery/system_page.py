@@ -6,22 +6,19 @@ the equations are those that its module imports.
 
 import inspect
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 
 from pydrake.systems.framework import Diagram, DiscreteStateIndex, InputPort, OutputPort, System
 
 from aerodrake.coordinator import make_coordinator
 from aerodrake.gallery.docstring import Docstring
-from aerodrake.gallery.graph import (
-    Port,
-    input_ports,
-    output_ports,
-    size,
-    systems_by_name,
-    to_mermaid,
-)
-from aerodrake.station import make_closed_loop, make_station
+from aerodrake.gallery.drake_systems import BY_NAME, description, port_description
+from aerodrake.gallery.graph import all_systems, graph_of, label
+from aerodrake.gallery.mermaid import to_mermaid
+from aerodrake.gallery.ports import Port, input_ports, opens, output_ports, size
+from aerodrake.station import leaf_systems, make_closed_loop, make_station
 from aerodrake.systems.named_state import NamedState
+from aerodrake.wire.remote_coordinator import make_remote_coordinator
 from aerodrake.wiring.guidance import make_guidance
 from aerodrake.wiring.sensors import make_sensors
 from aerodrake.wiring.wind import make_wind
@@ -30,6 +27,7 @@ MAKERS: dict[str, Callable[..., Diagram]] = {
     "closed_loop": make_closed_loop,
     "station": make_station,
     "coordinator": make_coordinator,
+    "remote_coordinator": make_remote_coordinator,
     "guidance": make_guidance,
     "sensors": make_sensors,
     "wind": make_wind,
@@ -39,23 +37,31 @@ MAKERS: dict[str, Callable[..., Diagram]] = {
 EQUATIONS = "aerodrake.model."
 
 
-def system_page(name: str, system: System, depth: int) -> str:
-    """Returns Markdown with the title `name`: kind, graph, ports, state, rate and equations.
+def system_page(name: str, system: System, depth: int, pages: Collection[str] = ()) -> str:
+    """Returns Markdown with the title `name`: kind, graphs, ports, state, rate and equations.
 
-    `system` and `depth` are those of `to_mermaid`.
+    Args:
+        name: Title, and stem of the names of its files.
+        system: Diagram or leaf system.
+        depth: As for `graph_of`.
+        pages: Names with a page in the same folder, for links.
     """
     maker = MAKERS.get(name) if isinstance(system, Diagram) else None
     docstring = Docstring.of(maker or (type(system) if _is_ours(system) else None))
+    if not maker and not _is_ours(system):
+        docstring = description(system)
     blocks = [
         f"# {name}",
         f"*{_kind(system, maker)}*",
         docstring.text,
+        f"![N-squared chart of {name}]({name}_n2.svg)" if opens(system, depth) else "",
         f"```mermaid\n{to_mermaid(system, depth).rstrip()}\n```",
         *_ports("Inputs", system),
         *_ports("Outputs", system),
         *_state(system, docstring),
         *_rate(system, docstring),
-        *_parts(system),
+        *_parts(system, pages),
+        *_connections(system),
         *_wiring(maker),
         *_equations(system),
     ]
@@ -67,8 +73,9 @@ def _kind(system: System, maker: Callable[..., Diagram] | None) -> str:
         return f"A diagram of {_place(maker)}."
     if _is_ours(system):
         return f"A LeafSystem of {_place(type(system))}."
-    kind = type(system)
-    return f"{kind.__name__} of {kind.__module__}: see Drake's documentation."
+    kind, function = type(system), BY_NAME.get(system.get_name())
+    made = f", made by {_place(function)}" if inspect.isfunction(function) else ""
+    return f"{kind.__name__} of {kind.__module__}{made}: see Drake's documentation."
 
 
 def _place(thing: type | Callable[..., object]) -> str:
@@ -126,6 +133,8 @@ def _ends(port: Port) -> list[Port]:
 def _meaning(port: Port) -> str:
     """Returns the meaning of a port from the docstring of its system's class or a base class."""
     key = ("in" if isinstance(port, InputPort) else "out", port.get_name())
+    if not _is_ours(port.get_system()):
+        return port_description(port.get_system(), *key)
     for kind in type(port.get_system()).__mro__:
         if "Ports" in (docstring := Docstring.of(kind)).sections and key in docstring.ports:
             return docstring.ports[key]
@@ -137,7 +146,7 @@ def _state(system: System, docstring: Docstring) -> Iterator[str]:
         return  # Its parts have pages of their own.
     context, names = system.CreateDefaultContext(), _group_names(system)
     groups = [
-        (f"`{names.get(i, i)}`", str(context.get_discrete_state(i).size()))
+        (f"`{names.get(i, 'x')}`", str(context.get_discrete_state(i).size()))
         for i in range(context.num_discrete_state_groups())
     ]
     text = docstring.sections.get("State", docstring.sections.get("State, rate", ""))
@@ -171,9 +180,9 @@ def _group_names(system: System) -> dict[int, str]:
 def _rate(system: System, docstring: Docstring) -> Iterator[str]:
     if isinstance(system, Diagram):
         rows = [
-            (f"`{name}`", *_period(part))
-            for name, part in systems_by_name(system).items()
-            if not isinstance(part, Diagram) and any(_period(part))
+            (f"`{label(part)}`", *_period(part))
+            for part in leaf_systems(system)
+            if any(_period(part))
         ]
         if rows:
             yield "## Rates"
@@ -198,11 +207,29 @@ def _period(system: System) -> tuple[str, str]:
     return f"{1e3 * attribute.period_sec():g} ms", f"{1e3 * offset:g} ms" if offset else ""
 
 
-def _parts(system: System) -> Iterator[str]:
+def _parts(system: System, pages: Collection[str]) -> Iterator[str]:
+    """Yields the names of the systems in a diagram, those of diagrams before those in them."""
     if isinstance(system, Diagram):
-        names = [name for name in systems_by_name(system) if name != system.get_name()]
         yield "## Parts"
-        yield ", ".join(f"[{name}]({name}.md)" for name in names)
+        names = [label(inner) for inner in all_systems(system)][1:]
+        yield ", ".join(f"[{name}]({name}.md)" if name in pages else f"`{name}`" for name in names)
+
+
+def _connections(system: System) -> Iterator[str]:
+    """Yields the connections between the systems of a diagram, in signal order."""
+    if not isinstance(system, Diagram):
+        return
+    order = [box.label for box in graph_of(system, 1).boxes]
+    rows = [
+        (label(source), source.get_output_port(o).get_name())
+        + (label(target), target.get_input_port(i).get_name())
+        for (target, i), (source, o) in system.connection_map().items()
+    ]
+    rows.sort(key=lambda row: (order.index(row[0]), order.index(row[2]), row[1], row[3]))
+    if rows:
+        yield "## Connections"
+        titles = ("from", "output", "to", "input")
+        yield _table(titles, [tuple(f"`{name}`" for name in row) for row in rows])
 
 
 def _wiring(maker: Callable[..., Diagram] | None) -> Iterator[str]:

@@ -8,7 +8,13 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from pydrake.systems.framework import Diagram
 
-from aerodrake.reports.loop_chart import loop_chart
+from aerodrake.gallery.n2_chart import n2_svg
+
+CHART_DEPTH = 2
+"""Levels of diagrams in the chart: the systems of station and coordinator."""
+
+RECORDERS = ("samples", "log")
+"""Systems of a flight beside station and coordinator, which the chart leaves out."""
 
 
 def render(template: str, closed_loop: Diagram, replay: str, **content: Any) -> str:
@@ -28,7 +34,7 @@ def render(template: str, closed_loop: Diagram, replay: str, **content: Any) -> 
         lstrip_blocks=True,
     )
     return environment.get_template(template).render(
-        chart=loop_chart(closed_loop),
+        chart=n2_svg(closed_loop, CHART_DEPTH, RECORDERS),
         replay=_packed(replay) if replay else "",
         version=version("aerodrake"),
         **content,

@@ -13,12 +13,16 @@ class ClikSystem(KinematicController):
     """Weighted closed-loop inverse kinematics (CLIK), a baseline for the MPC.
 
     Ports:
-        those of `KinematicController`. `prediction` extrapolates at the commanded
-        velocity; `status` is UNCONSTRAINED, SOLVED if u was clipped, or NON_FINITE if it
-        was NaN or infinite, with 0 iterations. `plan` (2 (3 + n)) is u at the last tick and
-        at the next one.
-    State, rate:
-        those of `KinematicController`.
+        those of `KinematicController`, of which
+        out `prediction` (3 (N + 1)): m, p_E now and at each stage at the commanded velocity.
+        out `status` (3): `TickStatus`: UNCONSTRAINED, SOLVED if u was clipped, or NON_FINITE if
+            it was NaN or infinite; 0 iterations; and ticks since the last finite u.
+        out `plan` (2 (3 + n)): m/s^2 and rad/s^2, u at the last tick, which is also that of the
+            next one.
+    State:
+        `u`, `prediction`, `status`, `weights` and `delta`, of the last tick.
+    Rate:
+        period of the equivalent model, `rates.mpc_period_s` of a scenario.
 
     If u is NaN or infinite, zero acceleration is commanded.
 

@@ -34,8 +34,8 @@ class EquivalentState(LeafSystem):
         in `external_acceleration` (3): m/s^2, of the sensors.
         in `disturbance` (6): of the flight controller, m/s^2 first.
         in `specific_thrust` (1): m/s^2, of the flight controller.
-        out `x_0` (nx). It is direct feedthrough, so that systems that sample it at a tick
-            have no delay; between ticks it has no meaning.
+        out `x_0` (nx): state of the equivalent model at a tick. Direct feedthrough, so that
+            systems that sample it at a tick have no delay; between ticks it has no meaning.
     State:
         groups of a `LastTick`.
     Rate:

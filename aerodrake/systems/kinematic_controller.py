@@ -37,17 +37,19 @@ class KinematicController(LeafSystem):
         in `state` (13 + 2 n): measured state.
         in `x_0` (nx): state of the equivalent model.
         in `end_effector` (abstract): `EndEffector` at the measured state.
-        in `base_setpoint` (9), `joint_setpoint` (3 n): current setpoints.
-        in `horizon` (6 (N + 1)): p_Ed, p_Ed' now and at each stage.
-        in `weights` (5): `AllocatedWeights`.
+        in `base_setpoint` (9): current p_d, v_d, a_d in m, m/s, m/s^2, world frame.
+        in `joint_setpoint` (3 n): current q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
+        in `horizon` (6 (N + 1)): p_Ed, p_Ed' in m, m/s, now and at each stage.
+        in `weights` (5): `AllocatedWeights`: gamma, the mode, and w_q, w_m, w_d.
         in `delta` (3): residual of the model: a velocity in m/s in the models with K_B alone, an
             acceleration in m/s^2 in the flight model.
         out `u` (3 + n): m/s^2 and rad/s^2, accelerations of the setpoints.
         out `prediction` (3 (N + 1)): m, p_E now and predicted at each stage.
-        out `status` (3): `TickStatus`.
-        out `weights` (5), `delta` (3): inputs of the last tick.
-        out `plan` (P (3 + n)): u at the last tick and at the next ticks, as far as it is
-            planned.
+        out `status` (3): `TickStatus`: result, iterations, and ticks since the last solution.
+        out `weights` (5): the input `weights` at the last tick.
+        out `delta` (3): the input `delta` at the last tick.
+        out `plan` (P (3 + n)): m/s^2 and rad/s^2, u at the last tick and at the next ticks, as far
+            as it is planned.
     State:
         `u`, `prediction`, `status`, `weights` and `delta`, of the last tick.
     Rate:

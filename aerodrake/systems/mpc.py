@@ -36,9 +36,9 @@ class MpcSystem(KinematicController):
     Ports:
         those of `KinematicController`, and
         in `pointing` (abstract): `Pointing`; unconnected without an orientation task.
+        out `plan` (T (3 + n)): m/s^2 and rad/s^2, planned inputs at the T ticks of the horizon.
     State:
-        that of `KinematicController`, and `plan` (T (3 + n), m/s^2 and rad/s^2, planned inputs
-        at the T ticks of the horizon).
+        `u`, `prediction`, `status`, `weights` and `delta`, of the last tick, and `plan`.
     Rate:
         period of the equivalent model, `rates.mpc_period_s` of a scenario, 20 ms by default.
 

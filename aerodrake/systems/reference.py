@@ -14,8 +14,8 @@ class ReferenceSystem(LeafSystem):
 
     Ports:
         out `reference` (6): p_E,d, p_E,d' in m and m/s, now.
-        out `horizon` (6 (N + 1)): the same, now and at each stage of the horizon;
-            row-major (N + 1, 6).
+        out `horizon` (6 (N + 1)): p_E,d, p_E,d' in m and m/s, now and at each stage of the
+            horizon; row-major (N + 1, 6).
         out `d_g` (1): m, diameter of the target trajectory; infinite for a moving target.
     State, rate:
         none; a function of time.

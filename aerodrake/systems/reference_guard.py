@@ -24,10 +24,11 @@ class ReferenceGuard(LeafSystem):
 
     Ports:
         in `horizon` (6 (N + 1)): p_Ed, p_Ed' in m and m/s, now and at each stage.
-        out `horizon` (6 (N + 1)): the same, always finite and within the envelope. Direct
-            feedthrough, so that a tick samples the present request. A refused reference rests
-            at the position that was passed on at the last tick.
-        out `reference` (6): the same, now.
+        out `horizon` (6 (N + 1)): p_Ed, p_Ed' in m and m/s, now and at each stage, always finite
+            and within the envelope. Direct feedthrough, so that a tick samples the present
+            request. A refused reference rests at the position that was passed on at the last
+            tick.
+        out `reference` (6): p_Ed, p_Ed' in m and m/s, now, always finite and within the envelope.
         out `reference_verdict` (1): a `ReferenceVerdict` on the reference at the last tick.
     State:
         the fields of `GuardState`, a group each.

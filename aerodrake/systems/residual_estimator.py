@@ -65,7 +65,7 @@ class ResidualEstimator(LeafSystem):
             between ticks.
         out `prediction_error` (3): m/s, predicted minus measured velocity of the base, for the
             last completed sample, learned or not; zero before the first.
-        out `nominal_prediction_error` (3): m/s, likewise of the model without Delta.
+        out `nominal_prediction_error` (3): m/s, `prediction_error` of the model without Delta.
         out `learner_health` (2): `GateCause` for which the learned layer, in the mode `offline`
             the offline layer, is gated off, and time since then in s; `OK` and 0 while it is used.
         out `delta_source` (1): `DeltaSource`, the layer whose Delta is used.

@@ -52,6 +52,11 @@ def make_rotors(
 def make_propellers(rotor: Rotor, rotors: Rotors, base: BodyIndex) -> Propeller:
     """Makes the propellers, which apply thrusts (k) N and their drag torques to the base.
 
+    Ports:
+        in `command` (k): N, thrusts.
+        in `body_poses` (abstract): pose of each body in the world, of the plant.
+        out `spatial_forces` (abstract): force and torque of each rotor on the base, in the world.
+
     Args:
         rotor: Ratio of drag torque to thrust.
         rotors: Positions and directions of rotation.

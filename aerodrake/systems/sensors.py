@@ -21,7 +21,7 @@ class SensorSystem(LeafSystem):
 
     Ports:
         in `true_state` (13 + 2 n): the plant's state; its arm is sampled.
-        in `late_state` (13 + 2 n): the same, possibly delayed; its base is sampled.
+        in `late_state` (13 + 2 n): the plant's state, possibly delayed; its base is sampled.
         in `noise` (12 + n): standard normal draws, new at each sample.
         out `state` (13 + 2 n): the last sample.
         out `stamps` (3): s, when position, attitude and joints were sampled, without the delay.

@@ -41,8 +41,8 @@ class SetpointIntegrator(LeafSystem):
         in `mode` (1): a `SafeMode`, sampled at each tick.
         in `followed` (3 (3 + n) + 1): the `Segment` that the vehicle follows, if another
             integrator decides it; unconnected otherwise.
-        out `base_setpoint` (9): p_d, v_d, a_d.
-        out `joint_setpoint` (3 n): q_d, q_d', q_d''.
+        out `base_setpoint` (9): p_d, v_d, a_d in m, m/s, m/s^2, world frame.
+        out `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
         out `segment` (3 (3 + n) + 1): the `Segment` until the next tick.
     State:
         groups of a `SetpointState`.

@@ -46,12 +46,23 @@ class WireReceiver(LeafSystem):
     Ports:
         out `u` (3 + n): m/s^2 and rad/s^2, current accelerations of the setpoints; zero after
             the end of the plan.
-        out `status` (3): as received; before the reply to the last tick, MISSED, 0 iterations,
-            and the number of ticks since the last program was solved.
-        out `reference` (6), `tool_axis_d` (3) with an orientation task: the horizons of the last
-            message, interpolated by cubic Hermite splines at the current time. Before the first
-            message those of a hover in trim.
-        out: the others of the last accepted message except `INTERNAL`; zero before the first.
+        out `status` (3): `TickStatus` as received; before the reply to the last tick, MISSED,
+            0 iterations, and the number of ticks since the last program was solved.
+        out `reference` (6): p_Ed, p_Ed' in m and m/s, from the horizon of the last message,
+            interpolated by cubic Hermite splines at the current time; before the first message
+            that of a hover in trim.
+        out `tool_axis_d` (3): desired direction of the tool's axis, interpolated likewise from
+            its horizon; only with an orientation task.
+        out `prediction` (3 (N + 1)): m, p_E predicted by the MPC in the last message.
+        out `weights` (5): `AllocatedWeights` in the last message.
+        out `delta` (3): residual of the equivalent model in the last message.
+        out `prediction_error` (3): m/s, error of the residual estimator in the last message.
+        out `nominal_prediction_error` (3): m/s, that without Delta, in the last message.
+        out `reference_verdict` (1): `ReferenceVerdict` in the last message.
+        out `learner_health` (2): `GateCause` and s since then, in the last message.
+        out `delta_source` (1): `DeltaSource` in the last message.
+        out `stable_learning_rate` (1): bound of the learning rate in the last message.
+        Those of the last accepted message are zero before the first.
     State:
         the signals of the last accepted message, one group each; `ticks_since_reply`, the number
         of ticks since the one it replies to; `has_reply`, 1 if that is the last tick.

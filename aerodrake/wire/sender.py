@@ -9,7 +9,15 @@ class WireSender(LeafSystem):
     """Publishes its inputs over the link.
 
     Ports:
-        in: the signals of the link's outgoing messages, by name.
+        in `state` (13 + 2 n): measured state.
+        in `sample_health` (6): s since the last accepted sample of each group, and the verdicts.
+        in `external_acceleration` (3): m/s^2 in the world, of the state filter.
+        in `specific_thrust` (1): m/s^2, of the flight controller.
+        in `disturbance` (6): estimated disturbance, of the flight controller.
+        in `saturated` (1): 1 while the flight controller is saturated.
+        in `rotor_effectiveness` (k): fraction of its thrust that each rotor gives.
+        in `followed` (3 (3 + n) + 1): the `Segment` that the setpoint integrator follows.
+        They are the signals of the link's outgoing messages.
     State:
         none.
     Rate:

@@ -1,16 +1,15 @@
 """Files of pages and graphs: complete, and the committed ones up to date."""
 
+import re
 import shutil
 from pathlib import Path
 
 import pytest
+from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Gain
 
 from aerodrake.gallery import export as gallery
-from aerodrake.gallery.docstring import Docstring
-from aerodrake.gallery.export import export, graph
-from aerodrake.gallery.graph import to_dot, to_mermaid
-from aerodrake.gallery.system_page import system_page
+from aerodrake.gallery.export import export, graph, texts
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_closed_loop
 from aerodrake.support.errors import BadInput
@@ -20,8 +19,8 @@ GRAPHS = Path(__file__).parents[2] / "diagrams" / "graphs"
 REDRAW = "aerodrake graph --out diagrams/graphs"
 DEPTH = 2
 """Depth of the committed graphs, and default of the command."""
-SUFFIXES = ("md", "dot", "mmd")
-"""Suffixes of the files with Graphviz and without it."""
+SUFFIXES = (".md", ".dot", ".mmd")
+"""Ends of the files' names, with Graphviz and without it."""
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +43,9 @@ def systems():
         ("KinematicsSystem", "kinematics"),
         ("FlightController", "flight_controller"),
         ("sample_nan", "sample_nan_0"),
+        ("mpc_fault", "faulty_mpc"),
+        ("WireReceiver", "receiver"),
+        ("remote coordinator", "remote_coordinator"),
     ],
 )
 def test_unknown_name(given, suggested, tmp_path, monkeypatch, systems):
@@ -70,7 +72,8 @@ def test_arguments_of_the_wrong_kind(arguments, expected, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("names", "loops"), [(["mpc"], 1), (["mpc", "pointing"], 2), (["clik"], 3), (["staton"], 3)]
+    ("names", "loops"),
+    [(["mpc"], 1), (["mpc", "pointing"], 2), (["clik"], 3), (["receiver"], 3), (["staton"], 3)],
 )
 def test_no_more_is_built_than_needed(names, loops, monkeypatch):
     built = []
@@ -94,9 +97,51 @@ def test_folder_that_cannot_be_written(tmp_path):
 def test_export_without_graphviz(systems, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     written = graph([systems["station"], systems["mpc"]], str(tmp_path / "a" / "b"), DEPTH)
-    expected = [f"{name}.{suffix}" for name in ("station", "mpc") for suffix in SUFFIXES]
-    assert [path.name for path in written] == expected
+    expected = [f"station{suffix}" for suffix in (*SUFFIXES, "_n2.svg")]
+    assert [path.name for path in written] == expected + [f"mpc{suffix}" for suffix in SUFFIXES]
     assert sorted(written) == sorted((tmp_path / "a" / "b").iterdir())
+
+
+@pytest.mark.parametrize(
+    "names", [None, "mpc", "station", ["coordinator", "guidance"], ["remote_coordinator"]]
+)
+def test_links_lead_to_what_was_written(names, systems, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(gallery, "gallery", lambda names=(): systems)
+    files = {path.name for path in graph(names, tmp_path / "out")}
+    links = [
+        link
+        for page in (tmp_path / "out").glob("*.md")
+        for link in re.findall(r"\]\(([^)]*)\)", page.read_text(encoding="utf-8"))
+    ]
+    assert set(links) <= files
+    assert bool(links) == (names != "mpc")
+    if names is None:
+        assert {f"{name}.md" for name in systems} == {f for f in files if f.endswith(".md")}
+        assert set(links) > {"wind_force.md", "receiver.md", "closed_loop_n2.svg"}
+
+
+@pytest.mark.parametrize(("name", "file"), [("", "Gain"), ("my gain", "my_gain"), ("a/b", "a_b")])
+def test_a_users_own_system_by_any_name(name, file, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    own = Gain(2.0, 1)
+    own.set_name(name)
+    assert {path.stem for path in graph(own, tmp_path)} == {file}
+
+
+def test_a_users_own_diagram(tmp_path, monkeypatch):
+    """It has no name, as diagrams usually, and its systems have names that no word is."""
+    monkeypatch.setenv("PATH", str(tmp_path))
+    builder = DiagramBuilder()
+    first, second = (builder.AddNamedSystem(name, Gain(2.0, 1)) for name in ("a b", "c"))
+    builder.AddSystem(Gain(1.0, 1))
+    builder.Connect(first.get_output_port(), second.get_input_port())
+    diagram = builder.Build()
+    written = graph(diagram, tmp_path)
+    assert [path.name for path in written] == [f"Diagram{s}" for s in (*SUFFIXES, "_n2.svg")]
+    assert "| `a b` | `y0` | `c` | `u0` |" in written[0].read_text()
+    with pytest.raises(BadInput, match="graph: expected systems with different names"):
+        graph([diagram, diagram], tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -116,7 +161,7 @@ def test_export_with_a_graphviz_that_works_fails_or_hangs(script, drawings, tmp_
     small = Gain(2.0, 1)
     small.set_name("small")
     written = export("small", small, tmp_path, 1)
-    always = [f"small.{suffix}" for suffix in SUFFIXES]
+    always = [f"small{suffix}" for suffix in SUFFIXES]
     assert [path.name for path in written] == always + drawings
 
 
@@ -131,10 +176,8 @@ def test_graphviz_reads_what_is_written(closed_loop, tmp_path):
 def test_committed_pages_and_graphs_are_up_to_date(systems):
     expected = {}
     for name, system in systems.items():
-        expected[f"{name}.md"] = system_page(name, system, DEPTH)
-        expected[f"{name}.dot"] = to_dot(system, DEPTH)
-        expected[f"{name}.mmd"] = to_mermaid(system, DEPTH)
-    paths = [path for suffix in SUFFIXES for path in GRAPHS.glob(f"*.{suffix}")]
+        expected |= texts(name, system, DEPTH, systems)
+    paths = [path for suffix in (*SUFFIXES, "_n2.svg") for path in GRAPHS.glob(f"*{suffix}")]
     committed = {path.name: path.read_text(encoding="utf-8") for path in paths}
     names = sorted(expected | committed)
     stale = [name for name in names if expected.get(name) != committed.get(name)]
@@ -142,24 +185,5 @@ def test_committed_pages_and_graphs_are_up_to_date(systems):
 
 
 def test_every_system_of_ours_has_a_page(systems):
-    """Except those of the link between two processes, which no scenario has."""
     kinds = {type(system).__name__ for system in systems.values()}
-    ours = {kind.__name__ for kind in SYSTEMS}
-    abstract = {"KinematicController"}
-    # Named as the systems that they replace.
-    faulty = {"FaultyMpc", "FaultyResidualEstimator"}
-    assert ours - kinds == {"WireReceiver", "WireSender"} | abstract | faulty
-
-
-def test_every_port_of_a_system_is_documented(systems):
-    ours = [system for system in systems.values() if type(system) in SYSTEMS]
-    assert len(ours) > 15
-    for system in ours:
-        documented = {key for kind in type(system).__mro__ for key in Docstring.of(kind).ports}
-        ports = {
-            ("in", system.get_input_port(i).get_name()) for i in range(system.num_input_ports())
-        }
-        ports |= {
-            ("out", system.get_output_port(i).get_name()) for i in range(system.num_output_ports())
-        }
-        assert ports <= documented, type(system).__name__
+    assert {kind.__name__ for kind in SYSTEMS} - kinds == {"KinematicController"}  # A base class.

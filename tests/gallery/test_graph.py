@@ -1,12 +1,13 @@
-"""Graphs: deterministic and complete."""
-
-import re
+"""Drawings: complete, deterministic, and in the order of the signals."""
 
 import pytest
-from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.primitives import Adder, ConstantVectorSource, Gain
+from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.primitives import Adder, ConstantVectorSource, Gain, Integrator
 
-from aerodrake.gallery.graph import systems_by_name, to_dot, to_mermaid
+from aerodrake.gallery.dot import to_dot
+from aerodrake.gallery.graph import graph_of, systems_by_name
+from aerodrake.gallery.mermaid import to_mermaid
+from aerodrake.gallery.n2_chart import n2_svg
 from aerodrake.scenario import Scenario
 from aerodrake.station import STATION_INTERFACE, make_closed_loop
 
@@ -37,18 +38,18 @@ def make_small(names=("two", "sum")):
     return diagram
 
 
-def nodes(mermaid):
-    return set(re.findall(r"^ +(?:subgraph )?(\w+)$", mermaid, re.MULTILINE)) - {"end"}
+def labels(graph):
+    return [box.label for box in graph.leaves]
 
 
-def arrows(mermaid):
-    """{(source, target): label}."""
-    matches = re.findall(r'^  (\w+) -->(?:\|"(.*)"\|)? (\w+)$', mermaid, re.MULTILINE)
-    return {(source, target): label for source, label, target in matches}
+def arrows(graph):
+    """{(source, target): signals}."""
+    return {(a.source.label, a.target.label): a.signals for a in graph.arrows}
 
 
-def exported(mermaid):
-    return set(re.findall(r"^  (\w+)\(\[", mermaid, re.MULTILINE))
+def inside(boxes, name):
+    (box,) = (box for box in boxes if box.label == name)
+    return [leaf.label for leaf in box.leaves]
 
 
 def test_every_system_has_its_name(closed_loop, systems):
@@ -77,105 +78,119 @@ def test_shared_and_missing_names_are_refused(names, problem):
         systems_by_name(make_small(names))
 
 
-def test_two_builds_give_the_same_bytes(systems):
+@pytest.mark.parametrize("draw", [to_dot, to_mermaid, n2_svg])
+def test_two_builds_give_the_same_bytes(systems, draw):
     again = systems_by_name(make_closed_loop(Scenario()))
     for name, system in systems.items():
-        assert to_dot(system, DEPTH) == to_dot(again[name], DEPTH), name
-        assert to_mermaid(system, DEPTH) == to_mermaid(again[name], DEPTH), name
+        assert draw(system, DEPTH) == draw(again[name], DEPTH), name
 
 
-def test_dot_renumbers_ids_and_nothing_else():
-    builder = DiagramBuilder()
-    builder.AddNamedSystem("s7", Gain(1.0, 1))
-    diagram = builder.Build()
-    diagram.set_name("cluster7diagram")
-    text = to_dot(diagram, 1)
-    assert "name=s7\n" in text and "name=cluster7diagram\n" in text
-    assert text.startswith("digraph _1 {") and "\ns2 [" in text
+def test_signal_order(closed_loop):
+    graph = graph_of(closed_loop, DEPTH)
+    assert inside(graph.boxes, "station") == [
+        *("flight_controller", "rotors", "propellers", "arm_controller", "plant", "scene_graph"),
+        *("wind", "sensors", "rotor_monitor"),
+    ]
+    assert inside(graph.boxes, "coordinator") == [
+        *("guidance", "kinematics", "weight_allocator", "equivalent_state", "residual_estimator"),
+        *("mpc", "supervisor", "setpoint_integrator"),
+    ]
+    back = {(a.source.label, a.target.label) for a in graph.arrows if a.is_feedback}
+    setpoints = ["flight_controller", "arm_controller", "sensors"]
+    models = ["equivalent_state", "residual_estimator", "mpc"]
+    assert back == {
+        *(("setpoint_integrator", target) for target in setpoints + models),
+        *(("sensors", target) for target in ("flight_controller", "arm_controller")),
+        *(("plant", "propellers"), ("scene_graph", "plant"), ("wind", "plant")),
+    }
 
 
-@pytest.mark.parametrize("depth", [0, 1, 2])
-def test_dot_is_valid(systems, depth):
-    for name, system in systems.items():
-        text = to_dot(system, depth)
-        ports, node = set(), ""
-        for line in text.splitlines():
-            if declared := re.match(r"(s\d+(?:in|out)?) \[", line):
-                node = declared[1]
-            ports |= {(node, port) for port in re.findall(r'PORT="(\w+)"', line)}
-        ends = re.findall(r"(s\d+(?:in|out)?):(\w+):[ew]", text)
-        assert len(ends) == 2 * text.count(" -> ")
-        assert set(ends) <= ports, name
-        assert text.count("{") == text.count("}")
-        assert not re.search(r"0x|[0-9a-f]{12}", text), "an address"
-
-
-def test_mermaid_draws_every_system(closed_loop, systems):
-    assert nodes(to_mermaid(closed_loop, DEPTH + 1)) == set(systems) - {"closed_loop"}
+@pytest.mark.parametrize("depth", [1, 2, 3])
+def test_rows_follow_the_signals(systems, depth):
+    """Forward arrows lead downwards, no arrow within a row, and the station is above."""
+    for system in systems.values():
+        graph = graph_of(system, depth)
+        place = {box.id: i for i, box in enumerate(graph.leaves)}
+        assert len(place) == len(graph.leaves)
+        for arrow in graph.arrows:
+            is_back = place[arrow.target.id] < place[arrow.source.id]
+            assert arrow.is_feedback == is_back
+            assert arrow.source.rank != arrow.target.rank
+    if depth > 1:
+        station, coordinator = graph_of(systems["closed_loop"], depth).boxes
+        lowest = max(leaf.rank for leaf in station.leaves)
+        assert lowest < min(leaf.rank for leaf in coordinator.leaves)
 
 
 @pytest.mark.parametrize("name", ["station", "coordinator"])
-def test_mermaid_draws_every_connection(systems, name):
+def test_every_connection_is_drawn(systems, name):
     diagram = systems[name]
-    for inside, depth in ((diagram, 1), (systems["closed_loop"], DEPTH)):
-        drawn = arrows(to_mermaid(inside, depth))
+    for whole, depth in ((diagram, 1), (systems["closed_loop"], DEPTH)):
+        drawn = arrows(graph_of(whole, depth))
         for (target, i), (source, o) in diagram.connection_map().items():
-            label = drawn[source.get_name(), target.get_name()]
-            for port in (source.get_output_port(o), target.get_input_port(i)):
-                default = re.fullmatch(r"[uy]\d+", port.get_name())
-                assert default or port.get_name() in re.split(" → |<br/>", label)
+            ports = source.get_output_port(o), target.get_input_port(i)
+            assert {port.get_name() for port in ports} & set(
+                drawn[source.get_name(), target.get_name()]
+            )
 
 
-def test_mermaid_follows_signals_into_and_out_of_diagrams(closed_loop):
-    drawn = arrows(to_mermaid(closed_loop, DEPTH))
+def test_signals_are_followed_into_and_out_of_diagrams(closed_loop):
+    drawn = arrows(graph_of(closed_loop, DEPTH))
     for consumer in ("kinematics", "mpc", "residual_estimator", "flight_controller"):
-        assert drawn["sensors", consumer] == "state"
-    assert drawn["setpoint_integrator", "arm_controller"] == "joint_setpoint"
+        assert drawn["sensors", consumer] == ("state",)
+    assert drawn["setpoint_integrator", "arm_controller"] == ("joint_setpoint",)
     for consumer in ("flight_controller", "equivalent_state", "mpc"):
-        assert drawn["setpoint_integrator", consumer] == "base_setpoint<br/>joint_setpoint"
-    assert drawn["plant", "sensors"] == "state → true_state"
-    opened = arrows(to_mermaid(closed_loop, DEPTH + 1))
-    assert (
-        drawn["wind", "plant"]
-        == opened["wind_force", "plant"]
-        == ("generalized_force → applied_generalized_force")
-    )
-    assert drawn["plant", "wind"] == opened["plant", "wind_force"] == "state → true_state"
+        assert drawn["setpoint_integrator", consumer] == ("base_setpoint", "joint_setpoint")
+    opened = arrows(graph_of(closed_loop, DEPTH + 1))
+    force, state = ("generalized_force",), ("state",)
+    assert drawn["wind", "plant"] == opened["wind_force", "plant"] == force
+    assert drawn["plant", "wind"] == opened["plant", "wind_force"] == state
 
 
-def test_mermaid_depth(closed_loop):
-    assert nodes(to_mermaid(closed_loop, 0)) == {"closed_loop"}
-    shallow = to_mermaid(closed_loop, 1)
-    assert nodes(shallow) == {"station", "coordinator"}
+def test_depth(closed_loop, systems):
+    closed = [box.label for box in graph_of(closed_loop, 0).leaves if box.system is not None]
+    assert closed == ["closed_loop"]
+    shallow = graph_of(closed_loop, 1)
+    assert labels(shallow) == ["station", "coordinator"]
     assert arrows(shallow) == {
-        ("station", "coordinator"): "<br/>".join(sorted(STATION_INTERFACE)),
-        ("coordinator", "station"): "base_setpoint<br/>joint_setpoint",
+        ("station", "coordinator"): tuple(sorted(STATION_INTERFACE)),
+        ("coordinator", "station"): ("base_setpoint", "joint_setpoint"),
     }
-    assert to_mermaid(closed_loop, 9) == to_mermaid(closed_loop, DEPTH + 1)
+    leaves = {name for name, system in systems.items() if not isinstance(system, Diagram)}
+    assert set(labels(graph_of(closed_loop, DEPTH + 1))) == leaves
+    assert graph_of(closed_loop, 9) == graph_of(closed_loop, DEPTH + 1)
 
 
-def test_mermaid_exported_ports(closed_loop, systems):
-    assert not exported(to_mermaid(closed_loop, DEPTH)), "outputs of a closed loop are left out"
-    for name in ("coordinator", "mpc", "reference"):
-        system = systems[name]
-        inputs = map(system.get_input_port, range(system.num_input_ports()))
-        outputs = map(system.get_output_port, range(system.num_output_ports()))
-        names = [f"in_{port.get_name()}" for port in inputs]
-        names += [f"out_{port.get_name()}" for port in outputs]
-        assert exported(to_mermaid(system, DEPTH)) == set(names)
-    assert '(["end_effector (abstract)"])' in to_mermaid(systems["mpc"], 0)
-    assert "WorldModelInstance" not in to_mermaid(systems["plant"], 0), "ports of size zero"
+def test_some_systems_are_left_out(closed_loop):
+    graph = graph_of(closed_loop, DEPTH, without=["coordinator"])
+    assert [box.label for box in graph.boxes] == ["station"]
+    assert all({a.source, a.target} <= set(graph.leaves) for a in graph.arrows)
 
 
-def test_mermaid_text():
-    expected = """\
-flowchart TB
-  in_offset(["offset (1)"])
-  two
-  sum
-  out_total(["total (1)"])
-  in_offset --> sum
-  two --> sum
-  sum -->|"sum"| out_total
-"""
-    assert to_mermaid(make_small(), 1) == expected
+def test_ports_of_the_drawn_system(systems):
+    graph = graph_of(systems["mpc"], DEPTH)
+    ports = [box.label for box in graph.leaves if box.system is None]
+    assert "end_effector (abstract)" in ports and "u (9)" in ports
+    assert len(ports) == systems["mpc"].num_input_ports() + systems["mpc"].num_output_ports()
+    assert not any("WorldModelInstance" in box.label for box in graph_of(systems["plant"], 0).boxes)
+    drawn = arrows(graph_of(systems["coordinator"], 1))
+    assert drawn["inputs", "mpc"] == ("state",)
+    assert drawn["mpc", "outputs"] == ("delta", "plan", "prediction", "status", "u", "weights")
+    assert "outputs" not in labels(graph_of(systems["closed_loop"], 1)), "it has no inputs"
+
+
+def test_names_and_labels_of_a_users_own_diagram():
+    """Unnamed systems, a loop of a system with itself, and names that only their diagram has."""
+    builder = DiagramBuilder()
+    integrator = builder.AddSystem(Integrator(1))
+    builder.Connect(integrator.get_output_port(), integrator.get_input_port())
+    parts = [builder.AddNamedSystem(name, make_small()) for name in ("left", "end")]
+    for part in parts:
+        builder.Connect(integrator.get_output_port(), part.get_input_port())
+    builder.AddNamedSystem("end of it", Gain(1.0, 1))
+    graph = graph_of(builder.Build(), 2)
+    assert inside(graph.boxes, "left") == inside(graph.boxes, "end") == ["two", "sum"]
+    assert {"Integrator", "end of it"} <= set(labels(graph))
+    ids = [box.id for box in graph.leaves]
+    assert len(set(ids)) == len(ids) and "end_of_it" in ids and "two_2" in ids
+    assert ("Integrator", "Integrator") in arrows(graph)

@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 from pydrake.systems.framework import Context, LeafSystem
 
+from aerodrake.gallery.export import gallery
 from aerodrake.gallery.graph import systems_by_name
+from aerodrake.gallery.ports import input_ports, output_ports
 from aerodrake.gallery.system_page import system_page
 from aerodrake.scenario import Scenario
+from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop
+from tests.modules import PACKAGE
 
 SYSTEMS = systems_by_name(make_closed_loop(Scenario()))
 OURS = [name for name, s in SYSTEMS.items() if type(s).__module__.startswith("aerodrake")]
@@ -39,11 +43,34 @@ def test_ports_are_those_of_the_system(name):
         assert all(has[port] == 0 for port, size in shown.items() if size == "abstract")
 
 
-@pytest.mark.parametrize("name", OURS)
-def test_every_port_of_ours_has_a_meaning(name):
-    page = system_page(name, SYSTEMS[name], 1)
-    rows = table(page, "Inputs") + table(page, "Outputs")
-    assert rows and all(row["meaning"] for row in rows)
+@pytest.fixture(scope="module")
+def packaged():
+    """Every system of the package and of the packaged scenarios' diagrams, by name and class."""
+    found = {(name, type(system).__name__): system for name, system in gallery().items()}
+    for path in sorted((PACKAGE / "scenarios").glob("*.yaml")):
+        for name, system in systems_by_name(make_closed_loop(load_scenario(path.stem))).items():
+            found.setdefault((name, type(system).__name__), system)
+    return found
+
+
+def test_every_port_has_a_meaning_of_its_own(packaged):
+    assert len(packaged) > 40
+    for (name, _), system in packaged.items():
+        page = system_page(name, system, 1)
+        rows = table(page, "Inputs") + table(page, "Outputs")
+        ports = input_ports(system) + output_ports(system)
+        assert [row["port"].strip("`") for row in rows] == [port.get_name() for port in ports]
+        for row in rows:
+            assert row["meaning"], f"{name}.{row['port']}"
+            referring = r"^(the same|those|likewise|as (in|of|received)|that of|inputs? of)\b"
+            assert not re.match(referring, row["meaning"]), f"{name}.{row['port']}"
+
+
+def test_pages_do_not_speak_of_subclasses(packaged):
+    for (name, _), system in packaged.items():
+        page = system_page(name, system, 1)
+        text = page.partition("## Equations")[0]
+        assert not re.search(r"subclass|(hose|hat) of `[A-Z][a-z]", text), name
 
 
 @pytest.mark.parametrize("name", OURS)
@@ -85,10 +112,28 @@ def test_rates():
     assert "A discrete update every 5 ms, after 0.5 ms." in page
 
 
-def test_links_lead_to_other_pages():
-    page = system_page("coordinator", SYSTEMS["coordinator"], 2)
-    links = set(re.findall(r"\]\((\w+)\.md\)", page))
-    assert {"mpc", "guidance", "reference"} <= links <= set(SYSTEMS)
+@pytest.mark.parametrize("pages", [(), ("mpc", "reference", "station")])
+def test_links_lead_to_other_pages(pages):
+    page = system_page("coordinator", SYSTEMS["coordinator"], 2, pages)
+    assert set(re.findall(r"\]\((\w+)\.md\)", page)) == {"mpc", "reference"} & set(pages)
+    (parts,) = re.findall(r"## Parts\n\n(.*)", page)
+    assert {"mpc", "guidance", "reference"} <= set(re.findall(r"[`\[](\w+)[`\]]", parts))
+
+
+@pytest.mark.parametrize("name", ["closed_loop", "station", "coordinator", "wind"])
+def test_connections_are_those_of_the_diagram(name):
+    rows = table(system_page(name, SYSTEMS[name], 1), "Connections")
+    assert len(rows) == len(SYSTEMS[name].connection_map())
+    for (target, i), (source, o) in SYSTEMS[name].connection_map().items():
+        ends = (source.get_name(), source.get_output_port(o).get_name())
+        ends += (target.get_name(), target.get_input_port(i).get_name())
+        assert tuple(f"`{end}`" for end in ends) in [tuple(row.values()) for row in rows]
+
+
+def test_drakes_systems_name_their_maker():
+    page = system_page("rotors", SYSTEMS["rotors"], 1)
+    assert "made by `make_rotors` in `aerodrake/systems/rotors.py`" in page
+    assert table(page, "State") == [{"discrete group": "`x`", "size": "4"}]
 
 
 def test_a_users_own_system():

@@ -46,7 +46,7 @@ def make_pushes(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
 
     Ports:
         in `u0` (6 + n): generalized force on the plant's velocities [omega_W, v_B, q'].
-        out `y0` (6 + n): the same plus the pushes, which act at the base's origin and thus
+        out `y0` (6 + n): that force plus the pushes, which act at the base's origin and thus
             on v_B alone.
     """
     pushes = [fault for fault in scenario.faults if isinstance(fault, Push)]

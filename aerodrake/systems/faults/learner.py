@@ -59,8 +59,11 @@ class FaultyResidualEstimator(ResidualEstimator):
 
     Ports:
         those of `ResidualEstimator`.
-    State, rate:
-        those of `ResidualEstimator`.
+    State:
+        discrete groups of `LearnerState`, `PendingPrediction`, `PredictionErrors` and `GateState`,
+        as of `ResidualEstimator`.
+    Rate:
+        the period of the model, from time 0.
 
     Args:
         network, model, config: As for `ResidualEstimator`.

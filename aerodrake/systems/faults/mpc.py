@@ -33,8 +33,10 @@ class FaultyMpc(MpcSystem):
 
     Ports:
         those of `MpcSystem`.
-    State, rate:
-        those of `MpcSystem`.
+    State:
+        `u`, `prediction`, `status`, `weights`, `delta` and `plan`, as of `MpcSystem`.
+    Rate:
+        period of the equivalent model, `rates.mpc_period_s` of a scenario.
 
     Args:
         formulation: Forms the program of each tick.

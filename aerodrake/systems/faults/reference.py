@@ -14,7 +14,7 @@ class ReferenceFaultSystem(LeafSystem):
 
     Ports:
         in `horizon` (6 (N + 1)): p_Ed, p_Ed' in m and m/s, now and at each stage.
-        out `horizon` (6 (N + 1)): the same, with the faults that are active now.
+        out `horizon` (6 (N + 1)): p_Ed, p_Ed' with the faults that are active now.
     State, rate:
         none; feeds through, and is a function of time.
 

@@ -15,7 +15,8 @@ class SampleFaultSystem(LeafSystem):
     Ports:
         in `sample` (13 + 2 n): the last sample.
         in `stamps` (3): s, when its groups were sampled.
-        out `sample` (13 + 2 n), `stamps` (3): as they arrive. They feed through.
+        out `sample` (13 + 2 n): the sample that arrives; it feeds through.
+        out `stamps` (3): s, the time stamps that arrive; they feed through.
     State:
         `state` (13 + 2 n) and `stamps` (3) of the last sample before the fault.
     Rate:
