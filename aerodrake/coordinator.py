@@ -60,7 +60,8 @@ WIRING = Wiring(
     ),
     inputs=(
         *shared_input("state", "kinematics", "equivalent_state", "residual_estimator"),
-        *shared_input("state", "controller", "supervisor"),
+        *shared_input("state", "controller", "supervisor", "setpoint_integrator"),
+        *shared_input("position_offset", "setpoint_integrator"),
         *shared_input("external_acceleration", "equivalent_state"),
         *shared_input("specific_thrust", "equivalent_state", "supervisor"),
         *shared_input("disturbance", "equivalent_state"),
@@ -165,7 +166,7 @@ def make_pointing(scenario: Scenario, vehicle: VehicleModel) -> PointingSystem |
 
 
 def make_setpoint_integrator(scenario: Scenario, vehicle: VehicleModel) -> SetpointIntegrator:
-    """Makes the setpoint integrator, which starts in trim."""
+    """Makes the setpoint integrator, which starts at the measured state."""
     return SetpointIntegrator(
         SetpointLimits.make(scenario.mpc, vehicle),
         SafeMotion.make(scenario.supervisor, vehicle),

@@ -59,6 +59,7 @@ WIRING = Wiring(
         ("flight_controller", "acceleration", "sensors", "acceleration"),
         ("flight_controller", "reaction", "sensors", "reaction"),
         ("sensors", "state", "flight_controller", "state"),
+        ("sensors", "position_offset", "flight_controller", "position_offset"),
         ("sensors", "state", "arm_controller", "state"),
         ("sensors", "sample", "rotor_monitor", "sample"),
         ("sensors", "sample_health", "rotor_monitor", "sample_health"),
@@ -71,6 +72,7 @@ WIRING = Wiring(
     outputs=(
         *outputs("arm_controller", "joint_torque"),
         *outputs("sensors", "sample", "state", "external_acceleration", "sample_health"),
+        *outputs("sensors", "position_offset"),
         *outputs("flight_controller", "thrust_command", "specific_thrust"),
         *outputs("flight_controller", "disturbance", "saturated"),
         *outputs("rotor_monitor", "rotor_effectiveness"),
@@ -81,6 +83,7 @@ WIRING = Wiring(
 STATION_INTERFACE = (
     "state",
     "sample_health",
+    "position_offset",
     "external_acceleration",
     "specific_thrust",
     "disturbance",
@@ -106,8 +109,9 @@ def make_station(
     """Makes the station: plant, rotors, wind, sensors, and flight and arm controllers.
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
-    Outputs: `sample` and its filtered form `state` (13 + 2 n each), `external_acceleration` (3)
-    and `sample_health` (6); `true_state`; `thrust` (k) N and `joint_torque` (n) N m, as they act;
+    Outputs: `sample` and its filtered form `state` (13 + 2 n each), `external_acceleration` (3),
+    `sample_health` (6) and `position_offset` (3); `true_state`; `thrust` (k) N and
+    `joint_torque` (n) N m, as they act;
     `thrust_command` (k) N, `specific_thrust` (1), `disturbance` (6) and `saturated` (1), of the
     flight controller; `rotor_effectiveness` (k); `wind_force` (3) N, in the world;
     `query_object`.

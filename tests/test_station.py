@@ -26,6 +26,7 @@ STATION_OUTPUTS = {
     "sample": STATE,
     "external_acceleration": 3,
     "sample_health": 6,
+    "position_offset": 3,
     "specific_thrust": 1,
     "disturbance": 6,
     "saturated": 1,
@@ -78,7 +79,7 @@ def test_ports(station, closed_loop, scenario):
     assert ports(station) == (SETPOINTS, STATION_OUTPUTS)
     inputs = {"state": STATE, "external_acceleration": 3, "specific_thrust": 1}
     inputs |= {"disturbance": 6, "saturated": 1}
-    inputs |= {"sample_health": 6, "rotor_effectiveness": ROTORS}
+    inputs |= {"sample_health": 6, "position_offset": 3, "rotor_effectiveness": ROTORS}
     # Connected only over a wire.
     inputs |= {"followed": 3 * (3 + JOINTS) + 1}
     assert ports(coordinator) == (inputs, COORDINATOR_OUTPUTS)

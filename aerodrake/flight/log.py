@@ -56,6 +56,7 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "cause": (("supervisor_cause", "1"),),
     "conditions": (("conditions", "c"),),
     "sample_health": (("sample_outage_s", "3"), ("sample_verdict", "3")),
+    "position_offset": (("position_offset_m", "3"),),
     "rotor_effectiveness": (("rotor_effectiveness", "k"),),
     "reference_verdict": (("reference_verdict", "1"),),
     "learner_health": (("learner_cause", "1"), ("learner_gated_s", "1")),

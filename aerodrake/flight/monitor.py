@@ -21,7 +21,8 @@ MONITOR_PERIOD_S = 0.1
 LOST_TILT_RAD = math.radians(60)
 """Tilt of the base beyond which the vehicle is lost."""
 LOST_ERROR_M = 1.0
-"""Distance from the reference, in safe modes from the setpoint, beyond which it is lost."""
+"""Distance from the reference, in safe modes from the setpoint, beyond which it is lost. By as much
+as resets have moved the estimated position, the vehicle may be farther away."""
 
 REFUSALS = (BadInput, OSError, MemoryError)
 """Errors of the machine or of the remote coordinator, which never mean a lost vehicle."""
@@ -47,7 +48,7 @@ class Monitor:
         self._scenario, self._closed_loop, self._context = scenario, closed_loop, context
         self._p_E = p_E
         self._conditions = conditions(scenario.supervisor)
-        self._target = self._eval("reference")[:3]
+        self._target, self._offset = self._eval("reference")[:3], np.zeros(3)
         self._begin_approach(p_E(self._eval("true_state")))
 
     def time(self) -> float:
@@ -84,17 +85,20 @@ class Monitor:
         reference, p_E = self._eval("reference"), self._p_E(x)
         moved = math.dist(reference[:3], self._target)
         self._target = reference[:3]
+        offset = self._eval("position_offset")
         has_jumped = moved > JUMP_M + MONITOR_PERIOD_S * np.linalg.norm(reference[3:])
+        has_jumped |= not np.array_equal(offset, self._offset)
+        self._offset, farthest = offset, LOST_ERROR_M + np.linalg.norm(offset)
         if self._eval("mode")[0] != SafeMode.NOMINAL:
             # Safe modes follow the setpoint, not the reference.
             self._begin_approach(p_E)
             away = math.dist(state.p_B, self._eval("base_setpoint")[:3])
-            return f"base {away:.2f} m from its setpoint {when}" if away > LOST_ERROR_M else ""
+            return f"base {away:.2f} m from its setpoint {when}" if away > farthest else ""
         if has_jumped:
             self._begin_approach(p_E)
         error = math.dist(p_E, self._target)
         self._approached |= error <= self._scenario.allocation.d_h_m
-        if error > (LOST_ERROR_M if self._approached else self._farthest):
+        if error > (farthest if self._approached else self._farthest):
             return f"error of {error:.2f} m {when}"
         return ""
 
@@ -118,7 +122,8 @@ class Monitor:
     def _begin_approach(self, p_E: np.ndarray) -> None:
         """Tolerates the distance to a new target until the end-effector is within d_h of it."""
         self._approached = False
-        self._farthest = LOST_ERROR_M + math.dist(self._target, p_E)
+        resets = np.linalg.norm(self._offset)
+        self._farthest = LOST_ERROR_M + resets + math.dist(self._target, p_E)
 
     def _eval(self, port: str) -> np.ndarray:
         return self._closed_loop.GetOutputPort(port).Eval(self._context).copy()

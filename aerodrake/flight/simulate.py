@@ -29,6 +29,9 @@ from aerodrake.wire.message import Phase
 from aerodrake.wire.remote_coordinator import make_remote_coordinator
 from aerodrake.wiring.replacements import Replacements
 
+MONITORED = ("true_state", "position_offset", "reference", "base_setpoint", "mode", "cause")
+"""Outputs of station and coordinator that the monitor of a flight reads."""
+
 LOG_SAMPLES = 1000
 """Number of samples in memory at which they are moved to a file."""
 
@@ -39,8 +42,7 @@ class FlightSimulation:
     Attributes:
         scenario: The scenario to fly.
         vehicle: Its vehicle.
-        closed_loop: Diagram of station, coordinator and log. Its outputs are `true_state`, and
-            `reference`, `base_setpoint`, `mode` and `cause` of the coordinator.
+        closed_loop: Diagram of station, coordinator and log. Its outputs are `MONITORED`.
 
     Args:
         scenario: The scenario to fly.
@@ -78,7 +80,7 @@ class FlightSimulation:
         self._columns = key_columns(sizes, residual.log_key)
         first = self._columns["p_Bd_m"].start
         self._segment = slice(first, first + sizes["segment"])
-        for name in ("true_state", "reference", "base_setpoint", "mode", "cause"):
+        for name in MONITORED:
             builder.ExportOutput(ports[name], name)
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")

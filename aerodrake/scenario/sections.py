@@ -67,6 +67,10 @@ class Filter(Section):
     # Random-walk intensities of the disturbances of the base's linear and angular acceleration.
     disturbance_m_s3: float = quantity(0.2, "m/s^2/sqrt(s)", 1e-3, 1e3)
     disturbance_rad_s3: float = quantity(3.0, "rad/s^2/sqrt(s)", 1e-3, 1e4)
+    # Jump of the measured position from which the filter starts again, as after a reset of the
+    # estimator that measures it: its largest size, and the time for which it has to last.
+    reset_m: float = quantity(1.0, "m", 0.0, 100.0)
+    reset_after_s: float = quantity(0.8, "s", 0.0, 60.0)
 
 
 @dataclass(frozen=True)

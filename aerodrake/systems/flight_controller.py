@@ -7,7 +7,7 @@ from aerodrake.model.low_level.flight_state import FlightOutputs, FlightState
 from aerodrake.model.low_level.inner_loop import InnerLoop, inner_loop
 from aerodrake.model.low_level.outer_loop import OuterLoop, outer_loop
 from aerodrake.model.low_level.thrust_allocation import allocate
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.model.vehicle.whole_body import WholeBody, commanded_motion, rigid_body_effort
 from aerodrake.scenario import Flight, Rotor
@@ -23,6 +23,8 @@ class FlightController(LeafSystem):
             uses p_d alone.
         in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2. Used by the
             feedforward alone.
+        in `position_offset` (3): m, sum of the resets of the measured position, by which the
+            position observer moves; unconnected without resets.
         out `thrust_command` (k): N, per rotor.
         out `acceleration` (6): modelled acceleration of the base from this command until
             the next, without disturbances: of its origin, m/s^2 in the world, and
@@ -41,8 +43,8 @@ class FlightController(LeafSystem):
     State:
         a group for each field of `FlightState`: position observer (9), attitude
         observer (6), integral of the position error (3), desired attitude (9), its
-        filtered rate (3), modelled rotor thrust (k) and acceleration (6). And a group
-        for each other output.
+        filtered rate (3), modelled rotor thrust (k), acceleration (6) and position offset (3).
+        And a group for each other output. The observers start at the first sample.
     Rate:
         `period`, after `offset`, so that it uses the MPC's command of the same instant.
 
@@ -85,6 +87,7 @@ class FlightController(LeafSystem):
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(vehicle.joints))
         self._setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * vehicle.joints)
+        self._offset = self.DeclareVectorInputPort("position_offset", 3)
         self._loops = NamedState(self, at_rest)
         self._outputs = NamedState(
             self,
@@ -102,7 +105,10 @@ class FlightController(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        last, state = self._loops.read(context), self._state.Eval(context)
+        state, offset = self._state.Eval(context), np.zeros(3)
+        if self._offset.HasValue(context):
+            offset = self._offset.Eval(context)
+        last = self._loops.read(context).aligned(split_state(state), offset, self._inner.lag.dt)
         position = outer_loop(self._outer, last, state, self._setpoint.Eval(context))
         effort = self._effort(context, state, position.a_B)
         loops, outputs = inner_loop(self._inner, last, state, position, effort)

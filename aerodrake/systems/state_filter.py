@@ -26,10 +26,13 @@ class StateFilterSystem(LeafSystem):
             other forces than thrust and gravity, the arm's reaction included.
         out `sample_health` (6): by group, s since the last accepted sample (0 if this one is
             accepted), and the `Verdict`.
+        out `position_offset` (3): m, sum of the steps by which resets have moved the estimated
+            position. Setpoints move by the same steps, so that the vehicle does not.
     State:
         a group for each field of `FilterState`: of the sample check the previous sample,
-        time stamps, accepted values, travel and health; of the estimate disturbance and
-        state; the accelerations since the base's last sample. And the other two outputs.
+        time stamps, accepted values, travel, health and jump; of the estimate disturbance and
+        state; the accelerations since the base's last sample; the position offset. And the
+        other two outputs.
     Rate:
         `state_filter.dt`, by an *unrestricted* update: these run before the discrete updates of
         the same instant, so that a controller that ticks with the sensors sees the new state.
@@ -56,8 +59,8 @@ class StateFilterSystem(LeafSystem):
         self._reaction = self.DeclareVectorInputPort("reaction", 3)
         joints = len(split_state(initial).q)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * joints)
-        at_rest = FilterState.at_rest(state_filter, initial, trim_acceleration)
-        self._state = NamedState(self, at_rest)
+        first = FilterState.before_samples(state_filter, initial, trim_acceleration)
+        self._state = NamedState(self, first)
         self._outputs = {
             "state": self.DeclareDiscreteState(initial),
             "external_acceleration": self.DeclareDiscreteState(3),
@@ -65,6 +68,7 @@ class StateFilterSystem(LeafSystem):
         for name, group in self._outputs.items():
             self.DeclareStateOutputPort(name, group)
         self.DeclareStateOutputPort("sample_health", self._state.groups["check.health"])
+        self.DeclareStateOutputPort("position_offset", self._state.groups["position_offset"])
         self.DeclarePeriodicUnrestrictedUpdateEvent(state_filter.dt, 0.0, self._update)
 
     def _update(self, context: Context, state: State) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, EventStatus, InputPort, LeafSystem
 
+from aerodrake.model.sensing.sample import POSITION
 from aerodrake.model.sensing.sample_check import split_health
 from aerodrake.model.supervision.conditions import (
     Condition,
@@ -84,12 +85,14 @@ class SupervisorSystem(LeafSystem):
         last = self._state.read(context)
         _, _, plan_age = self._status.Eval(context)
         learner_cause, _ = self._value(context, self._learner_health, GATE_OPEN)
+        health = split_health(self._value(context, self._sample_health, HEALTHY))
         status = FlightStatus(
             state=self._vehicle_state.Eval(context),
             mode=last.mode,
             specific_thrust=self._thrust.Eval(context)[0],
             plan_age=plan_age,
-            outage_s=split_health(self._value(context, self._sample_health, HEALTHY)).ages,
+            outage_s=health.ages,
+            position_verdict=health.verdicts[POSITION],
             rotor_effectiveness=self._value(context, self._effectiveness, EFFECTIVE),
             saturated=self._saturated.Eval(context)[0],
             reference_verdict=self._verdict.Eval(context)[0],

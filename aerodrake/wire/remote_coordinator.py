@@ -31,6 +31,9 @@ from aerodrake.wire.receiver import HORIZONS, WireReceiver
 from aerodrake.wire.sender import WireSender
 from aerodrake.wiring.table import Wiring
 
+NOT_SENT = ("position_offset",)
+"""Signals to the coordinator that are in `followed` already."""
+
 OWN = (
     *("base_setpoint", "joint_setpoint", "u", "mode", "cause", "conditions"),
     *(port for port, _ in HORIZONS.values()),
@@ -60,7 +63,8 @@ def make_layouts(coordinator: Diagram, scenario: Scenario) -> tuple[Layout, Layo
         ScenarioError: if a file that the scenario names cannot be read.
     """
     sections = coordinated(scenario)
-    inputs = [coordinator.GetInputPort(name) for name in (*STATION_INTERFACE, "followed")]
+    names = (*(name for name in STATION_INTERFACE if name not in NOT_SENT), "followed")
+    inputs = [coordinator.GetInputPort(name) for name in names]
     outputs = map(coordinator.get_output_port, range(coordinator.num_output_ports()))
     sizes = {p.get_name(): p.size() for p in outputs if p.get_name() not in OWN}
     ticks, axes = scenario.supervisor.plan_ticks + 2, Segment.axes(sizes["segment"])
@@ -113,7 +117,7 @@ def make_remote_coordinator(scenario: Scenario, vehicle: VehicleModel, link: Lin
     inputs = [
         (port, name, port)
         for port in STATION_INTERFACE
-        for name in ("sender", "supervisor")
+        for name in systems
         if systems[name].HasInputPort(port)
     ]
     return Wiring(CONNECTIONS, tuple(inputs), tuple(outputs)).build(builder, "coordinator")

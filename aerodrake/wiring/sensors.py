@@ -30,6 +30,7 @@ WIRING = Wiring(
     outputs=(
         ("sampler", "state", "sample"),
         *outputs("state_filter", "state", "external_acceleration", "sample_health"),
+        *outputs("state_filter", "position_offset"),
     ),
 )
 PROMPT = Wiring(inputs=(("true_state", "sampler", "late_state"),))
@@ -51,18 +52,20 @@ def make_sensors(
 ) -> Diagram:
     """Makes the sensors: samples of the state, and an estimate of the present state.
 
-    By default samples are exact and without delay. A sample is taken a quarter of a plant step
+    By default samples are exact and without delay. The first sample is that of the state in which
+    the simulation starts. A sample is taken a quarter of a plant step
     before each multiple of the period, when the plant already has its state of that instant.
     All events at the instant use the sample, discrete and unrestricted ones alike.
 
     Inputs: `true_state` (13 + 2 n); `acceleration` (6), `reaction` (3) and `joint_setpoint` (3 n)
     of the state filter.
     Outputs: `sample` (13 + 2 n), the last one as it arrives; `state` (13 + 2 n), `trim_state`
-    before the first sample, `external_acceleration` (3) and `sample_health` (6) of the filter.
+    before the first sample, `external_acceleration` (3), `sample_health` (6) and `position_offset`
+    (3) of the filter.
 
     Args:
         scenario: Noise, delay, filter and rates; faults of samples, applied in the listed order.
-        trim_state: (13 + 2 n,) the state before time 0.
+        trim_state: (13 + 2 n,) the state before the simulation starts.
         trim_acceleration: (6,) acceleration that the flight controller models in trim.
         replacements: Replacements of its systems; None for none.
     """
@@ -92,7 +95,7 @@ def make_sensors(
     for i, fault in enumerate(scenario.faults):
         if isinstance(fault, SampleFault):
             name = f"{fault.kind}_{i}"
-            faulty = SampleFaultSystem(fault, scenario.settle_s, period, trim_state)
+            faulty = SampleFaultSystem(fault, scenario.settle_s, period, len(trim_state))
             builder.AddNamedSystem(name, faulty)
             wiring = wiring.insert(name, (source, port), "sample", "sample")
             wiring = wiring.insert(name, (source, "stamps"), "stamps", "stamps")

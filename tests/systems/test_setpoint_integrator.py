@@ -248,7 +248,7 @@ def test_ports_rate_and_feedthrough():
     system = SetpointIntegrator(LIMITS, MOTION, START, DT)
     assert system.GetInputPort("u").size() == SIZE
     assert [system.get_input_port(i).get_name() for i in range(system.num_input_ports())] == [
-        *("u", "mode", "followed"),
+        *("u", "mode", "followed", "state", "position_offset"),
     ]
     assert system.GetOutputPort("base_setpoint").size() == 9
     assert system.GetOutputPort("joint_setpoint").size() == 3 * (SIZE - 3)

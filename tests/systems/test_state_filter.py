@@ -70,7 +70,9 @@ def test_samples_that_need_no_filter_pass_bit_for_bit(sensors, config, passes, s
     diagram.GetInputPort("acceleration").FixValue(context, np.full(6, 1e-3))
     diagram.GetInputPort("reaction").FixValue(context, np.ones(3))
     diagram.GetInputPort("joint_setpoint").FixValue(context, np.ones(3 * JOINTS))
+    diagram.GetInputPort("true_state").FixValue(context, TRIM)
     simulator = Simulator(diagram, context)
+    simulator.AdvanceTo(PERIOD / 2)
     outputs = []
     for k, x in enumerate(TRIM + np.cumsum(steps, axis=0)):
         diagram.GetInputPort("true_state").FixValue(context, x)

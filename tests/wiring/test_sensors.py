@@ -77,6 +77,8 @@ def test_a_delay_outputs_trim_bit_for_bit(vehicle):
     rates = Rates()
     diagram = make_moving(Sensors(base_delay_s=0.2), vehicle.trim_state, rates)
     context = diagram.CreateDefaultContext()
+    mover = diagram.GetSubsystemByName("mover")
+    mover.set_integral_value(mover.GetMyMutableContextFromRoot(context), vehicle.trim_state)
     simulator = Simulator(diagram, context)
     for time in (0.0, 0.05, 0.19):
         simulator.AdvanceTo(time)

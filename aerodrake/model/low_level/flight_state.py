@@ -4,6 +4,8 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from aerodrake.model.vehicle.state import VehicleState
+
 
 class FlightState(NamedTuple):
     """State of the flight controller's loops at a sample.
@@ -17,6 +19,8 @@ class FlightState(NamedTuple):
         rotor_thrust: (k,) N, modelled at the next sample.
         acceleration: (6,) of the base until the next sample, modelled without disturbances:
             m/s^2 in the world and rad/s^2 in the base frame.
+        position_offset: (3,) m, by which resets have moved the measured position; NaN before the
+            first sample.
     """
 
     position_observer: np.ndarray
@@ -26,6 +30,7 @@ class FlightState(NamedTuple):
     omega_d: np.ndarray
     rotor_thrust: np.ndarray
     acceleration: np.ndarray
+    position_offset: np.ndarray
 
     @classmethod
     def at_rest(cls, p_B: np.ndarray, h_omega: np.ndarray, thrust: np.ndarray) -> Self:
@@ -45,6 +50,28 @@ class FlightState(NamedTuple):
             omega_d=zero,
             rotor_thrust=thrust,
             acceleration=np.concatenate([zero, -h_omega]),
+            position_offset=np.full(3, np.nan),
+        )
+
+    def aligned(self, state: VehicleState, position_offset: np.ndarray, dt: float) -> Self:
+        """Returns the state with its observers at the first sample, or moved by a reset.
+
+        Args:
+            state: Measured now.
+            position_offset: (3,) m, sum of the resets up to this sample.
+            dt: s, from the sample before.
+        """
+        observer = self.position_observer.copy()
+        if np.isfinite(self.position_offset[0]):
+            observer[0] += position_offset - self.position_offset
+            return self._replace(position_observer=observer, position_offset=position_offset)
+        observer[0], observer[1] = state.p_B - dt * state.v_B, state.v_B
+        attitude_observer = self.attitude_observer.copy()
+        attitude_observer[0] = state.R_B.T @ state.omega_W
+        return self._replace(
+            position_observer=observer,
+            attitude_observer=attitude_observer,
+            position_offset=position_offset,
         )
 
 

@@ -4,7 +4,14 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from aerodrake.model.vehicle.rotation import length, product, quaternion_of
+from aerodrake.model.vehicle.rotation import (
+    apply,
+    length,
+    product,
+    quaternion_of,
+    rotation_matrix,
+    turned,
+)
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Sensors
 from aerodrake.support.compiled import compiled
@@ -81,6 +88,17 @@ def sampled(arm: np.ndarray, base: np.ndarray) -> np.ndarray:
 
 
 @compiled
+def moved_back(state: np.ndarray, time_s: float) -> np.ndarray:
+    """Returns a state (13 + 2 n,) with the base of `time_s` s before, at constant velocity."""
+    before = state.copy()
+    quaternion, p_B, _, omega_W, v_B, _ = split_state(before)
+    p_B -= time_s * v_B
+    turn = apply(rotation_matrix(quaternion).T, omega_W)
+    quaternion[:] = turned(quaternion, -time_s * turn)
+    return before
+
+
+@compiled
 def noisy(sigma: Deviations, x: np.ndarray, noise: np.ndarray) -> np.ndarray:
     """Returns the state vector x with measurement noise.
 
@@ -99,8 +117,8 @@ def noisy(sigma: Deviations, x: np.ndarray, noise: np.ndarray) -> np.ndarray:
     v_B += sigma.velocity * noise[3:6]
     omega_W += sigma.rate * noise[9:12]
     q += sigma.joint * noise[12:]
-    turned = product(quaternion, quaternion_of(sigma.attitude * noise[6:9]))
-    quaternion[:] = turned / np.copysign(length(turned), turned[0])
+    off = product(quaternion, quaternion_of(sigma.attitude * noise[6:9]))
+    quaternion[:] = off / np.copysign(length(off), off[0])
     return measured
 
 

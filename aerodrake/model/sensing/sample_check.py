@@ -10,6 +10,13 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from aerodrake.model.sensing.estimate import Estimate
+from aerodrake.model.sensing.position_jump import (
+    Jump,
+    JumpLimits,
+    extend_jump,
+    has_jumped,
+    is_lasting,
+)
 from aerodrake.model.sensing.sample import ATTITUDE, POSITION, Sample, group_of
 from aerodrake.model.vehicle.rotation import conjugate, length, product, rotation_vector
 from aerodrake.scenario import Filter, Sensors
@@ -29,6 +36,8 @@ class Verdict(IntEnum):
     FROZEN = 3
     # Consistent neither with the last accepted one nor with the prediction.
     JUMP = 4
+    # A position that is accepted after a lasting jump, or after a start without positions.
+    RESET = 5
 
 
 MAX_MAGNITUDE = 1e4
@@ -70,17 +79,20 @@ class SampleCheck(NamedTuple):
     than the mean of their velocities and a plausible acceleration allow. This does not depend on
     any model. After an outage of a few samples, a sample is accepted if it is near the
     *prediction*, within a bound that grows with the time of the outage. A step is therefore never
-    accepted at once. A lasting step is accepted when the bound has grown to its size: 0.5 m after
-    1.3 s, 0.5 rad after 0.7 s, in still air.
+    accepted at once. A lasting step is accepted when the bound has grown to its size: 0.5 rad
+    after 0.7 s, in still air. A lasting step of the position, as after a reset of the estimator
+    that measures it, is also accepted within the limits of `jump`.
 
     Attributes:
         noise: (3,) m, rad, rad: bound of the noise on a value.
         rate_noise: (3,) m/s, rad/s, rad/s: bound of the noise on its velocity.
+        jump: Limits of a lasting step of the position.
         dt: s, between samples.
     """
 
     noise: np.ndarray
     rate_noise: np.ndarray
+    jump: JumpLimits
     dt: float
 
     @classmethod
@@ -94,18 +106,20 @@ class SampleCheck(NamedTuple):
             [config.velocity_noise_m_s, config.rate_noise_rad_s, 0.0],
             [sensors.velocity_noise_m_s, sensors.rate_noise_rad_s, 0.0],
         )
-        return cls(NOISE_DEVIATIONS * noise, NOISE_DEVIATIONS * rate_noise, dt)
+        bounds = NOISE_DEVIATIONS * noise, NOISE_DEVIATIONS * rate_noise
+        return cls(*bounds, JumpLimits.make(config), dt)
 
 
 class CheckState(NamedTuple):
     """State of the sample check after a sample.
 
     Attributes:
-        sample: (13 + 2 n,) the sample, accepted or not.
+        sample: (13 + 2 n,) the sample, accepted or not; NaN before the first.
         stamps: (3,) s, the last finite time stamp of each group.
-        accepted: (13 + 2 n,) the last accepted values of each group.
+        accepted: (13 + 2 n,) the last accepted values of each group; NaN before the first.
         travel: (3,) m, rad, rad: expected motion of each group since its values last changed.
         health: (6,) `SampleHealth` of the sample.
+        jump: Jump of the positions that were rejected since the last accepted one.
     """
 
     sample: np.ndarray
@@ -113,11 +127,20 @@ class CheckState(NamedTuple):
     accepted: np.ndarray
     travel: np.ndarray
     health: np.ndarray
+    jump: Jump
 
     @classmethod
     def accepting(cls, sample: np.ndarray, stamp: float) -> Self:
         """Returns the state after a sample (13 + 2 n,) of the time `stamp` s was accepted."""
-        return cls(sample, np.full(3, stamp), sample, np.zeros(3), np.zeros(6))
+        return cls(sample, np.full(3, stamp), sample, np.zeros(3), np.zeros(6), Jump.none())
+
+    @classmethod
+    def initial(cls, size: int, stamp: float) -> Self:
+        """Returns the state before a first sample of `size` values later than `stamp` s.
+
+        The first sound values of each group are accepted, whatever they are.
+        """
+        return cls.accepting(np.full(size, np.nan), stamp)
 
 
 class SampleHealth(NamedTuple):
@@ -139,6 +162,18 @@ def split_health(vector: np.ndarray) -> SampleHealth:
 
 
 @compiled
+def is_accepted(verdict: float) -> bool:
+    """Returns True if a `Verdict` is that of an accepted group."""
+    return verdict == Verdict.OK.value or verdict == Verdict.RESET.value
+
+
+@compiled
+def has_begun(g: int, last: CheckState) -> bool:
+    """Returns True if a sample of group `g` has been accepted."""
+    return np.isfinite(group_of(g, last.accepted)[0][0])
+
+
+@compiled
 def check(bounds: SampleCheck, last: CheckState, predicted: Estimate, sample: Sample) -> CheckState:
     """Accepts or rejects each group of a sample.
 
@@ -149,7 +184,7 @@ def check(bounds: SampleCheck, last: CheckState, predicted: Estimate, sample: Sa
         sample: As it arrived.
     """
     stamps, accepted, travel = last.stamps.copy(), last.accepted.copy(), last.travel.copy()
-    health = last.health.copy()
+    health, jump = last.health.copy(), last.jump
     ages, verdicts = split_health(health)
     for g in range(3):
         x, rate = group_of(g, sample.state)
@@ -162,23 +197,28 @@ def check(bounds: SampleCheck, last: CheckState, predicted: Estimate, sample: Sa
 
         ages[g] += bounds.dt
         if not last.stamps[g] < sample.stamps[g] < np.inf:
-            verdict = Verdict.STALE
+            verdict = Verdict.STALE.value
         elif not _is_finite(g, x, rate):
-            verdict = Verdict.NOT_FINITE
+            verdict = Verdict.NOT_FINITE.value
         elif travel[g] > RESOLUTION[g]:
-            verdict = Verdict.FROZEN
-        elif not _is_plausible(bounds, g, last, predicted, sample.state):
-            verdict = Verdict.JUMP
+            verdict = Verdict.FROZEN.value
+        elif not has_begun(g, last):
+            starts_late = g == POSITION and split_health(last.health).ages[g] > 0
+            verdict = Verdict.RESET.value if starts_late else Verdict.OK.value
         else:
-            verdict = Verdict.OK
+            is_plausible = _is_plausible(bounds, g, last, predicted, sample.state)
+            verdict = Verdict.OK.value if is_plausible else Verdict.JUMP.value
+            if g == POSITION:
+                verdict, jump = _check_jump(bounds, last, predicted, sample.state, is_plausible)
+        if is_accepted(verdict):
             ages[g] = 0.0
             x_accepted, rate_accepted = group_of(g, accepted)
             x_accepted[:], rate_accepted[:] = x, rate
-        verdicts[g] = verdict.value
+        verdicts[g] = verdict
         # No later stamp would be larger than an infinite one, or than NaN.
         if np.isfinite(sample.stamps[g]):
             stamps[g] = sample.stamps[g]
-    return CheckState(sample.state.copy(), stamps, accepted, travel, health)
+    return CheckState(sample.state.copy(), stamps, accepted, travel, health, jump)
 
 
 @compiled
@@ -199,12 +239,27 @@ def _is_plausible(
     Velocities are bounded likewise.
     """
     age, (x, rate) = split_health(last.health).ages[g], group_of(g, state)
-    since, noise, rate_noise = age + bounds.dt, bounds.noise[g], bounds.rate_noise[g]
+    since = age + bounds.dt
     if not is_outage(bounds, age):
+        noise, rate_noise = bounds.noise[g], bounds.rate_noise[g]
         a, (x_accepted, rate_accepted) = ACCELERATION[g], group_of(g, last.accepted)
         step = _difference(g, x_accepted, x) - since / 2 * (rate_accepted + rate)
         is_within = length(step) <= 2 * noise + since * rate_noise + a * since**2 / 4
         return is_within and length(rate - rate_accepted) <= 2 * rate_noise + a * since
+    bound, rate_bound = _prediction_bounds(bounds, g, predicted, since)
+    x_predicted, rate_predicted = group_of(g, predicted.state)
+    is_within = length(_difference(g, x_predicted, x)) <= bound
+    return is_within and length(rate - rate_predicted) <= rate_bound
+
+
+@compiled
+def _prediction_bounds(
+    bounds: SampleCheck, g: int, predicted: Estimate, since: float
+) -> tuple[float, float]:
+    """Returns the bounds of the deviation of a group's values and velocities from a prediction.
+
+    `since` in s is the time over which it was predicted.
+    """
     disturbance = 0.0  # Joints have none.
     if g == POSITION:
         disturbance = length(predicted.disturbance[:3])
@@ -212,9 +267,33 @@ def _is_plausible(
         disturbance = length(predicted.disturbance[3:])
     a = DRIFT[g] + DRIFT_RATIO * disturbance
     drift, rate_drift = a * since**2 / 2 + a * since**3 / 6, a * since + a * since**2 / 2
-    x_predicted, rate_predicted = group_of(g, predicted.state)
-    is_within = length(_difference(g, x_predicted, x)) <= SLACK[g] + noise + drift
-    return is_within and length(rate - rate_predicted) <= RATE_SLACK[g] + rate_noise + rate_drift
+    return SLACK[g] + bounds.noise[g] + drift, RATE_SLACK[g] + bounds.rate_noise[g] + rate_drift
+
+
+@compiled
+def _check_jump(
+    bounds: SampleCheck,
+    last: CheckState,
+    predicted: Estimate,
+    state: np.ndarray,
+    is_plausible: bool,
+) -> tuple[int, Jump]:
+    """Returns the `Verdict` on a position, and the jump of the rejected ones including it."""
+    position, velocity = group_of(POSITION, state)
+    predicted_position, predicted_velocity = group_of(POSITION, predicted.state)
+    deviation = position - predicted_position
+    if is_plausible:
+        jumped = has_jumped(last.jump, deviation)
+        return Verdict.RESET.value if jumped else Verdict.OK.value, Jump(np.zeros(3), 0.0)
+    since = last.jump.duration_s + bounds.dt
+    tolerance, _ = _prediction_bounds(bounds, POSITION, predicted, since)
+    jump = extend_jump(last.jump, deviation, tolerance + bounds.noise[POSITION], bounds.dt)
+    since = split_health(last.health).ages[POSITION] + bounds.dt
+    tolerance, rate_bound = _prediction_bounds(bounds, POSITION, predicted, since)
+    is_reset = is_lasting(bounds.jump, jump, tolerance, bounds.dt)
+    if is_reset and length(velocity - predicted_velocity) <= rate_bound:
+        return Verdict.RESET.value, Jump(np.zeros(3), 0.0)
+    return Verdict.JUMP.value, jump
 
 
 @compiled

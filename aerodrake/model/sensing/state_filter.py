@@ -19,6 +19,8 @@ from aerodrake.model.sensing.sample_check import (
     SampleCheck,
     Verdict,
     check,
+    has_begun,
+    is_accepted,
     is_outage,
     split_health,
 )
@@ -87,11 +89,13 @@ class FilterState(NamedTuple):
         estimate: The base's part is at the time of its last sample; the joints' is at the
             last tick.
         accelerations: (steps, 6) modelled since the base's last sample, oldest first.
+        position_offset: (3,) m, sum of the steps by which resets have moved the position.
     """
 
     check: CheckState
     estimate: Estimate
     accelerations: np.ndarray
+    position_offset: np.ndarray
 
     @classmethod
     def at_rest(cls, gains: StateFilter, state: np.ndarray, trim_acceleration: np.ndarray) -> Self:
@@ -106,7 +110,20 @@ class FilterState(NamedTuple):
             CheckState.accepting(state, -gains.dt),
             Estimate(-trim_acceleration, state),
             np.tile(trim_acceleration, (gains.steps, 1)),
+            np.zeros(3),
         )
+
+    @classmethod
+    def before_samples(
+        cls, gains: StateFilter, state: np.ndarray, trim_acceleration: np.ndarray
+    ) -> Self:
+        """Returns the filter's state before the first sample, at time 0 or later.
+
+        The first sample of each group replaces the estimate, whatever it is. Arguments as for
+        `at_rest`.
+        """
+        at_rest = cls.at_rest(gains, state, trim_acceleration)
+        return at_rest._replace(check=CheckState.initial(len(state), -gains.dt))
 
 
 @compiled
@@ -120,8 +137,8 @@ def update(
     """Corrects the estimate by the accepted groups of a sample, and predicts the others.
 
     The base is predicted by the modelled acceleration, the arm by its setpoints. The first
-    accepted sample after an outage replaces the estimate and leaves the disturbances as they
-    were: a correction would take the motion of the outage for a disturbance.
+    accepted sample of a flight, after an outage or after a reset replaces the estimate and leaves
+    the disturbances as they were: a correction would take the step for a disturbance.
 
     Args:
         gains: The filter.
@@ -138,11 +155,16 @@ def update(
     predicted = predict_arm(at_sample, joint_setpoint, gains.dt)
     checked = check(gains.check, last.check, predicted, sample)
     ages, verdicts = split_health(last.check.health).ages, split_health(checked.health).verdicts
+    position_offset = last.position_offset
     for g in range(3):
-        if verdicts[g] != Verdict.OK.value:
+        is_reset = verdicts[g] == Verdict.RESET.value
+        if is_reset:
+            step = group_of(g, sample.state)[0] - group_of(g, at_sample.state)[0]
+            position_offset = position_offset + step
+        if not is_accepted(verdicts[g]):
             if g == JOINTS:
                 replace_group(g, at_sample.state, predicted.state)
-        elif is_outage(gains.check, ages[g]):
+        elif is_reset or is_outage(gains.check, ages[g]) or not has_begun(g, last.check):
             replace_group(g, at_sample.state, sample.state)
         elif g == POSITION:
             correct_position(at_sample, sample.state, gains.translation)
@@ -153,7 +175,7 @@ def update(
     now = at_sample
     for k in range(1, len(accelerations)):
         now = predict_base(now, accelerations[k], gains.dt)
-    return FilterState(checked, at_sample, accelerations[1:]), now
+    return FilterState(checked, at_sample, accelerations[1:], position_offset), now
 
 
 @compiled
@@ -164,7 +186,7 @@ def replace_rejected(sample: np.ndarray, predicted: np.ndarray, health: np.ndarr
     """
     state = sample.copy()
     for g in range(3):
-        if split_health(health).verdicts[g] != Verdict.OK.value:
+        if not is_accepted(split_health(health).verdicts[g]):
             replace_group(g, state, predicted)
     return state
 

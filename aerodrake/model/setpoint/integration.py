@@ -4,6 +4,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
 from aerodrake.support.compiled import compiled
@@ -87,6 +88,17 @@ def evaluate(vector: np.ndarray, time: float, first: int, end: int) -> np.ndarra
     setpoint[:k], setpoint[k : 2 * k] = integrate(p, v, u[first:end], time - segment.time_s)
     setpoint[2 * k :] = u[first:end]
     return setpoint
+
+
+@compiled
+def start(limits: SetpointLimits, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Returns first p and v (3 + n,): those of a measured state (13 + 2 n,), within limits."""
+    _, p_B, q, _, v_B, qdot = split_state(state)
+    p, v = np.concatenate((p_B, q)), np.concatenate((v_B, qdot))
+    for i in range(len(p)):
+        p[i] = _clipped(p[i], limits.lower[i], limits.upper[i])
+        v[i] = _clipped(v[i], -limits.velocity[i], limits.velocity[i])
+    return p, v
 
 
 @compiled

@@ -7,6 +7,7 @@ import numpy as np
 
 from aerodrake.model.reference.envelope import ReferenceVerdict
 from aerodrake.model.residual.layer_gate import GateCause
+from aerodrake.model.sensing.sample_check import Verdict
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.rotation import rotation_matrix
 from aerodrake.model.vehicle.state import split_state
@@ -46,6 +47,7 @@ class Signal(IntEnum):
     LANDED = 14  # In DESCEND the feet are near the ground, which bears part of the weight.
     GROUND_EXPECTED = 15  # In DESCEND, without position samples, the feet are predicted on it.
     NOT_FINITE = 16  # The state contains NaN or infinite values.
+    POSITION_RESET = 17  # The filter starts again from a position that has jumped.
 
 
 SIGNALS = len(Signal)
@@ -106,6 +108,7 @@ def conditions(config: Supervisor) -> tuple[Condition, ...]:
         Condition("learner_shut_out", s.LEARNER_GATED, report, 1, 0, 0, clear_s),
         Condition("rotor_degraded", s.ROTOR_LOSS, report, 0.1, 0.5, 0.05, clear_s),
         Condition("saturated", s.SATURATED, report, 1, 0.3, 0, clear_s),
+        Condition("position_reset", s.POSITION_RESET, report, 1, 0, 0, clear_s),
     )
 
 
@@ -195,6 +198,7 @@ class FlightStatus(NamedTuple):
         specific_thrust: m/s^2, estimated thrust of all rotors over the mass.
         plan_age: Ticks since the MPC's last solution.
         outage_s: (3,) s since the last accepted sample of position, attitude, and joints.
+        position_verdict: The `Verdict` on the position.
         rotor_effectiveness: (k,) fraction of its thrust that each rotor gives.
         saturated: 1 while the flight controller is saturated.
         reference_verdict: A `ReferenceVerdict`.
@@ -206,6 +210,7 @@ class FlightStatus(NamedTuple):
     specific_thrust: float
     plan_age: float
     outage_s: np.ndarray
+    position_verdict: float
     rotor_effectiveness: np.ndarray
     saturated: float
     reference_verdict: float
@@ -249,4 +254,5 @@ def compute_signals(status: FlightStatus, feet: float, mpc_period: float) -> np.
     values[Signal.LANDED.value] = is_descending and not is_predicted and has_landed
     values[Signal.GROUND_EXPECTED.value] = is_descending and is_predicted and height <= 0
     values[Signal.NOT_FINITE.value] = not is_finite
+    values[Signal.POSITION_RESET.value] = status.position_verdict == Verdict.RESET.value
     return values

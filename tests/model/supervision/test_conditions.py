@@ -141,6 +141,7 @@ def signals_with(vehicle, **values) -> np.ndarray:
         specific_thrust=9.8,
         plan_age=0.0,
         outage_s=np.zeros(3),
+        position_verdict=0.0,
         rotor_effectiveness=np.ones(4),
         saturated=0.0,
         reference_verdict=0.0,
@@ -167,6 +168,7 @@ def test_each_quantity_is_at_the_index_of_its_signal(vehicle):
         "REFERENCE_TOO_FAST": ({"reference_verdict": 3.0}, 1.0),
         "REFERENCE_JUMPED": ({"reference_verdict": 4.0}, 1.0),
         "LEARNER_GATED": ({"learner_cause": 2.0}, 1.0),
+        "POSITION_RESET": ({"position_verdict": 5.0}, 1.0),
     }
     for name, (values, expected) in cases.items():
         signals = signals_with(vehicle, **values)

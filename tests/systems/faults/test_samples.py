@@ -37,7 +37,7 @@ def arriving(*faults: SampleFault, until: float = 3.2) -> tuple[np.ndarray, ...]
     )
     ports = samples.get_output_port(), stamps.get_output_port()
     for fault in faults:
-        system = builder.AddSystem(SampleFaultSystem(fault, SETTLE, PERIOD, np.zeros(SIZE)))
+        system = builder.AddSystem(SampleFaultSystem(fault, SETTLE, PERIOD, SIZE))
         for i, port in enumerate(ports):
             builder.Connect(port, system.get_input_port(i))
         ports = system.GetOutputPort("sample"), system.GetOutputPort("stamps")
