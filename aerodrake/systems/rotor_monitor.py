@@ -3,7 +3,7 @@
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.sensing.sample_check import split_health
+from aerodrake.model.sensing.sample_health import split_health
 from aerodrake.model.supervision.rotor_monitor import (
     NO_SAMPLE,
     MomentumSample,

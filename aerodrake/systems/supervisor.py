@@ -4,7 +4,7 @@ import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, EventStatus, InputPort, LeafSystem
 
 from aerodrake.model.sensing.sample import POSITION
-from aerodrake.model.sensing.sample_check import split_health
+from aerodrake.model.sensing.sample_health import split_health
 from aerodrake.model.supervision.conditions import (
     Condition,
     ConditionTable,

@@ -18,7 +18,7 @@ from aerodrake.flight.excitation import excite, make_open_loop
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.sensing.sample import GROUPS, group_columns
-from aerodrake.model.sensing.sample_check import Verdict, split_health
+from aerodrake.model.sensing.sample_health import Verdict, split_health
 from aerodrake.model.sensing.state_filter import StateFilter
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel

@@ -4,7 +4,6 @@ The groups are position (p_B and v_B), attitude (quaternion and omega_W), and jo
 Each comes from a sensor of its own and has a verdict of its own.
 """
 
-from enum import IntEnum
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -18,27 +17,10 @@ from aerodrake.model.sensing.position_jump import (
     is_lasting,
 )
 from aerodrake.model.sensing.sample import ATTITUDE, POSITION, Sample, group_of
+from aerodrake.model.sensing.sample_health import Verdict, is_accepted, split_health
 from aerodrake.model.vehicle.rotation import conjugate, length, product, rotation_vector
 from aerodrake.scenario import Filter, Sensors
 from aerodrake.support.compiled import compiled
-
-
-class Verdict(IntEnum):
-    """Verdict on a group of a sample: the first that applies of STALE, NOT_FINITE, FROZEN, JUMP."""
-
-    # Accepted.
-    OK = 0
-    # NaN or infinite, a quaternion that is not of unit length, or beyond `MAX_MAGNITUDE`.
-    NOT_FINITE = 1
-    # Its time stamp has not advanced.
-    STALE = 2
-    # Bitwise equal to the previous one although it should have moved by `RESOLUTION`.
-    FROZEN = 3
-    # Consistent neither with the last accepted one nor with the prediction.
-    JUMP = 4
-    # A position that is accepted after a lasting jump, or after a start without positions.
-    RESET = 5
-
 
 MAX_MAGNITUDE = 1e4
 """m, rad, m/s or rad/s: larger positions, angles and velocities are not plausible."""
@@ -141,30 +123,6 @@ class CheckState(NamedTuple):
         The first sound values of each group are accepted, whatever they are.
         """
         return cls.accepting(np.full(size, np.nan), stamp)
-
-
-class SampleHealth(NamedTuple):
-    """Health of a sample, by group: the parts of the port `sample_health` (6).
-
-    Attributes:
-        ages: (3,) s since the last accepted sample, 0 if this one is accepted.
-        verdicts: (3,) each a `Verdict`.
-    """
-
-    ages: np.ndarray
-    verdicts: np.ndarray
-
-
-@compiled
-def split_health(vector: np.ndarray) -> SampleHealth:
-    """Returns the parts of a vector (6,) of the port `sample_health`, as views."""
-    return SampleHealth(vector[:3], vector[3:])
-
-
-@compiled
-def is_accepted(verdict: float) -> bool:
-    """Returns True if a `Verdict` is that of an accepted group."""
-    return verdict == Verdict.OK.value or verdict == Verdict.RESET.value
 
 
 @compiled

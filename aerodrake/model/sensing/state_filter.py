@@ -17,13 +17,11 @@ from aerodrake.model.sensing.sample import ATTITUDE, JOINTS, POSITION, Sample, g
 from aerodrake.model.sensing.sample_check import (
     CheckState,
     SampleCheck,
-    Verdict,
     check,
     has_begun,
-    is_accepted,
     is_outage,
-    split_health,
 )
+from aerodrake.model.sensing.sample_health import Verdict, is_accepted, split_health
 from aerodrake.scenario import Filter, Sensors
 from aerodrake.support.compiled import compiled
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from aerodrake.model.reference.envelope import ReferenceVerdict
 from aerodrake.model.residual.layer_gate import GateCause
-from aerodrake.model.sensing.sample_check import Verdict
+from aerodrake.model.sensing.sample_health import Verdict
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.rotation import rotation_matrix
 from aerodrake.model.vehicle.state import split_state

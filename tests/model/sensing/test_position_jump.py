@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from aerodrake.model.sensing.estimate import Estimate
 from aerodrake.model.sensing.sample import POSITION, Sample
-from aerodrake.model.sensing.sample_check import Verdict, split_health
+from aerodrake.model.sensing.sample_health import Verdict, split_health
 from aerodrake.model.sensing.state_filter import FilterState, StateFilter, update
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Filter, Sensors

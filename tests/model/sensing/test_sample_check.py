@@ -16,11 +16,9 @@ from aerodrake.model.sensing.sample_check import (
     SLACK,
     CheckState,
     SampleCheck,
-    SampleHealth,
-    Verdict,
     check,
-    split_health,
 )
+from aerodrake.model.sensing.sample_health import SampleHealth, Verdict, split_health
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Filter, Sensors
 

@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from aerodrake.model.sensing.estimate import ARM_DECAY_S, predict_arm, predict_base
 from aerodrake.model.sensing.sample import GROUPS, Sample, group_columns
-from aerodrake.model.sensing.sample_check import Verdict, split_health
+from aerodrake.model.sensing.sample_health import Verdict, split_health
 from aerodrake.model.sensing.state_filter import (
     JOINT_WALK_RAD,
     FilterState,
