@@ -117,8 +117,12 @@ class FilterState(NamedTuple):
     ) -> Self:
         """Returns the filter's state before the first sample, at time 0 or later.
 
-        The first sample of each group replaces the estimate, whatever it is. Arguments as for
-        `at_rest`.
+        The first sample of each group replaces the estimate, whatever it is.
+
+        Args:
+            gains: The filter.
+            state: (13 + 2 n,) estimate until then, at rest.
+            trim_acceleration: (6,) as for `at_rest`.
         """
         at_rest = cls.at_rest(gains, state, trim_acceleration)
         return at_rest._replace(check=CheckState.initial(len(state), -gains.dt))
