@@ -1,18 +1,11 @@
-"""Table and figure of a benchmark."""
+"""Table of a benchmark."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
-import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-
 from aerodrake.bench.peers import PEERS
-from aerodrake.bench.scaling import FITTED_FROM, PEER
+from aerodrake.bench.scaling import FITTED_FROM
 from aerodrake.bench.solvers import CONSTRAINED, SCENARIOS, installed_peers
-from aerodrake.reports.figures import ACCENT, REFERENCE, STYLE
 
 FILES = ("bench.json", "bench.png")
 """Files that a benchmark writes."""
@@ -84,11 +77,11 @@ def _scaling(figures: Figures) -> list[str]:
     lines = [f"tick by horizon: ms ~ N^{exponent:.2f} from N = {FITTED_FROM} on"]
     for key, rows in (("N", scaling["horizon"]), ("joints", scaling["joints"])):
         lines += [_row(key, [row[key] for row in rows], 0)]
-        lines += [_row(f"{name} ms", times) for name, times in _medians(rows).items()]
+        lines += [_row(f"{name} ms", times) for name, times in medians(rows).items()]
     return lines
 
 
-def _medians(rows: Sequence[Figures]) -> dict[str, list[float]]:
+def medians(rows: Sequence[Figures]) -> dict[str, list[float]]:
     """Returns the median times in ms of the MPC, `median`, and of the peer if it is installed."""
     peers = {
         name: [row["peers_median_ms"][name] for row in rows] for name in rows[0]["peers_median_ms"]
@@ -127,79 +120,3 @@ def _row(name: str, values: Sequence[float], digits: int = 3) -> str:
 
 def _entry(name: str, ms: float) -> str:
     return f"  {name:<26}{ms:>9.2f}"
-
-
-def plot_bench(figures: Figures, path: Path) -> None:
-    """Writes a figure of the tick times by solver, horizon and joints, and of the loop's parts.
-
-    Args:
-        figures: Result of `bench`.
-        path: Path of the PNG.
-    """
-    with rc_context(STYLE):
-        figure = Figure(figsize=(14, 8.5), layout="constrained")
-        (solvers, horizon), (loop, joints) = figure.subplots(2, 2)
-        _draw_solvers(solvers, figures)
-        _draw_horizon(horizon, figures["scaling"])
-        _draw_loop(loop, figures["loop"])
-        _draw_joints(joints, figures["scaling"])
-        figure.savefig(path, dpi=110, metadata={"Software": None})
-
-
-def _draw_solvers(axes: Axes, figures: Figures) -> None:
-    own = {f"  {name}": solver for name, solver in figures["solvers"].items()}
-    solvers = {"aerodrake": figures["tick"], **own, **figures["peers"]}
-    solvers = {name: f for name, f in solvers.items() if f["median_ms"] is not None}
-    for place, (name, solver) in enumerate(solvers.items()):
-        color = ACCENT if name == "aerodrake" else "#495057"
-        times = [solver["median_ms"], solver["p99_ms"]]
-        axes.plot(times, [place, place], color=color, marker="o", markevery=[0])
-        axes.plot(times[1:], [place], color=color, marker="|", markersize=14)
-    axes.set_yticks(range(len(solvers)), list(solvers))
-    axes.invert_yaxis()
-    axes.set_xscale("log")
-    axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5, 10])
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter("")
-    axes.set_title("MPC tick: from median to p99", fontsize=10, loc="left")
-    axes.set_xlabel("forming and solving / ms")
-
-
-def _draw_horizon(axes: Axes, scaling: Figures) -> None:
-    N = np.array([row["N"] for row in scaling["horizon"]])
-    medians = _medians(scaling["horizon"])
-    forming = [row["forming_median_ms"] for row in scaling["horizon"]]
-    axes.loglog(N, medians["median"], marker="o", color=ACCENT, label="tick")
-    axes.loglog(N, forming, marker="o", color="#74c0fc", label="forming")
-    if PEER in medians:
-        axes.loglog(N, medians[PEER], marker="o", color="#495057", label=PEER)
-    fitted = N >= FITTED_FROM
-    start = np.array(medians["median"])[fitted][0]
-    axes.loglog(N[fitted], start * (N[fitted] / FITTED_FROM) ** 2, **REFERENCE, label="N^2")
-    axes.set_xticks(N, list(map(str, N)), minor=False)
-    axes.minorticks_off()
-    axes.yaxis.set_major_formatter("{x:g}")
-    title = f"by horizon: N^{scaling['horizon_exponent']:.2f} from N = {FITTED_FROM} on"
-    axes.set_title(title, fontsize=10, loc="left", parse_math=False)
-    axes.set(xlabel="N", ylabel="median / ms")
-    axes.legend(loc="upper left")
-
-
-def _draw_loop(axes: Axes, loop: Figures) -> None:
-    parts = {"bare plant": loop["plant_ms_per_s"], **loop["systems_ms_per_s"]}
-    parts["framework"] = loop["framework_ms_per_s"]
-    colors = ["#495057", *[ACCENT] * (len(parts) - 2), "#adb5bd"]
-    axes.set_axisbelow(True)
-    axes.barh(range(len(parts)), list(parts.values()), 0.7, color=colors)
-    axes.set_yticks(range(len(parts)), list(parts))
-    axes.invert_yaxis()
-    axes.set_title("parts of the closed loop", fontsize=10, loc="left")
-    axes.set_xlabel("ms per simulated second")
-
-
-def _draw_joints(axes: Axes, scaling: Figures) -> None:
-    n = [row["joints"] for row in scaling["joints"]]
-    for name, times in _medians(scaling["joints"]).items():
-        axes.plot(n, times, marker="o", color="#495057" if name == PEER else ACCENT)
-    axes.set_title("by joints", fontsize=10, loc="left")
-    axes.set(xlabel="joints", ylabel="median / ms", ylim=(0, None), xticks=n)

@@ -31,7 +31,8 @@ def main(arguments: argparse.Namespace) -> int:
     target = arguments.out or options.new_folder("bench")
 
     from aerodrake.api.console import Console
-    from aerodrake.bench.report import FILES, bench_table, missing_peers, plot_bench
+    from aerodrake.bench.figure import plot_bench
+    from aerodrake.bench.report import FILES, bench_table, missing_peers
     from aerodrake.bench.suite import FULL, QUICK, STEPS, bench
     from aerodrake.flight.summary import to_json
     from aerodrake.reports.drawing import drawing

@@ -9,8 +9,9 @@ import pytest
 from aerodrake.bench import scaling as bench_scaling
 from aerodrake.bench import solvers as bench_solvers
 from aerodrake.bench import suite as module
+from aerodrake.bench.figure import plot_bench
 from aerodrake.bench.processes import process_figures as measured_processes
-from aerodrake.bench.report import FILES, bench_table, missing_peers, plot_bench
+from aerodrake.bench.report import FILES, bench_table, missing_peers
 from aerodrake.bench.suite import QUICK, STEPS, bench
 from aerodrake.cli import main
 from aerodrake.flight.summary import to_json
