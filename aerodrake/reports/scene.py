@@ -2,6 +2,7 @@
 
 import gc
 import logging
+from pathlib import Path
 from typing import Self
 
 import numpy as np
@@ -11,6 +12,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.perception import PointCloud
 from pydrake.systems.framework import DiagramBuilder
 
+from aerodrake.model.vehicle.drake_log import plain, recorded_log, warn_once
 from aerodrake.model.vehicle.robot import (
     BASE_FRAME,
     add_ground,
@@ -50,6 +52,7 @@ class Scene:
     def __init__(self, scenario: Scenario, vehicle: VehicleModel):
         self.meshcat = _silent_meshcat()
         self.meshcat.SetProperty("/Axes", "visible", False)
+        self._robot = Path(vehicle.robot).name
         self._p_O = vehicle.p_O
         self._size_m = scenario.allocation.learning_space_m
         builder = DiagramBuilder()
@@ -79,7 +82,10 @@ class Scene:
         """Sets the time and the positions (7 + n,): quaternion, p_B in m, q in rad."""
         self._context.SetTime(time_s)
         self._plant.SetPositions(self._plant.GetMyMutableContextFromRoot(self._context), positions)
-        self._diagram.ForcedPublish(self._context)
+        with recorded_log() as warnings:
+            self._diagram.ForcedPublish(self._context)
+        for warning in map(plain, warnings):
+            warn_once(f"{self._robot}: {warning}")
 
     def draw_reference(self, points: np.ndarray) -> None:
         """Draws dots along points (K, 3) m in the world, which stay visible under a trace."""

@@ -13,12 +13,13 @@ PLACES = (
     r"Failure at \S+ in \w+\(\): ",
     r"\S*bazel-out\S*",
     r"\S+\.(cc|h|cxx)(:|, line )\d+:?",
+    r"(?<![\w:/])/([^/\s]+/)+",
 )
-"""Patterns of places in the parsed text and in Drake's source code."""
+"""Patterns of places in the parsed text and in Drake's source code, and of folders."""
 
 
 def plain(message: str) -> str:
-    """Returns a message of Drake on one line, without places in source code."""
+    """Returns a message of Drake on one line, without places in source code and folders."""
     for place in PLACES:
         message = re.sub(place, "", message)
     return " ".join(message.split())
