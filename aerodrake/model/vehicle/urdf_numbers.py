@@ -193,7 +193,7 @@ def _check_attributes(element: Element, table: dict[str, Expected]) -> None:
         words = value.strip(SPACE).split()
         if not value.isascii() or not expected.fits(words):
             most = f" of magnitude {LARGEST:g} or less" if _is_large(words) else ""
-            raise fault(element, f"{place}: expected {expected}{most}, got '{value}'")
+            raise fault(element, f"{place}: expected {expected}{most}, got {value!a}")
         if name and value != " ".join(words):
             # Drake takes a scale for one number unless there is a plain space in it.
             element.setAttribute(name, " ".join(words))

@@ -50,7 +50,7 @@ def test_drag_on_the_base_depends_on_relative_velocity(air, v_B):
     np.testing.assert_array_equal(drag_on_base(0.25, 0.15, air, x), expected)
 
 
-@given(st.floats(0.001, 0.1), st.floats(0.05, 100), st.floats(0, 10))
+@given(st.floats(0.001, 0.1), st.floats(0.05, 100), st.floats(0, 5))
 def test_gusts_keep_their_deviation_and_decay_with_their_correlation_time(dt, T, sigma):
     config = Wind(gust_m_s=(sigma, 0.0, 2 * sigma), gust_correlation_s=T)
     a, b = discrete_gusts(config, dt)
