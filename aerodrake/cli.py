@@ -3,12 +3,12 @@
 import argparse
 import sys
 from collections.abc import Sequence
-from importlib.metadata import version
 
 from aerodrake.commands import bench, compare, coordinator, graph, identify, run, sweep, train
 from aerodrake.support.errors import BadInput, ProcessDied
 from aerodrake.support.interrupts import termination_as_interrupt
 from aerodrake.support.streams import output_streams
+from aerodrake.support.version import __version__
 
 _MODULES = (run, coordinator, compare, identify, train, sweep, graph, bench)
 COMMANDS = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
@@ -60,7 +60,7 @@ def make_parser() -> argparse.ArgumentParser:
         description="Predictive kinematic control of aerial manipulators as a Drake diagram.",
         epilog=EXIT_CODES,
     )
-    parser.add_argument("--version", action="version", version=f"aerodrake {version('aerodrake')}")
+    parser.add_argument("--version", action="version", version=f"aerodrake {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for name, module in COMMANDS.items():
         command = commands.add_parser(name, help=module.HELP, description=module.main.__doc__)

@@ -191,20 +191,6 @@ def test_the_vehicle_has_the_size_its_file_says(kind):
     assert not numbers & {24, 30, 25, 33}
 
 
-def test_packaged_data_is_packaged():
-    import tomllib
-
-    project = tomllib.loads((PACKAGE.parent / "pyproject.toml").read_text())
-    patterns = project["tool"]["setuptools"]["package-data"]["aerodrake"]
-    packaged = {path for pattern in patterns for path in PACKAGE.glob(pattern)}
-    data = {
-        path
-        for path in PACKAGE.rglob("*")
-        if path.is_file() and path.suffix not in (".py", ".pyc") and "__pycache__" not in path.parts
-    }
-    assert data == {path for path in packaged if path.is_file()}
-
-
 def test_the_link_over_lcm_is_an_option():
     """Without `aerodrake.wire`, only the flight, the commands and the gallery would change."""
     users = {

@@ -12,6 +12,7 @@ from aerodrake.bench.processes import process_figures
 from aerodrake.bench.scaling import scaling_figures
 from aerodrake.bench.solvers import solver_figures
 from aerodrake.flight.summary import rounded
+from aerodrake.support.version import __version__
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def bench(effort: Effort, progress: Callable[[str], None] = lambda step: None) -
     figures |= loop
     figures |= process_figures(effort.clover_s, effort.hover_s, effort.starts, progress)
     return {
-        "version": version("aerodrake"),
+        "version": __version__,
         "is_quick": effort is QUICK,
         "machine": {
             "system": platform.platform(),

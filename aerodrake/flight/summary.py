@@ -3,7 +3,6 @@
 import json
 import math
 from collections.abc import Mapping
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from aerodrake.model.reference.reference_curve import hover_then_follow
 from aerodrake.model.residual.delta_blend import DeltaSource
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.scenario import Scenario
+from aerodrake.support.version import __version__
 
 SETTLED_AFTER_S = 15.0
 """Reference time in s from which errors count as settled, as in the paper's pursuit."""
@@ -63,7 +63,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
     return {
         "scenario": scenario.name,
         "seed": scenario.seed,
-        "version": version("aerodrake"),
+        "version": __version__,
         "simulated_s": rounded(simulated_s),
         "wall_s": rounded(log.wall_s),
         "real_time_factor": rounded(simulated_s / log.wall_s),

@@ -1,6 +1,5 @@
 """Table, figure and files of an identification."""
 
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from aerodrake.model.equivalent.identification import LEVEL
 from aerodrake.reports.drawing import drawing
 from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario.load import save_scenario
+from aerodrake.support.version import __version__
 
 FIGURE = "identification.png"
 RESULTS = ("identification.json", "scenario.yaml")
@@ -42,7 +42,7 @@ def as_figures(identification: Identification, command: str) -> dict[str, Any]:
     return {
         "scenario": scenario.name,
         "seed": scenario.seed,
-        "version": version("aerodrake"),
+        "version": __version__,
         "command": command,
         "interface": scenario.flight.interface,
         "position_gain": scenario.flight.position_gain,

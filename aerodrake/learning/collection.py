@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from aerodrake.scenario.fingerprint import digest, plant_hash
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.support.errors import BadInput, ProcessDied
 from aerodrake.support.processes import run_parallel
+from aerodrake.support.version import __version__
 
 FORMAT = 2
 """Version of the files' format, which calls a collection run a stage, and of the flights."""
@@ -82,7 +82,7 @@ def describe(scenario: Scenario, run: CollectionRun) -> dict[str, Any]:
     sections = {"base": run.base, "wind": run.wind, "payload": run.payload}
     return {
         "format": FORMAT,
-        "version": version("aerodrake"),
+        "version": __version__,
         "stage": {**vars(run), **{name: as_mapping(part) for name, part in sections.items()}},
         "sensors": as_mapping(scenario.sensors),
         "mismatch": as_mapping(scenario.mismatch),

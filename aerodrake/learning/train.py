@@ -1,7 +1,6 @@
 """Data collection, training and evaluation of the residual network."""
 
 from collections.abc import Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +26,7 @@ from aerodrake.support.files import write_atomically
 from aerodrake.support.interrupts import deferred_interrupts
 from aerodrake.support.run_folder import writing
 from aerodrake.support.threads import single_thread
+from aerodrake.support.version import __version__
 
 CHECKPOINT, LOG, FIGURE, DATA = "network.pt", "training.json", "training.png", "stages"
 """Files of a training; the folder `stages` contains the samples of the collection runs."""
@@ -90,7 +90,7 @@ def train_scenario(
     log = {
         "scenario": scenario.name,
         "seed": scenario.seed,
-        "version": version("aerodrake"),
+        "version": __version__,
         "stages": [run.name for run in runs if run.role != "held_out"],
         "delta": f"{model.residual.name}, {model.residual.unit}",
         "best_epoch": result.best_epoch,
@@ -129,7 +129,7 @@ def _write(
     """Writes checkpoint, log and figure."""
     hashes = plant_hash(scenario), scenario_hash(scenario)
     interface = scenario.flight.interface
-    provenance = Provenance(version("aerodrake"), interface, delta.unit, *hashes)
+    provenance = Provenance(__version__, interface, delta.unit, *hashes)
     with deferred_interrupts(), writing(folder):
         save(folder / CHECKPOINT, result.network, provenance)
         write_atomically(folder / LOG, to_json(log).encode())

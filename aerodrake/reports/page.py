@@ -2,13 +2,13 @@
 
 import base64
 import gzip
-from importlib.metadata import version
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from pydrake.systems.framework import Diagram
 
 from aerodrake.gallery.n2_chart import n2_svg
+from aerodrake.support.version import __version__
 
 CHART_DEPTH = 2
 """Levels of diagrams in the chart: the systems of station and coordinator."""
@@ -36,7 +36,7 @@ def render(template: str, closed_loop: Diagram, replay: str, **content: Any) -> 
     return environment.get_template(template).render(
         chart=n2_svg(closed_loop, CHART_DEPTH, RECORDERS),
         replay=_packed(replay) if replay else "",
-        version=version("aerodrake"),
+        version=__version__,
         **content,
     )
 

@@ -1,5 +1,4 @@
-"""Version of the installed package."""
+"""Version of the package."""
 
-from importlib.metadata import version
-
-__version__ = version("aerodrake")
+__version__ = "0.1.0"
+"""The only place of the version: the built package has it from here."""

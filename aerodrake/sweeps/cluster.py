@@ -4,9 +4,9 @@ import logging
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from importlib.metadata import version
 
 from aerodrake.support.errors import BadInput
+from aerodrake.support.version import __version__
 
 SCHEDULER = "scheduler"
 """Argument that errors name."""
@@ -51,7 +51,7 @@ def cluster(address: str) -> Iterator[Executor]:
 
 def installed() -> str:
     """Returns the version of aerodrake on the machine that calls this."""
-    return version("aerodrake")
+    return __version__
 
 
 def _check_workers(client) -> None:

@@ -5,7 +5,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
-from importlib.metadata import version
 from operator import getitem
 from typing import Any, Self
 
@@ -15,6 +14,7 @@ from aerodrake.scenario.overrides import Override, apply
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.station import make_closed_loop
 from aerodrake.support.errors import BadInput, ScenarioError
+from aerodrake.support.version import __version__
 from aerodrake.sweeps.distributions import VARY, Choice, Distribution, Linspace, make_rng
 from aerodrake.sweeps.distributions import parse_distribution as parse
 from aerodrake.sweeps.trial import Trial
@@ -115,7 +115,7 @@ class Plan:
         """Returns the content of `sweep.json`; the scenario has a file of its own."""
         return {
             "scenario": self.scenario.name,
-            "version": version("aerodrake"),
+            "version": __version__,
             "seed": self.scenario.seed,
             "trials": self.trials,
             "vary": {key: str(distribution) for key, distribution in self.vary.items()},
