@@ -20,6 +20,7 @@ from aerodrake.model.supervision.safe_mode import SafeMotion
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
+from aerodrake.support.arguments import checked
 from aerodrake.support.errors import file_at
 from aerodrake.systems.clik import ClikSystem
 from aerodrake.systems.equivalent_state import EquivalentState
@@ -89,6 +90,7 @@ POINTING_WIRING = Wiring(
 """Connections of the system that only scenarios with an orientation task have."""
 
 
+@checked
 def make_coordinator(
     scenario: Scenario,
     replacements: Replacements | None = None,

@@ -25,6 +25,7 @@ from aerodrake.model.low_level.joint_pid import JointPid
 from aerodrake.model.supervision.rotor_monitor import RotorMonitor
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
+from aerodrake.support.arguments import Seed, checked
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.faults.actuators import make_joint_faults, make_pushes
 from aerodrake.systems.flight_controller import FlightController
@@ -101,6 +102,7 @@ CLOSED_LOOP_WIRING = Wiring(
 )
 
 
+@checked
 def make_station(
     scenario: Scenario,
     replacements: Replacements | None = None,
@@ -158,6 +160,7 @@ def make_station(
     return wiring.build(builder, "station")
 
 
+@checked
 def add_closed_loop(
     builder: DiagramBuilder,
     scenario: Scenario,
@@ -194,6 +197,7 @@ def add_closed_loop(
     return {port.get_name(): port for port in ports}
 
 
+@checked
 def make_closed_loop(scenario: Scenario, replacements: Replacements | None = None) -> Diagram:
     """Makes the closed loop of station and coordinator; it has all outputs of both."""
     builder = DiagramBuilder()
@@ -211,7 +215,8 @@ def leaf_systems(system: System) -> Iterator[System]:
         yield system
 
 
-def make_context(diagram: Diagram, seed: int) -> Context:
+@checked
+def make_context(diagram: Diagram, seed: Seed) -> Context:
     """Makes a Context of one of these diagrams in trim, with random noise and gusts from `seed`."""
     context = diagram.CreateDefaultContext()
     generator = RandomGenerator(seed)

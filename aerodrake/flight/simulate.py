@@ -22,6 +22,7 @@ from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import add_closed_loop, make_context
+from aerodrake.support.arguments import checked
 from aerodrake.support.threads import single_thread
 from aerodrake.support.tick_times import time_ticks
 from aerodrake.wire.link import Link
@@ -53,6 +54,7 @@ class FlightSimulation:
         BadInput: if the scenario cannot be flown, or a replacement does not fit.
     """
 
+    @checked
     def __init__(
         self,
         scenario: Scenario,

@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from aerodrake.scenario.renamed import successor
-from aerodrake.scenario.values import MAX_LIST, boolean, number, numbers, plain, show, string
-from aerodrake.support.errors import ScenarioError, nearest
+from aerodrake.scenario.values import MAX_LIST, boolean, number, numbers, plain, string
+from aerodrake.support.errors import ScenarioError, nearest, show
 from aerodrake.support.files import is_packaged
 
 

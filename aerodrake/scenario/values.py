@@ -2,25 +2,15 @@
 
 import math
 import os
-import reprlib
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
-from aerodrake.support.errors import ScenarioError, nearest
+from aerodrake.support.errors import ScenarioError, nearest, show
 from aerodrake.support.files import PACKAGE, is_packaged, leaves_package
 
 MAX_LIST = 1000
 """Longest list in a scenario; protects against hostile files."""
-
-_REPR = reprlib.Repr()  # Limits the depth and length of values in messages.
-_REPR.maxlevel = 2
-_REPR.maxstring = 60
-
-
-def show(value: object) -> str:
-    """Returns a short representation of any value for a message."""
-    return _REPR.repr(value)
 
 
 def plain(value: object) -> Any:

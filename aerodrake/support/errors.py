@@ -1,8 +1,13 @@
 """Errors that a user can cause, as opposed to bugs."""
 
 import difflib
+import reprlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+
+_REPR = reprlib.Repr()  # Limits the depth and length of values in messages.
+_REPR.maxlevel = 2
+_REPR.maxstring = 60
 
 
 class BadInput(Exception):
@@ -60,6 +65,11 @@ def sourced(source: object) -> Iterator[None]:
         yield
     except ScenarioError as error:
         raise ScenarioError(source, *error.args[1:]) from None
+
+
+def show(value: object) -> str:
+    """Returns a short representation of any value for a message."""
+    return _REPR.repr(value)
 
 
 def nearest(name: object, valid: Iterable[str]) -> str:

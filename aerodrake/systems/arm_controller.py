@@ -1,6 +1,6 @@
 """Arm controller: the joints' low-level controller."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
@@ -8,6 +8,7 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 from aerodrake.model.low_level.joint_pid import JointPid, control
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.support.arguments import Duration, Timed, checked
 from aerodrake.systems.named_state import NamedState
 
 
@@ -42,7 +43,10 @@ class ArmController(LeafSystem):
         offset: s, time of the first update.
     """
 
-    def __init__(self, pid: JointPid, vehicle: VehicleModel, offset: float):
+    @checked
+    def __init__(
+        self, pid: Annotated[JointPid, Timed("dt")], vehicle: VehicleModel, offset: Duration
+    ):
         super().__init__()
         self._pid = pid
         n = vehicle.joints

@@ -6,6 +6,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 from aerodrake.model.mpc.clik import ClikCommand, InverseKinematics
 from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.qp.result import QpStatus
+from aerodrake.support.arguments import checked
 from aerodrake.systems.kinematic_controller import KinematicController
 
 
@@ -30,6 +31,7 @@ class ClikSystem(KinematicController):
         inverse: The equations.
     """
 
+    @checked
     def __init__(self, inverse: InverseKinematics):
         super().__init__(inverse.model, inverse.mpc.horizon)
         self._inverse = inverse

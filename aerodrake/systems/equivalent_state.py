@@ -1,6 +1,6 @@
 """Initial state of the equivalent model at each tick."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
@@ -8,6 +8,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 from aerodrake.model.equivalent.initial_state import Signals, Thrust
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.support.arguments import Timed, checked
 from aerodrake.systems.named_state import NamedState
 
 
@@ -45,7 +46,8 @@ class EquivalentState(LeafSystem):
         model: The equivalent model.
     """
 
-    def __init__(self, model: EquivalentModel):
+    @checked
+    def __init__(self, model: Annotated[EquivalentModel, Timed("dt")]):
         super().__init__()
         self._model = model
         n, nx = model.joints, len(model.A)

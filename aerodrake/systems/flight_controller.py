@@ -11,6 +11,7 @@ from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.model.vehicle.whole_body import WholeBody, commanded_motion, rigid_body_effort
 from aerodrake.scenario import Flight, Rotor
+from aerodrake.support.arguments import Duration, Period, checked
 from aerodrake.systems.named_state import NamedState
 
 
@@ -69,8 +70,9 @@ class FlightController(LeafSystem):
         offset: s, time of the first update.
     """
 
+    @checked
     def __init__(
-        self, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: float, offset: float
+        self, config: Flight, rotor: Rotor, vehicle: VehicleModel, period: Period, offset: Duration
     ):
         super().__init__()
         self._outer = OuterLoop.make(config, rotor, vehicle, period)

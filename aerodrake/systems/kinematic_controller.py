@@ -1,6 +1,6 @@
 """Base class of the MPC and CLIK systems."""
 
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -11,6 +11,7 @@ from aerodrake.model.mpc.tick import MpcInputs, TickStatus
 from aerodrake.model.mpc.weight_allocation import AllocatedWeights
 from aerodrake.model.qp.result import is_solved
 from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.support.arguments import Count, Timed, checked
 from aerodrake.systems.named_state import NamedState
 
 
@@ -60,7 +61,8 @@ class KinematicController(LeafSystem):
         horizon: N.
     """
 
-    def __init__(self, model: EquivalentModel, horizon: int):
+    @checked
+    def __init__(self, model: Annotated[EquivalentModel, Timed("dt")], horizon: Count):
         super().__init__()
         N, n = horizon, model.joints
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))

@@ -1,12 +1,12 @@
 """Kinematics of the end-effector, d_e and d_o as a system, evaluated once for all consumers."""
 
-import numpy as np
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from aerodrake.model.vehicle.kinematics import EndEffector, Kinematics
 from aerodrake.model.vehicle.rotation import length
 from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.support.arguments import Count, Vector3, checked
 
 
 class KinematicsSystem(LeafSystem):
@@ -29,7 +29,8 @@ class KinematicsSystem(LeafSystem):
         p_O: (3,) m, centre of the learning space in the base frame.
     """
 
-    def __init__(self, kinematics: Kinematics, joints: int, p_O: np.ndarray):
+    @checked
+    def __init__(self, kinematics: Kinematics, joints: Count, p_O: Vector3):
         super().__init__()
         self._kinematics = kinematics
         self._p_O = p_O

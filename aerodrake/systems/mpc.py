@@ -13,6 +13,7 @@ from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.qp.result import QpResult, is_solved
+from aerodrake.support.arguments import checked
 from aerodrake.systems.kinematic_controller import KinematicController
 from aerodrake.systems.named_state import NamedState
 
@@ -49,6 +50,7 @@ class MpcSystem(KinematicController):
         formulation: Forms the program of each tick.
     """
 
+    @checked
     def __init__(self, formulation: MpcFormulation):
         super().__init__(formulation.model, formulation.config.horizon)
         self.formulation = formulation

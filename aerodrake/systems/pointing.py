@@ -9,6 +9,7 @@ from aerodrake.model.reference.direction import Direction, check_start
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.support.arguments import Duration, Vector, checked
 
 
 class PointingSystem(LeafSystem):
@@ -36,8 +37,9 @@ class PointingSystem(LeafSystem):
         BadInput: as `check_start` does.
     """
 
+    @checked
     def __init__(
-        self, vehicle: VehicleModel, direction: Direction, settle_s: float, stages_s: np.ndarray
+        self, vehicle: VehicleModel, direction: Direction, settle_s: Duration, stages_s: Vector
     ):
         super().__init__()
         check_start(direction, vehicle)

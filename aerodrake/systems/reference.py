@@ -4,6 +4,7 @@ import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from aerodrake.model.reference.reference_curve import ReferenceCurve, hover_then_follow
+from aerodrake.support.arguments import Duration, Vector, Vector3, checked
 
 
 class ReferenceSystem(LeafSystem):
@@ -27,9 +28,8 @@ class ReferenceSystem(LeafSystem):
         stages_s: (N + 1,) s, from now to each stage, 0 first.
     """
 
-    def __init__(
-        self, curve: ReferenceCurve, start: np.ndarray, settle_s: float, stages_s: np.ndarray
-    ):
+    @checked
+    def __init__(self, curve: ReferenceCurve, start: Vector3, settle_s: Duration, stages_s: Vector):
         super().__init__()
         self._curve, self._start = curve, start
         self._settle_s, self._stages = settle_s, stages_s

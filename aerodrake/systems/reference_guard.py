@@ -16,6 +16,7 @@ from aerodrake.model.reference.envelope import (
     ReferenceVerdict,
     guard_reference,
 )
+from aerodrake.support.arguments import Count, Period, Vector3, checked
 from aerodrake.systems.named_state import NamedState
 
 
@@ -42,7 +43,8 @@ class ReferenceGuard(LeafSystem):
         period: s.
     """
 
-    def __init__(self, envelope: Envelope, start: np.ndarray, stages: int, period: float):
+    @checked
+    def __init__(self, envelope: Envelope, start: Vector3, stages: Count, period: Period):
         super().__init__()
         self._envelope, self._period = envelope, period
         size = 6 * (stages + 1)

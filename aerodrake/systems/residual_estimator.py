@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydrake.common.value import AbstractValue, Value
@@ -20,6 +20,7 @@ from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.residual.estimation import EstimatorInputs, EstimatorState, ResidualEstimation
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import Residual
+from aerodrake.support.arguments import Timed, checked
 from aerodrake.systems.named_state import NamedState
 
 if TYPE_CHECKING:  # torch takes a second to import.
@@ -86,7 +87,13 @@ class ResidualEstimator(LeafSystem):
         config: Mode, learning rate, batch, guards and gate; the checkpoint is not read.
     """
 
-    def __init__(self, network: ResidualNetwork | None, model: EquivalentModel, config: Residual):
+    @checked
+    def __init__(
+        self,
+        network: ResidualNetwork | None,
+        model: Annotated[EquivalentModel, Timed("dt")],
+        config: Residual,
+    ):
         super().__init__()
         self._estimation = ResidualEstimation.make(copy.deepcopy(network), model, config)
 

@@ -1,5 +1,7 @@
 """The rotor monitor as a system."""
 
+from typing import Annotated
+
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
@@ -14,6 +16,7 @@ from aerodrake.model.supervision.rotor_monitor import (
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.model.vehicle.whole_body import WholeBody
+from aerodrake.support.arguments import Timed, checked
 from aerodrake.systems.named_state import NamedState
 
 
@@ -38,7 +41,8 @@ class RotorMonitorSystem(LeafSystem):
         vehicle: Its links, whose momentum is balanced.
     """
 
-    def __init__(self, monitor: RotorMonitor, vehicle: VehicleModel):
+    @checked
+    def __init__(self, monitor: Annotated[RotorMonitor, Timed("lag.dt")], vehicle: VehicleModel):
         super().__init__()
         self._monitor = monitor
         self._whole_body = WholeBody(vehicle.plant)

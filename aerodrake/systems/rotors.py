@@ -1,6 +1,5 @@
 """Rotors and propellers at the plant's rate, as systems of Drake's own."""
 
-import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import Propeller, PropellerInfo
 from pydrake.multibody.tree import BodyIndex
@@ -9,10 +8,13 @@ from pydrake.systems.primitives import SymbolicVectorSystem
 
 from aerodrake.model.vehicle.rotors import Rotors
 from aerodrake.scenario import Mismatch, Rotor
+from aerodrake.support.arguments import Period, Vector, checked
+from aerodrake.support.errors import BadInput, show
 
 
+@checked
 def make_rotors(
-    config: Rotor, mismatch: Mismatch, trim: np.ndarray, period: float
+    config: Rotor, mismatch: Mismatch, trim: Vector, period: Period
 ) -> SymbolicVectorSystem:
     """Makes the rotors: thrust limits and first-order lag of each, exactly discretised.
 
@@ -31,7 +33,14 @@ def make_rotors(
             from trim; the limits apply after the factor.
         trim: (k,) N, thrusts in trim.
         period: s, the plant's step.
+
+    Raises:
+        BadInput: if a thrust in trim is not within the limits.
     """
+    low, high = config.min_thrust_n, config.max_thrust_n
+    if not all(low - 1e-9 <= thrust <= high + 1e-9 for thrust in trim):
+        expected = f"expected the thrust of each rotor in [{low:g}, {high:g}] N"
+        raise BadInput("make_rotors", "trim", f"{expected}, got {show([*map(float, trim)])}")
     state = [Variable(f"df{i}") for i in range(len(trim))]
     command = [Variable(f"c{i}") for i in range(len(trim))]
     up, down = (
@@ -49,6 +58,7 @@ def make_rotors(
     )
 
 
+@checked
 def make_propellers(rotor: Rotor, rotors: Rotors, base: BodyIndex) -> Propeller:
     """Makes the propellers, which apply thrusts (k) N and their drag torques to the base.
 

@@ -16,6 +16,8 @@ from aerodrake.model.sensing.sample import (
 )
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.scenario import Sensors
+from aerodrake.support.arguments import Count, Duration, Period, StateVector, checked
+from aerodrake.support.errors import BadInput
 from aerodrake.systems.named_state import NamedState
 
 
@@ -69,8 +71,9 @@ class SensorSystem(LeafSystem):
         initial: (13 + 2 n,) the sample before the initialisation.
     """
 
+    @checked
     def __init__(
-        self, config: Sensors, joints: int, period: float, offset: float, initial: np.ndarray
+        self, config: Sensors, joints: Count, period: Period, offset: Duration, initial: StateVector
     ):
         super().__init__()
         self._deviations = Deviations.make(config)
@@ -78,6 +81,9 @@ class SensorSystem(LeafSystem):
         # Time from an update to the instant that it samples.
         self._lead = period - offset
         size = VehicleState.size(joints)
+        if len(initial) != size:
+            expected = f"expected {size} numbers for {joints} joints"
+            raise BadInput("SensorSystem", "initial", f"{expected}, got {len(initial)}")
         self._true_state = self.DeclareVectorInputPort("true_state", size)
         self._late_state = self.DeclareVectorInputPort("late_state", size)
         self._noise = self.DeclareVectorInputPort("noise", noise_size(joints))

@@ -16,6 +16,7 @@ from aerodrake.model.setpoint.integration import (
 )
 from aerodrake.model.supervision.safe_mode import SafeMode, SafeMotion, safe_acceleration
 from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.support.arguments import Axes, Period, checked
 from aerodrake.systems.named_state import NamedState
 
 
@@ -69,9 +70,8 @@ class SetpointIntegrator(LeafSystem):
         period: s.
     """
 
-    def __init__(
-        self, limits: SetpointLimits, motion: SafeMotion, position: np.ndarray, period: float
-    ):
+    @checked
+    def __init__(self, limits: SetpointLimits, motion: SafeMotion, position: Axes, period: Period):
         super().__init__()
         self._limits, self._motion = limits, motion
         self._period = period

@@ -1,11 +1,13 @@
 """State filter as a system."""
 
-import numpy as np
+from typing import Annotated
+
 from pydrake.systems.framework import Context, LeafSystem, State
 
 from aerodrake.model.sensing.sample import Sample
 from aerodrake.model.sensing.state_filter import FilterState, StateFilter, replace_rejected, update
 from aerodrake.model.vehicle.state import split_state
+from aerodrake.support.arguments import StateVector, Timed, Vector6, checked
 from aerodrake.systems.named_state import NamedState
 
 
@@ -44,12 +46,13 @@ class StateFilterSystem(LeafSystem):
         trim_acceleration: (6,) modelled at rest; the initial disturbances cancel it.
     """
 
+    @checked
     def __init__(
         self,
-        state_filter: StateFilter,
+        state_filter: Annotated[StateFilter, Timed("dt")],
         passes: bool,
-        initial: np.ndarray,
-        trim_acceleration: np.ndarray,
+        initial: StateVector,
+        trim_acceleration: Vector6,
     ):
         super().__init__()
         self._filter, self._passes = state_filter, passes

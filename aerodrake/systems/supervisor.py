@@ -16,6 +16,7 @@ from aerodrake.model.supervision.conditions import (
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.support.arguments import Period, checked
 from aerodrake.systems.named_state import NamedState
 
 HEALTHY, EFFECTIVE, GATE_OPEN = np.zeros(6), np.ones(1), np.zeros(2)
@@ -53,12 +54,13 @@ class SupervisorSystem(LeafSystem):
         mpc_period: s, between ticks of the MPC.
     """
 
+    @checked
     def __init__(
         self,
         conditions: tuple[Condition, ...],
         vehicle: VehicleModel,
-        period: float,
-        mpc_period: float,
+        period: Period,
+        mpc_period: Period,
     ):
         super().__init__()
         self._conditions, self._table = conditions, ConditionTable.make(conditions)

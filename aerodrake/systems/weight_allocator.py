@@ -4,6 +4,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 
 from aerodrake.model.mpc.weight_allocation import AllocatedWeights, Mode, allocate
 from aerodrake.scenario import Allocation
+from aerodrake.support.arguments import Period, checked
 
 
 class WeightAllocator(LeafSystem):
@@ -28,7 +29,8 @@ class WeightAllocator(LeafSystem):
         period: s.
     """
 
-    def __init__(self, config: Allocation, period: float):
+    @checked
+    def __init__(self, config: Allocation, period: Period):
         super().__init__()
         self._config = config
         self._distances = self.DeclareVectorInputPort("distances", 2)

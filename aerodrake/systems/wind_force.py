@@ -6,6 +6,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 from aerodrake.model.vehicle.state import VehicleState
 from aerodrake.model.vehicle.wind import drag_on_base
 from aerodrake.scenario import Wind
+from aerodrake.support.arguments import Count, Period, checked
 
 
 class WindForce(LeafSystem):
@@ -32,7 +33,8 @@ class WindForce(LeafSystem):
         is_windy: False for still air, where the force is always zero.
     """
 
-    def __init__(self, config: Wind, joints: int, period: float, is_windy: bool):
+    @checked
+    def __init__(self, config: Wind, joints: Count, period: Period, is_windy: bool):
         super().__init__()
         self._drag = config.quadratic_drag_n_s2_m2, config.linear_drag_n_s_m
         self._true_state = self.DeclareVectorInputPort("true_state", VehicleState.size(joints))

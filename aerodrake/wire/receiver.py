@@ -15,6 +15,7 @@ from aerodrake.model.residual.layer_gate import GateCause
 from aerodrake.model.sensing.sample_check import MAX_MAGNITUDE
 from aerodrake.model.setpoint.integration import Segment, split_segment
 from aerodrake.model.vehicle.vehicle import VehicleModel
+from aerodrake.support.arguments import Duration, Period, Vector, checked
 from aerodrake.systems.named_state import NamedState
 from aerodrake.wire.link import Link
 from aerodrake.wire.message import Message, Phase
@@ -80,14 +81,15 @@ class WireReceiver(LeafSystem):
         poll_period, poll_offset: s.
     """
 
+    @checked
     def __init__(
         self,
         link: Link,
-        period: float,
-        stages_s: np.ndarray,
+        period: Period,
+        stages_s: Vector,
         vehicle: VehicleModel,
-        poll_period: float,
-        poll_offset: float,
+        poll_period: Period,
+        poll_offset: Duration,
     ):
         super().__init__()
         self._link, self._period, self._stages = link, period, stages_s

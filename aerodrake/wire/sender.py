@@ -2,6 +2,7 @@
 
 from pydrake.systems.framework import Context, LeafSystem
 
+from aerodrake.support.arguments import Duration, Period, checked
 from aerodrake.wire.link import Link
 
 
@@ -29,7 +30,8 @@ class WireSender(LeafSystem):
         offset: s.
     """
 
-    def __init__(self, link: Link, period: float, offset: float):
+    @checked
+    def __init__(self, link: Link, period: Period, offset: Duration):
         super().__init__()
         self._link, self._offset = link, offset
         sizes = link.outgoing.sizes

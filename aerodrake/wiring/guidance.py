@@ -7,6 +7,7 @@ from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.reference.envelope import Envelope
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import ReferenceFault, Scenario
+from aerodrake.support.arguments import checked
 from aerodrake.support.errors import file_at
 from aerodrake.systems.faults.reference import ReferenceFaultSystem
 from aerodrake.systems.reference import ReferenceSystem
@@ -23,6 +24,7 @@ WIRING = Wiring(
 )
 
 
+@checked
 def make_guidance(
     scenario: Scenario, vehicle: VehicleModel, replacements: Replacements | None = None
 ) -> Diagram:

@@ -14,6 +14,7 @@ from aerodrake.model.vehicle.robot import (
 )
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
+from aerodrake.support.arguments import checked
 from aerodrake.support.errors import file_at
 from aerodrake.systems.faults.actuators import make_rotor_faults
 from aerodrake.systems.rotors import make_propellers, make_rotors
@@ -35,6 +36,7 @@ WIRING = Wiring(
 )
 
 
+@checked
 def add_physics(
     builder: DiagramBuilder, scenario: Scenario, vehicle: VehicleModel
 ) -> tuple[np.ndarray, Wiring]:

@@ -9,6 +9,7 @@ from aerodrake.model.sensing.sample import noise_size
 from aerodrake.model.sensing.state_filter import StateFilter
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import SampleFault, Scenario
+from aerodrake.support.arguments import StateVector, Vector6, checked
 from aerodrake.systems.faults.samples import SampleFaultSystem
 from aerodrake.systems.sensors import SensorSystem, is_exact
 from aerodrake.systems.state_filter import StateFilterSystem
@@ -44,10 +45,11 @@ DELAYED = Wiring(
 )
 
 
+@checked
 def make_sensors(
     scenario: Scenario,
-    trim_state: np.ndarray,
-    trim_acceleration: np.ndarray,
+    trim_state: StateVector,
+    trim_acceleration: Vector6,
     replacements: Replacements | None = None,
 ) -> Diagram:
     """Makes the sensors: samples of the state, and an estimate of the present state.

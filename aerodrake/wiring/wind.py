@@ -7,6 +7,7 @@ from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.model.vehicle.wind import discrete_gusts, is_at_rest
 from aerodrake.scenario import Wind
+from aerodrake.support.arguments import Count, Period, checked
 from aerodrake.systems.wind_force import WindForce
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.table import Wiring, outputs, shared_input
@@ -21,8 +22,9 @@ WIRING = Wiring(
 )
 
 
+@checked
 def make_wind(
-    config: Wind, joints: int, period: float, replacements: Replacements | None = None
+    config: Wind, joints: Count, period: Period, replacements: Replacements | None = None
 ) -> Diagram:
     """Makes the wind; in still air it is the same diagram and exerts no force.
 

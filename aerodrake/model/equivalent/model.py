@@ -27,6 +27,8 @@ from aerodrake.model.equivalent.axis_models import (
 )
 from aerodrake.model.equivalent.initial_state import Signals, StateLayout, Thrust, initial_state
 from aerodrake.scenario import Scenario
+from aerodrake.support.arguments import Count, Period, Vector3, checked
+from aerodrake.support.errors import BadInput, nearest
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ class EquivalentModel:
     residual: ResidualQuantity
 
     @classmethod
-    def of(cls, scenario: Scenario, joints: int) -> Self:
+    @checked
+    def of(cls, scenario: Scenario, joints: Count) -> Self:
         """Returns the scenario's model at the rate of its MPC, for n `joints`."""
         config, rates = scenario.model, scenario.rates
         if config.kind != "flight":
@@ -67,7 +70,8 @@ class EquivalentModel:
         return cls._assemble(axes, rates.mpc_period_s, joints, base_is_commanded=False)
 
     @classmethod
-    def make(cls, kind: str, k_b: np.ndarray, dt: float, joints: int) -> Self:
+    @checked
+    def make(cls, kind: str, k_b: Vector3, dt: Period, joints: Count) -> Self:
         """Returns one of the models that have K_B as their only parameter.
 
         Args:
@@ -75,7 +79,13 @@ class EquivalentModel:
             k_b: (3,) 1/s.
             dt: s.
             joints: n.
+
+        Raises:
+            BadInput: if there is no such model.
         """
+        if kind not in AXIS_MODELS:
+            message = f"unknown value '{kind}'; {nearest(kind, AXIS_MODELS)}"
+            raise BadInput("EquivalentModel.make", "kind", message)
         axes = [AXIS_MODELS[kind](k, dt) for k in k_b]
         return cls._assemble(axes, dt, joints, base_is_commanded=kind == "integral")
 

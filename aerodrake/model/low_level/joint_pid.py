@@ -7,6 +7,7 @@ import numpy as np
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Arm
+from aerodrake.support.arguments import Period, checked
 from aerodrake.support.compiled import compiled
 
 
@@ -38,7 +39,8 @@ class JointPid(NamedTuple):
     dt: float
 
     @classmethod
-    def make(cls, arm: Arm, vehicle: VehicleModel, dt: float) -> Self:
+    @checked
+    def make(cls, arm: Arm, vehicle: VehicleModel, dt: Period) -> Self:
         """Returns gains that give each joint the bandwidth and damping of `arm`; dt in s."""
         k_p = vehicle.joint_inertia * arm.bandwidth_rad_s**2
         k_d = vehicle.joint_inertia * 2 * arm.damping * arm.bandwidth_rad_s

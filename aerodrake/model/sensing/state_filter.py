@@ -23,6 +23,7 @@ from aerodrake.model.sensing.sample_check import (
 )
 from aerodrake.model.sensing.sample_health import Verdict, is_accepted, split_health
 from aerodrake.scenario import Filter, Sensors
+from aerodrake.support.arguments import Period, checked
 from aerodrake.support.compiled import compiled
 
 JOINT_WALK_RAD = 1e-4
@@ -58,7 +59,8 @@ class StateFilter(NamedTuple):
     dt: float
 
     @classmethod
-    def make(cls, config: Filter, sensors: Sensors, dt: float) -> Self:
+    @checked
+    def make(cls, config: Filter, sensors: Sensors, dt: Period) -> Self:
         """Returns the filter for the noise, disturbances and delay that a scenario assumes.
 
         The actual noise of `sensors` only widens the bounds of the sample check; dt in s.

@@ -8,6 +8,7 @@ from aerodrake.model.low_level.rotor_lag import RotorLag, advance
 from aerodrake.model.vehicle.rotation import rotation_matrix
 from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
 from aerodrake.scenario import Rotor
+from aerodrake.support.arguments import Duration, Period, Vector, checked
 from aerodrake.support.compiled import compiled
 
 FAST_S, SLOW_S, BASELINE_S = 0.035, 0.33, 3.0
@@ -63,8 +64,9 @@ class RotorMonitor(NamedTuple):
     filter_gains: np.ndarray
 
     @classmethod
+    @checked
     def make(
-        cls, vehicle: VehicleModel, rotor: Rotor, trim: np.ndarray, delay_s: float, dt: float
+        cls, vehicle: VehicleModel, rotor: Rotor, trim: Vector, delay_s: Duration, dt: Period
     ) -> Self:
         """Returns the monitor of a vehicle.
 

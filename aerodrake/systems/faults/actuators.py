@@ -9,13 +9,15 @@ from pydrake.symbolic import Expression, Formula, Variable, if_then_else, logica
 from pydrake.systems.primitives import SymbolicVectorSystem
 
 from aerodrake.scenario import Fault, JointDegraded, Push, RotorDegraded, Scenario
+from aerodrake.support.arguments import Count, checked
 from aerodrake.support.errors import ScenarioError
 
 ROUNDING_S = 1e-9
 """Tolerance of the instants at which a fault begins and ends: times of plant steps are rounded."""
 
 
-def make_rotor_faults(scenario: Scenario, rotors: int) -> SymbolicVectorSystem | None:
+@checked
+def make_rotor_faults(scenario: Scenario, rotors: Count) -> SymbolicVectorSystem | None:
     """Makes the system that reduces the thrusts of degraded rotors, with k = `rotors`.
 
     Ports:
@@ -28,7 +30,8 @@ def make_rotor_faults(scenario: Scenario, rotors: int) -> SymbolicVectorSystem |
     return _degraded(scenario, RotorDegraded, "rotor", rotors)
 
 
-def make_joint_faults(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
+@checked
+def make_joint_faults(scenario: Scenario, joints: Count) -> SymbolicVectorSystem | None:
     """Makes the system that reduces the torques of degraded motors, with n = `joints`.
 
     Ports:
@@ -41,7 +44,8 @@ def make_joint_faults(scenario: Scenario, joints: int) -> SymbolicVectorSystem |
     return _degraded(scenario, JointDegraded, "joint", joints)
 
 
-def make_pushes(scenario: Scenario, joints: int) -> SymbolicVectorSystem | None:
+@checked
+def make_pushes(scenario: Scenario, joints: Count) -> SymbolicVectorSystem | None:
     """Makes the system that adds pushes on the base to other forces, with n = `joints`.
 
     Ports:

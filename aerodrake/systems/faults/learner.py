@@ -24,6 +24,7 @@ from aerodrake.scenario import (
     LearnerPoisoned,
     Residual,
 )
+from aerodrake.support.arguments import Duration, checked
 from aerodrake.systems.residual_estimator import ResidualEstimator
 
 if TYPE_CHECKING:  # torch takes a second to import.
@@ -71,13 +72,14 @@ class FaultyResidualEstimator(ResidualEstimator):
         settle_s: s, hover before reference time 0.
     """
 
+    @checked
     def __init__(
         self,
         network: ResidualNetwork,
         model: EquivalentModel,
         config: Residual,
         faults: Sequence[AnyFault],
-        settle_s: float,
+        settle_s: Duration,
     ):
         super().__init__(network, model, config)
         self._faults = [fault for fault in faults if isinstance(fault, LearnerFault)]
@@ -91,12 +93,13 @@ class FaultyResidualEstimator(ResidualEstimator):
         return FaultyEstimation(**vars(self._estimation), **offsets)
 
 
+@checked
 def make_residual_estimator(
     network: ResidualNetwork | None,
     model: EquivalentModel,
     config: Residual,
     faults: Sequence[AnyFault],
-    settle_s: float,
+    settle_s: Duration,
 ) -> ResidualEstimator:
     """Returns a scenario's residual estimator: a faulty one if it has learning faults."""
     if network is None or not any(isinstance(fault, LearnerFault) for fault in faults):

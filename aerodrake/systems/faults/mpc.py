@@ -20,6 +20,7 @@ from aerodrake.scenario import (
     MpcNonFinite,
     MpcStarved,
 )
+from aerodrake.support.arguments import Duration, checked
 from aerodrake.systems.mpc import MpcSystem, SolvedProgram
 
 SEVERITY = (MpcStarved, MpcInfeasible, MpcNonFinite, MpcMissed)
@@ -44,7 +45,8 @@ class FaultyMpc(MpcSystem):
         settle_s: s, hover before reference time 0.
     """
 
-    def __init__(self, formulation: MpcFormulation, faults: Sequence[AnyFault], settle_s: float):
+    @checked
+    def __init__(self, formulation: MpcFormulation, faults: Sequence[AnyFault], settle_s: Duration):
         super().__init__(formulation)
         self._faults = [fault for fault in faults if isinstance(fault, MpcFault)]
         self._settle_s = settle_s
@@ -83,7 +85,10 @@ class FaultyMpc(MpcSystem):
         return super()._solve(context, program)
 
 
-def make_mpc(formulation: MpcFormulation, faults: Sequence[AnyFault], settle_s: float) -> MpcSystem:
+@checked
+def make_mpc(
+    formulation: MpcFormulation, faults: Sequence[AnyFault], settle_s: Duration
+) -> MpcSystem:
     """Returns a scenario's MPC: a `FaultyMpc` if its faults include MPC faults."""
     if any(isinstance(fault, MpcFault) for fault in faults):
         return FaultyMpc(formulation, faults, settle_s)

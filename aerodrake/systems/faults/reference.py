@@ -7,6 +7,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from aerodrake.model.reference.fault import with_faults
 from aerodrake.scenario import AnyFault
+from aerodrake.support.arguments import Duration, Vector, checked
 
 
 class ReferenceFaultSystem(LeafSystem):
@@ -24,7 +25,8 @@ class ReferenceFaultSystem(LeafSystem):
         stages_s: (N + 1,) s, from now to each stage, 0 first.
     """
 
-    def __init__(self, faults: Sequence[AnyFault], settle_s: float, stages_s: np.ndarray):
+    @checked
+    def __init__(self, faults: Sequence[AnyFault], settle_s: Duration, stages_s: Vector):
         super().__init__()
         self._faults, self._settle_s, self._stages = faults, settle_s, stages_s
         size = 6 * len(stages_s)

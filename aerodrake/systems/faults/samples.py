@@ -6,6 +6,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 from aerodrake.model.sensing.sample import Sample
 from aerodrake.model.sensing.sample_fault import faulty
 from aerodrake.scenario import SampleFault
+from aerodrake.support.arguments import Count, Duration, Period, checked
 from aerodrake.systems.named_state import NamedState
 
 
@@ -31,7 +32,8 @@ class SampleFaultSystem(LeafSystem):
         size: 13 + 2 n.
     """
 
-    def __init__(self, fault: SampleFault, settle_s: float, period: float, size: int):
+    @checked
+    def __init__(self, fault: SampleFault, settle_s: Duration, period: Period, size: Count):
         super().__init__()
         self._fault, self._settle_s = fault, settle_s
         self._sample = self.DeclareVectorInputPort("sample", size)
