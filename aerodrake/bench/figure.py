@@ -103,7 +103,7 @@ def _draw_horizon(axes: Axes, scaling: Figures) -> None:
     times = medians(rows)
     lines = {
         OWN: (times["median"], OWN_DOT),
-        "of which forming": ([row["forming_median_ms"] for row in rows], FORMING),
+        "its forming": ([row["forming_median_ms"] for row in rows], FORMING),
     }
     if PEER in times:
         lines[PEER] = (times[PEER], PEER_DOT)
@@ -145,7 +145,7 @@ def _draw_lines(
     low, high = axes.get_xlim()
     is_log = axes.get_xscale() == "log"
     # Space for the names.
-    axes.set_xlim(low, high * (high / low) ** 0.3 if is_log else high + 0.25 * (high - low))
+    axes.set_xlim(low, high * (high / low) ** 0.35 if is_log else high + 0.25 * (high - low))
 
 
 def _draw_parts(axes: Axes, figures: Figures) -> None:
