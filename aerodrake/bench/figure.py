@@ -63,7 +63,11 @@ def bench_figure(figures: Figures) -> Figure:
 def _solvers(figures: Figures) -> dict[str, Figures]:
     """Returns the results of all solvers: the MPC's, its variants, and the installed peers."""
     variants = {f"{OWN} {name}": solver for name, solver in figures["solvers"].items()}
-    peers = {f"{name} {peer['version']}": peer for name, peer in figures["peers"].items()}
+    peers = {
+        f"{name} {peer['version']}": peer
+        for name, peer in figures["peers"].items()
+        if peer["version"] is not None
+    }
     return {OWN: figures["tick"], **variants, **peers}
 
 

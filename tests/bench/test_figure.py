@@ -23,7 +23,7 @@ def figures(constrained=True):
         "peers": {
             "fast": solver(0.25, 0.3, bounded=few, version="1.2"),
             "slow": solver(6.0, 60.0, bounded=few, version="3.4"),
-            "absent": solver(None, None, bounded=solver(None, None), version=None),
+            "absent": solver(None, None, version=None),
         },
         "scaling": {
             "horizon_exponent": 1.9,
