@@ -5,6 +5,7 @@ from .api.identify import identify
 from .api.sweep import sweep
 from .coordinator import make_coordinator
 from .gallery.export import graph
+from .model.vehicle.state import VehicleState, split_state
 from .reports.live import LiveView
 from .scenario.load import load_scenario, override
 from .scenario.scenario import Scenario
@@ -21,6 +22,7 @@ __all__ = [
     "Replacements",
     "Scenario",
     "ScenarioError",
+    "VehicleState",
     "__version__",
     "compare",
     "fly",
@@ -33,5 +35,6 @@ __all__ = [
     "make_coordinator",
     "make_station",
     "override",
+    "split_state",
     "sweep",
 ]

@@ -112,11 +112,11 @@ def make_station(
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
     Outputs: `sample` and its filtered form `state` (13 + 2 n each), `external_acceleration` (3),
-    `sample_health` (6) and `position_offset` (3); `true_state`; `thrust` (k) N and
-    `joint_torque` (n) N m, as they act;
-    `thrust_command` (k) N, `specific_thrust` (1), `disturbance` (6) and `saturated` (1), of the
-    flight controller; `rotor_effectiveness` (k); `wind_force` (3) N, in the world;
-    `query_object`.
+    `sample_health` (6) and `position_offset` (3); `true_state` (13 + 2 n); `thrust` (k) N and
+    `joint_torque` (n) N m, as they act; `thrust_command` (k) N, `specific_thrust` (1),
+    `disturbance` (6) and `saturated` (1), of the flight controller; `rotor_effectiveness` (k);
+    `wind_force` (3) N, in the world; `query_object`.
+    Samples and states are `VehicleState`s, whose parts `split_state` names.
 
     Args:
         scenario: The scenario to fly.

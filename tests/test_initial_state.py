@@ -7,6 +7,7 @@ import pytest
 from pydrake.math import RollPitchYaw
 from pydrake.systems.analysis import Simulator
 
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import SampleFrozen, SampleNan, SampleStale
 from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
@@ -37,7 +38,7 @@ class Flight:
 
     @property
     def true_p_B(self) -> np.ndarray:
-        return self.output("true_state")[4:7]
+        return split_state(self.output("true_state")).p_B
 
     def advance(self, time: float) -> None:
         self.simulator.AdvanceTo(time)
@@ -50,7 +51,7 @@ def flight_errors(flight: Flight) -> tuple[float, float]:
         flight.advance(time)
         modes.append(flight.output("mode")[0])
     assert not any(modes), "HOLD or worse"
-    estimate = flight.output("state")[4:7]
+    estimate = split_state(flight.output("state")).p_B
     away = np.linalg.norm(flight.true_p_B - flight.start)
     return away, np.linalg.norm(estimate - flight.true_p_B)
 

@@ -20,7 +20,7 @@ def make_bare_plant(scenario: Scenario) -> Diagram:
     """Makes a diagram of plant, scene graph, propellers and rotors at the constant trim input.
 
     It has no Python systems and no controllers: the vehicle drifts slowly by rounding
-    errors. Outputs: `thrust` (k) N, `true_state` (13 + 2 n), `query_object`.
+    errors. Outputs: `thrust` (k) N, `true_state` (13 + 2 n; a `VehicleState`), `query_object`.
     """
     vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()

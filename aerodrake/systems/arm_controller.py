@@ -27,7 +27,7 @@ class ArmController(LeafSystem):
     """Discrete PID controller of the joints.
 
     Ports:
-        in `state` (13 + 2 n): measured state.
+        in `state` (13 + 2 n): measured `VehicleState`.
         in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2; q_d'' is
             ignored.
         out `joint_torque` (n): N m, constant between ticks.

@@ -19,7 +19,7 @@ class FlightController(LeafSystem):
     """ESO-based position and attitude control of the base.
 
     Ports:
-        in `state` (13 + 2 n): measured state.
+        in `state` (13 + 2 n): measured `VehicleState`.
         in `base_setpoint` (9): p_d, v_d, a_d in m, m/s, m/s^2. The `position` interface
             uses p_d alone.
         in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2. Used by the

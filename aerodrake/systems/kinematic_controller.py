@@ -35,7 +35,7 @@ class KinematicController(LeafSystem):
     `aerodrake.station`.
 
     Ports:
-        in `state` (13 + 2 n): measured state.
+        in `state` (13 + 2 n): measured `VehicleState`.
         in `x_0` (nx): state of the equivalent model.
         in `end_effector` (abstract): `EndEffector` at the measured state.
         in `base_setpoint` (9): current p_d, v_d, a_d in m, m/s, m/s^2, world frame.

@@ -13,7 +13,7 @@ class KinematicsSystem(LeafSystem):
     """Kinematics of the end-effector, and its distances from the target and the learning space.
 
     Ports:
-        in `state` (13 + 2 n): measured state.
+        in `state` (13 + 2 n): measured `VehicleState`.
         in `reference` (6): p_Ed, p_Ed' in m, m/s.
         out `end_effector` (abstract): `EndEffector`.
         out `distances` (2): distances in m of the end-effector: d_e from the current target

@@ -19,7 +19,7 @@ class PointingSystem(LeafSystem):
     `settle_s`, rounded to 1 ns.
 
     Ports:
-        in `state` (13 + 2 n): measured state.
+        in `state` (13 + 2 n): measured `VehicleState`.
         out `pointing` (abstract): `Pointing`, input of the MPC.
         out `tool_axis_horizon` (6 (N + 1)): desired direction d of the tool's axis and d' in 1/s,
             now and at each stage of the horizon; row-major (N + 1, 6).

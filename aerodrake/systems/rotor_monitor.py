@@ -24,7 +24,8 @@ class RotorMonitorSystem(LeafSystem):
     """Estimates the fraction of its commanded thrust that each rotor gives.
 
     Ports:
-        in `sample` (13 + 2 n): the last sample; its base is `monitor.delay_samples` late.
+        in `sample` (13 + 2 n): the last sample, a `VehicleState`; its base is
+            `monitor.delay_samples` late.
         in `sample_health` (6): s since the last accepted sample of each group, then the
             groups' verdicts. Rejected samples do not change the estimate. If it is
             not connected, all finite samples are accepted.

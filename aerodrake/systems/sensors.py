@@ -51,7 +51,7 @@ class SensorSystem(LeafSystem):
     velocity of time 0; a delayed sample contains this motion.
 
     Ports:
-        in `true_state` (13 + 2 n): the plant's state; its arm is sampled.
+        in `true_state` (13 + 2 n): `VehicleState` of the plant; its arm is sampled.
         in `late_state` (13 + 2 n): the plant's state, possibly delayed; its base is sampled.
         in `noise` (12 + n): standard normal draws, new at each sample.
         out `state` (13 + 2 n): the last sample.

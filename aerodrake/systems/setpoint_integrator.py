@@ -51,7 +51,7 @@ class SetpointIntegrator(LeafSystem):
         in `mode` (1): a `SafeMode`, sampled at each tick.
         in `followed` (3 (3 + n) + 1): the `Segment` that the vehicle follows, if another
             integrator decides it; unconnected otherwise.
-        in `state` (13 + 2 n): measured state, used before the first tick; unconnected, the
+        in `state` (13 + 2 n): measured `VehicleState`, used before the first tick; unconnected, the
             setpoints start at rest at `position`.
         in `position_offset` (3): m, sum of the resets of the estimated position; those of
             `followed` are in it already, and the port may be unconnected.

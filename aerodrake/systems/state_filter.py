@@ -17,13 +17,15 @@ class StateFilterSystem(LeafSystem):
     Groups of a sample that `state_filter.check` rejects are predicted.
 
     Ports:
-        in `sample` (13 + 2 n): the last sample; its base is `state_filter.steps` samples late.
+        in `sample` (13 + 2 n): the last sample, a `VehicleState`; its base is
+            `state_filter.steps` samples late.
         in `stamps` (3): s, when its position, attitude and joints were sampled.
         in `acceleration` (6): from the flight controller, the base's modelled acceleration
             since the last sample.
         in `reaction` (3): m/s^2, from the flight controller, contained in `acceleration`.
         in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
-        out `state` (13 + 2 n): the estimated present state; the last sample if samples are exact.
+        out `state` (13 + 2 n): the estimated present `VehicleState`; the last sample if
+            samples are exact.
         out `external_acceleration` (3): m/s^2 in the world, acceleration of the base by
             other forces than thrust and gravity, the arm's reaction included.
         out `sample_health` (6): by group, s since the last accepted sample (0 if this one is

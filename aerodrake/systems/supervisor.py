@@ -27,7 +27,7 @@ class SupervisorSystem(LeafSystem):
     """Monitors the flight, and enters the worst safe mode that an active condition requests.
 
     Ports:
-        in `state` (13 + 2 n): measured state.
+        in `state` (13 + 2 n): measured `VehicleState`.
         in `specific_thrust` (1): m/s^2, of the flight controller.
         in `status` (3): of the MPC: a `QpStatus`, iterations, ticks since its last solution.
         in `sample_health` (6): s since the last accepted sample of position, attitude, and

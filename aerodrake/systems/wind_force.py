@@ -13,7 +13,7 @@ class WindForce(LeafSystem):
     """Drag on the base with a zero-order hold.
 
     Ports:
-        in `true_state` (13 + 2 n): the plant's state.
+        in `true_state` (13 + 2 n): `VehicleState` of the plant.
         in `air_velocity` (3): m/s, wind and gust, in the world.
         out `wind_force` (3): N, in the world, at the base's origin.
         out `generalized_force` (6 + n): `wind_force` as the plant's input

@@ -59,8 +59,8 @@ def make_sensors(
     before each multiple of the period, when the plant already has its state of that instant.
     All events at the instant use the sample, discrete and unrestricted ones alike.
 
-    Inputs: `true_state` (13 + 2 n); `acceleration` (6), `reaction` (3) and `joint_setpoint` (3 n)
-    of the state filter.
+    Inputs: `true_state` (13 + 2 n), a `VehicleState`; `acceleration` (6), `reaction` (3) and
+    `joint_setpoint` (3 n) of the state filter.
     Outputs: `sample` (13 + 2 n), the last one as it arrives; `state` (13 + 2 n), `trim_state`
     before the first sample, `external_acceleration` (3), `sample_health` (6) and `position_offset`
     (3) of the filter.

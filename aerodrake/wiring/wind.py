@@ -28,7 +28,7 @@ def make_wind(
 ) -> Diagram:
     """Makes the wind; in still air it is the same diagram and exerts no force.
 
-    Input: `true_state` (13 + 2 n).
+    Input: `true_state` (13 + 2 n), a `VehicleState`.
     Outputs: `wind_force` (3) N in the world, and `generalized_force` (6 + n), the same force
     for the plant's input `applied_generalized_force` (connected in `aerodrake.station`).
 

@@ -1,8 +1,9 @@
 """State vector of the vehicle and its named parts."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
+from pydrake.math import RollPitchYaw
 
 from aerodrake.model.vehicle.rotation import roll_pitch_yaw, rotation_matrix, rpy_rates
 from aerodrake.support.compiled import compiled
@@ -15,6 +16,13 @@ BASE_VELOCITIES = 6
 
 class VehicleState(NamedTuple):
     """State of the vehicle, in the order of `MultibodyPlant`.
+
+    `split_state` gives the parts of a state vector their names, `to_vector` is its inverse, and
+    `_replace` changes parts by name:
+
+        state = split_state(closed_loop.GetOutputPort("true_state").Eval(context))
+        raised = state._replace(p_B=state.p_B + [0.0, 0.0, 0.1])
+        plant.SetPositionsAndVelocities(plant_context, raised.to_vector())
 
     Attributes:
         quaternion: (4,) attitude of the base, w first.
@@ -36,6 +44,19 @@ class VehicleState(NamedTuple):
     def size(joints: int) -> int:
         """Returns the length of the state vector for an arm of `joints` joints."""
         return BASE_POSITIONS + BASE_VELOCITIES + 2 * joints
+
+    @classmethod
+    def at_rest(cls, p_B: np.ndarray, q: np.ndarray, rpy: tuple[float, ...] = (0, 0, 0)) -> Self:
+        """Returns a state without motion.
+
+        Args:
+            p_B: (3,) m, base origin in the world.
+            q: (n,) rad, joint angles.
+            rpy: Roll, pitch and yaw of the base in rad.
+        """
+        quaternion = RollPitchYaw(rpy).ToQuaternion().wxyz()
+        still = np.zeros(3)
+        return cls(quaternion, np.array(p_B), np.array(q), still, still, np.zeros(len(q)))
 
     def to_vector(self) -> np.ndarray:
         """Returns the state vector (13 + 2 n,), the inverse of `split_state`."""
@@ -61,7 +82,12 @@ class VehicleState(NamedTuple):
 
 @compiled
 def split_state(x: np.ndarray) -> VehicleState:
-    """Returns the parts of a state vector x (13 + 2 n,) as views, not copies."""
+    """Returns the parts of a state vector x (13 + 2 n,) as views, not copies.
+
+    The joints are counted from the length. For states over time, x is (13 + 2 n, T) as
+    `VectorLog.data` has them, and the parts are (4, T), (3, T), (n, T): the base's path is
+    `split_state(log.data()).p_B`.
+    """
     n = (len(x) - BASE_POSITIONS - BASE_VELOCITIES) // 2
     v = BASE_POSITIONS + n
     return VehicleState(x[:4], x[4:7], x[7:v], x[v : v + 3], x[v + 3 : v + 6], x[v + 6 :])

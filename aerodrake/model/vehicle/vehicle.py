@@ -105,10 +105,8 @@ class VehicleModel:
 
     @property
     def trim_state(self) -> np.ndarray:
-        """(13 + 2 n,) initial state of flights: hover in the working configuration."""
-        level, still = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)
-        rest = np.zeros(self.joints)
-        return VehicleState(level, self.p_B, self.working, still, still, rest).to_vector()
+        """(13 + 2 n,) initial `VehicleState` of flights: hover in the working configuration."""
+        return VehicleState.at_rest(self.p_B, self.working).to_vector()
 
     @cached_property
     def tucked(self) -> np.ndarray:

@@ -16,7 +16,7 @@ class SampleFaultSystem(LeafSystem):
     For a fault from the start, the last sample before the fault is the first one.
 
     Ports:
-        in `sample` (13 + 2 n): the last sample.
+        in `sample` (13 + 2 n): the last sample, a `VehicleState`.
         in `stamps` (3): s, when its groups were sampled.
         out `sample` (13 + 2 n): the sample that arrives; it feeds through.
         out `stamps` (3): s, the time stamps that arrive; they feed through.

@@ -7,6 +7,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.model.vehicle.robot import add_ground, add_robot, make_scene_graph
+from aerodrake.model.vehicle.state import VehicleState, split_state
 
 
 @pytest.fixture(scope="module")
@@ -29,13 +30,12 @@ def fall(vehicle):
     def fall(p_B: np.ndarray, speed: float, seconds: float) -> np.ndarray:
         context = diagram.CreateDefaultContext()
         inner = plant.GetMyMutableContextFromRoot(context)
-        state = vehicle.trim_state
-        state[4:7], state[7:13] = p_B, vehicle.tucked
-        state[18] = -speed
-        plant.SetPositionsAndVelocities(inner, state)
+        state = VehicleState.at_rest(p_B, vehicle.tucked)
+        state = state._replace(v_B=np.array([0.0, 0.0, -speed]))
+        plant.SetPositionsAndVelocities(inner, state.to_vector())
         plant.get_actuation_input_port().FixValue(inner, vehicle.trim_torque)
         Simulator(diagram, context).AdvanceTo(seconds)
-        return plant.GetPositions(inner)[4:7]
+        return split_state(plant.GetPositionsAndVelocities(inner)).p_B
 
     return fall
 

@@ -25,6 +25,25 @@ def test_vector_round_trip(joints):
     np.testing.assert_array_equal(state.to_vector(), x)
 
 
+def test_parts_over_time_are_those_of_each_instant():
+    states = np.column_stack([random_state(seed).to_vector() for seed in range(4)])
+    for name, part in split_state(states)._asdict().items():
+        for i, x in enumerate(states.T):
+            np.testing.assert_array_equal(part[:, i], getattr(split_state(x.copy()), name))
+
+
+@pytest.mark.parametrize("joints", [0, 1, 6])
+def test_a_state_at_rest_has_the_named_parts_and_no_motion(joints):
+    q, rpy = np.linspace(-1, 1, joints), [0.1, -0.2, 2.0]
+    x = VehicleState.at_rest([1.0, 2.0, 3.0], q, rpy).to_vector()
+    state = split_state(x)
+    assert len(x) == VehicleState.size(joints)
+    np.testing.assert_array_equal(state.p_B, [1, 2, 3])
+    np.testing.assert_array_equal(state.q, q)
+    np.testing.assert_allclose(state.rpy, rpy, atol=1e-12)
+    assert not np.any([*state.omega_W, *state.v_B, *state.qdot])
+
+
 def test_parts_match_the_state_of_the_plant(scenario):
     plant = MultibodyPlant(0.0)
     add_robot(plant, RobotDescription.read(scenario.vehicle.robot))
