@@ -74,6 +74,7 @@ WIRING = Wiring(
     outputs=(
         *outputs("setpoint_integrator", "base_setpoint", "joint_setpoint", "segment"),
         *outputs("guidance", "reference", "horizon", "reference_verdict"),
+        *outputs("guidance", "requested_reference"),
         *outputs("supervisor", "mode", "cause", "conditions"),
         *outputs("controller", "u", "plan", "prediction", "status", "weights", "delta"),
         *outputs("residual_estimator", "prediction_error", "nominal_prediction_error"),
@@ -102,7 +103,8 @@ def make_coordinator(
     follows, if the station has a setpoint integrator of its own; unconnected otherwise.
     Outputs: `base_setpoint` (9), `joint_setpoint` (3 n) and `segment` (3 (3 + n) + 1), the
     polynomials of both until the next tick; `reference` (6) and `horizon` (6 (N + 1)), as the guard
-    passes them on, and its `reference_verdict` (1); `weights` (5), `u` (3 + n) and `plan`
+    passes them on, `requested_reference` (6) before, and its `reference_verdict` (1);
+    `weights` (5), `u` (3 + n) and `plan`
     (P (3 + n)), the inputs from the last tick on; `prediction` (3 (N + 1)), `status` (3);
     `delta` (3), `prediction_error` (3), `nominal_prediction_error` (3), `learner_health` (2),
     `delta_source` (1), `stable_learning_rate` (1);

@@ -38,6 +38,7 @@ SETPOINTS = {"base_setpoint": 9, "joint_setpoint": 3 * JOINTS}
 COORDINATOR_OUTPUTS = SETPOINTS | {
     "segment": 3 * (3 + JOINTS) + 1,
     "reference": 6,
+    "requested_reference": 6,
     "horizon": 6 * (N + 1),
     "reference_verdict": 1,
     "weights": 5,

@@ -30,7 +30,8 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
     "state": tuple((f"estimated_{key}", width) for key, width in STATE),
     "external_acceleration": (("external_acceleration_m_s2", "3"),),
     "specific_thrust": (("specific_thrust_m_s2", "1"),),
-    "reference": (("p_Ed_m", "3"), ("v_Ed_m_s", "3")),
+    "requested_reference": (("p_Ed_m", "3"), ("v_Ed_m_s", "3")),
+    "reference": (("followed_p_Ed_m", "3"), ("followed_v_Ed_m_s", "3")),
     "tool_axis_d": (("tool_axis_d", "3"),),
     "segment": (
         ("p_Bd_m", "3"),
@@ -67,7 +68,9 @@ PORTS: dict[str, tuple[tuple[str, str], ...]] = {
 
 n is the number of joints, k that of rotors, N the horizon, c the number of the supervisor's
 conditions. A part of width 1 is logged as a plain series (T,), the others as (T, width).
-`reference` and `tool_axis_d` are evaluated at each sample; the other ports output a state or a
+`requested_reference` is the reference that was asked for, to which errors are relative; `reference`
+is the one that the guard passes on, which is another if a fault changes or the guard refuses it.
+Both and `tool_axis_d` are evaluated at each sample; the other ports output a state or a
 value that each tick computes anyway. From `segment` the log has the setpoints at each sample.
 Only a closed loop with an orientation task has `tool_axis_d`; otherwise the log has zeros.
 
@@ -128,8 +131,23 @@ class FlightLog:
 
     @property
     def error_m(self) -> np.ndarray:
-        """(T,) distance of the end-effector from its reference."""
+        """(T,) distance of the end-effector from the reference that was asked for."""
         return np.linalg.norm(self["p_E_m"] - self["p_Ed_m"], axis=1)
+
+    @property
+    def is_followed(self) -> np.ndarray:
+        """(T,) True while the followed reference is the one that was asked for."""
+        if "followed_p_Ed_m" not in self.signals:  # The log of an earlier version.
+            return np.ones_like(self.time_s, dtype=bool)
+        pairs = [("p_Ed_m", "followed_p_Ed_m"), ("v_Ed_m_s", "followed_v_Ed_m_s")]
+        return np.all([(self[a] == self[b]).all(axis=1) for a, b in pairs], axis=0)
+
+    @property
+    def followed_error_m(self) -> np.ndarray:
+        """(T,) distance of the end-effector from the reference that was followed."""
+        if "followed_p_Ed_m" not in self.signals:
+            return self.error_m
+        return np.linalg.norm(self["p_E_m"] - self["followed_p_Ed_m"], axis=1)
 
     @property
     def tool_angle_rad(self) -> np.ndarray | None:

@@ -1,6 +1,7 @@
 """Notes on a scenario before its flight."""
 
 from aerodrake.model.low_level.thrust_allocation import thrust_notes
+from aerodrake.model.reference.envelope_notes import envelope_notes
 from aerodrake.model.residual.scenario_network import provenance_notes
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.rules import warnings
@@ -13,4 +14,5 @@ def scenario_notes(scenario: Scenario) -> list[str]:
         BadInput: if a file that the scenario names cannot be used.
     """
     joints = len(scenario.vehicle.working_rad)
-    return [*warnings(scenario), *provenance_notes(scenario, joints), *thrust_notes(scenario)]
+    vehicle_notes = [*thrust_notes(scenario), *envelope_notes(scenario)]
+    return [*warnings(scenario), *provenance_notes(scenario, joints), *vehicle_notes]

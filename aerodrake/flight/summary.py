@@ -37,10 +37,13 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
     """Returns the results of a flight, null if undefined. Errors are of the true state.
 
     Keys:
-        error: m, distance of the end-effector from its reference from reference
-            time 0 on: mean, rms, max; mean of one whole lap after the smooth
+        error: m, distance of the end-effector from the reference that was asked for, from
+            reference time 0 on: mean, rms, max; mean of one whole lap after the smooth
             start; settled mean (after 15 s); and the time in s at which it is
-            first within d_h.
+            first within d_h of a reference that is followed.
+        followed_error: m, distance from the reference that was followed: mean, rms, max and
+            settled mean; null if that is the one that was asked for throughout.
+        refused_s: s, from reference time 0 on, for which another reference was followed.
         orientation: rad, angle between the tool's axis and its desired direction
             from reference time 0 on: mean, rms, max and settled mean; null without
             orientation task.
@@ -69,7 +72,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         "real_time_factor": rounded(simulated_s / log.wall_s),
         "exit_reason": log.exit_reason,
         "exit_cause": log.exit_cause,
-        "error": _errors(log.error_m, log.time_s, lap, scenario.allocation.d_h_m),
+        **_reference_errors(scenario, log, lap),
         "base_error": _errors(log.base_error_m, log.time_s, lap, scenario.allocation.d_h_m),
         "orientation": _spread(log.tool_angle_rad, log.time_s, "rad"),
         "mpc": _mpc(scenario, log, simulated_s),
@@ -219,6 +222,22 @@ def _flown_lap(scenario: Scenario, log: FlightLog) -> tuple[float, float] | None
     p_Ed, _ = hover_then_follow(curve, log.vehicle.p_E, log.time_s[flown])
     deviation = np.linalg.norm(log["p_Ed_m"][flown] - p_Ed, axis=1)
     return curve.lap if np.median(deviation) < SAME_REFERENCE_M else None
+
+
+def _reference_errors(
+    scenario: Scenario, log: FlightLog, lap: tuple[float, float] | None
+) -> dict[str, Any]:
+    """Returns `error`, `followed_error` and `refused_s`."""
+    d_h, time_s, is_followed = scenario.allocation.d_h_m, log.time_s, log.is_followed
+    error = _errors(log.error_m, time_s, lap, d_h)
+    refused = np.count_nonzero(~is_followed[:-1] & (time_s[:-1] >= 0))
+    followed = None
+    if not is_followed[time_s >= 0].all():
+        near = np.flatnonzero(is_followed & (time_s >= 0) & (log.error_m <= d_h))
+        error["approach_s"] = rounded(time_s[near[0]]) if len(near) else None
+        followed = _spread(log.followed_error_m, time_s, "m")
+    refused_s = rounded(refused * scenario.rates.flight_period_s)
+    return {"error": error, "followed_error": followed, "refused_s": refused_s}
 
 
 def _errors(

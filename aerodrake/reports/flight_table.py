@@ -45,6 +45,7 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
         rows.append((f"  {label}", _mm(error[key]), _mm(paper.get(key))))
     approach = _unit(error["approach_s"], "s"), _unit(paper.get("approach_s"), "s")
     rows.append(("  first within d_h", *approach))
+    rows += _followed_rows(summary)
     if angle["mean_rad"] is not None:
         rows.append(("pointing error, mean", _deg(angle["mean_rad"]), ""))
         rows.append(("pointing error, max", _deg(angle["max_rad"]), ""))
@@ -75,6 +76,17 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
         ("  d_edge of allocation", f"{summary['arm']['d_edge_m']:.2f} m", "0.38 m"),
     ]
     return rows
+
+
+def _followed_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Returns the rows of the followed reference; none if it is the one that was asked for."""
+    followed = summary.get("followed_error")  # A summary of an earlier version has none.
+    if followed is None:
+        return []
+    return [
+        ("reference not followed", _unit(summary["refused_s"], "s"), ""),
+        ("  error from followed", _mm(followed["mean_m"]), ""),
+    ]
 
 
 def _residual_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:

@@ -14,7 +14,8 @@ class ReferenceSystem(LeafSystem):
     reference rests at the start, and so does its horizon. All vectors are in the world frame.
 
     Ports:
-        out `reference` (6): p_E,d, p_E,d' in m and m/s, now.
+        out `reference` (6): p_E,d, p_E,d' in m and m/s, now. Errors of the flight are relative
+            to it; the MPC receives the horizon.
         out `horizon` (6 (N + 1)): p_E,d, p_E,d' in m and m/s, now and at each stage of the
             horizon; row-major (N + 1, 6).
         out `d_g` (1): m, diameter of the target trajectory; infinite for a moving target.

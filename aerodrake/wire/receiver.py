@@ -32,6 +32,9 @@ ENUMERATIONS: dict[tuple[str, int], range] = {
 HORIZONS = {"horizon": ("reference", 6), "tool_axis_horizon": ("tool_axis_d", 3)}
 """Name and size of the port that interpolates each signal with rows of value and derivative."""
 
+REQUESTED = "requested_reference"
+"""Name of the signal and port of the reference before faults and guard."""
+
 INTERNAL = ("segment", "plan", "tick_ms", "output_time_s")
 """Signals of messages that are no output ports."""
 
@@ -52,6 +55,8 @@ class WireReceiver(LeafSystem):
         out `reference` (6): p_Ed, p_Ed' in m and m/s, from the horizon of the last message,
             interpolated by cubic Hermite splines at the current time; before the first message
             that of a hover in trim.
+        out `requested_reference` (6): the same, before faults and guard; while it is not
+            followed, extrapolated at its velocity.
         out `tool_axis_d` (3): desired direction of the tool's axis, interpolated likewise from
             its horizon; only with an orientation task.
         out `prediction` (3 (N + 1)): m, p_E predicted by the MPC in the last message.
@@ -98,6 +103,7 @@ class WireReceiver(LeafSystem):
         zeros = np.zeros(3)
         trim = {
             "horizon": np.concatenate([vehicle.p_E, zeros]),
+            REQUESTED: np.concatenate([vehicle.p_E, zeros]),
             "tool_axis_horizon": np.concatenate([vehicle.tool_axis, zeros]),
         }
         initial = {name: np.resize(trim.get(name, zeros), size) for name, size in sizes.items()}
@@ -109,6 +115,8 @@ class WireReceiver(LeafSystem):
         for name in sizes:
             if name in HORIZONS:
                 self.DeclareVectorOutputPort(*HORIZONS[name], partial(self._interpolate, name), now)
+            elif name == REQUESTED:
+                self.DeclareVectorOutputPort(name, 6, self._calc_requested, now)
             elif name not in (*INTERNAL, "status"):
                 self.DeclareStateOutputPort(name, self._state.groups[name])
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._tick)
@@ -142,6 +150,15 @@ class WireReceiver(LeafSystem):
         else:  # The horizon is over.
             motion = np.concatenate([rows[-1, :3], np.zeros(3)])
         output.SetFromVector(motion[: output.size()])
+
+    def _calc_requested(self, context: Context, output: BasicVector) -> None:
+        state = self._state.read(context)
+        p, v = np.split(getattr(state, REQUESTED), 2)
+        if np.array_equal([*p, *v], state.horizon[:6]):
+            self._interpolate("horizon", context, output)
+        else:
+            since = context.get_time() - state.output_time_s[0]
+            output.SetFromVector(np.concatenate([p + v * since, v]))
 
     def _tick(self, context: Context, discrete: DiscreteValues) -> None:
         state = self._state.read(context)

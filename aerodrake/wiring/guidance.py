@@ -19,6 +19,7 @@ WIRING = Wiring(
     connections=(("reference", "horizon", "reference_guard", "horizon"),),
     outputs=(
         *outputs("reference", "d_g"),
+        ("reference", "reference", "requested_reference"),
         *outputs("reference_guard", "reference", "horizon", "reference_verdict"),
     ),
 )
@@ -31,7 +32,8 @@ def make_guidance(
     """Makes guidance: the scenario's reference, its faults, and the guard that limits it.
 
     Outputs: `reference` (6) and `horizon` (6 (N + 1)), p_Ed, p_Ed' in m and m/s, now and at
-    each stage, always within the envelope; `d_g` (1) m; `reference_verdict` (1).
+    each stage, always within the envelope; `requested_reference` (6), now, as the reference
+    has it before faults and guard; `d_g` (1) m; `reference_verdict` (1).
     """
     period = scenario.rates.mpc_period_s
     stages_s = stage_times(scenario.mpc, period)

@@ -26,6 +26,7 @@ from aerodrake.wire.remote_coordinator import (
 from tests.lockstep import Lockstep, fly_over
 
 INTERPOLATED = {"p_Ed_m": 1e-9, "v_Ed_m_s": 1e-7, "tool_axis_d": 1e-9}
+INTERPOLATED |= {"followed_p_Ed_m": 1e-9, "followed_v_Ed_m_s": 1e-7}
 """Signals that the station interpolates between the stages of the horizon: their tolerances."""
 
 SHORT = {"settle_s": 0.5, "duration": 2.0}

@@ -57,6 +57,15 @@ def check_point(envelope: Envelope, point: np.ndarray) -> int:
     return ReferenceVerdict.OK.value
 
 
+@compiled
+def check_points(envelope: Envelope, points: np.ndarray) -> np.ndarray:
+    """Returns the `ReferenceVerdict` (T,) on each of the points (T, 6), as `check_point`."""
+    verdicts = np.empty(len(points), dtype=np.int64)
+    for i in range(len(points)):
+        verdicts[i] = check_point(envelope, points[i])
+    return verdicts
+
+
 class GuardState(NamedTuple):
     """State of the reference guard after a tick.
 
