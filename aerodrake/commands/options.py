@@ -2,7 +2,6 @@
 
 import argparse
 import itertools
-import math
 import os
 import time
 from collections.abc import Callable
@@ -10,6 +9,7 @@ from pathlib import Path
 
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import load_with_options
+from aerodrake.support.decimals import read_decimal
 
 LCM_URL = "udpm://239.255.76.67:7667?ttl=0"
 """LCM's default address, on this machine alone; ttl=1 includes the local network."""
@@ -66,7 +66,7 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
     """Returns the parser of an argument that is a whole number in [low, high]."""
 
     def parse(text: str) -> int:
-        if not text.isdecimal() or not low <= int(text) <= high:
+        if not (text.isascii() and text.isdecimal()) or not low <= int(text) <= high:
             raise argparse.ArgumentTypeError(
                 f"expected a whole number in [{low}, {high}], got {text!r}"
             )
@@ -79,10 +79,7 @@ def number_in(low: float, high: float) -> Callable[[str], float]:
     """Returns the parser of an argument that is a number in [low, high]."""
 
     def parse(text: str) -> float:
-        try:
-            number = float(text)
-        except ValueError:
-            number = math.nan
+        number = read_decimal(text)
         if not low <= number <= high:
             raise argparse.ArgumentTypeError(
                 f"expected a number in [{low:g}, {high:g}], got {text!r}"

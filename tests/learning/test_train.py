@@ -146,7 +146,7 @@ def test_a_run_that_cannot_be_flown_is_named_and_completed_runs_are_kept(
     tmp_path, scenario, monkeypatch
 ):
     monkeypatch.setattr(collection, "run_parallel", in_this_process)
-    wild = dataclasses.replace(RUNS[0], name="wild", lap_s=0.3)
+    wild = dataclasses.replace(RUNS[0], name="wild", lap_s=1.0)
     with pytest.raises(
         BadInput, match="collection run wild could not be flown: the joints' limits"
     ):
@@ -181,3 +181,12 @@ def test_another_figure_is_not_replaced(scenario, tmp_path, grounded):
     with pytest.raises(BadInput, match="not of an earlier training"):
         train(tmp_path, scenario)
     assert (tmp_path / "training.png").read_text() == "mine"
+
+
+def test_a_damaged_network_is_refused_with_the_way_out(scenario, tmp_path, grounded):
+    (tmp_path / "stages").mkdir()
+    (tmp_path / "network.pt").write_bytes(b"PK")
+    remedy = "got another or a truncated file; delete the file, or train in another folder"
+    with pytest.raises(BadInput, match=f"network.pt: expected a checkpoint .*, {remedy}$"):
+        train(tmp_path, scenario)
+    assert (tmp_path / "network.pt").read_bytes() == b"PK"

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import re
 import reprlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 
+from aerodrake.support.decimals import read_decimal
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import read_bounded
 
@@ -21,9 +21,6 @@ MIN_STEP_S = 1e-3
 
 TIME_ROUNDING_S = 2e-5
 """Most by which rounding of times may reduce a step: in single precision up to 256 s."""
-
-NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
-"""Decimal number."""
 
 Columns = Mapping[str, tuple[str, float, float]]
 """Unit and closed range of each column, by name; the first column is time in s."""
@@ -121,9 +118,7 @@ def _numbers(cells: list[str], columns: Columns) -> list[float]:
         raise ValueError(f"expected {len(columns)} cells, got {len(cells)}")
     row = []
     for cell, (name, (unit, low, high)) in zip(cells, columns.items(), strict=True):
-        text = cell.strip()
-        # `float` also reads 5_0 and digits of other scripts.
-        number = float(text) if NUMBER.fullmatch(text) else np.nan
+        number = read_decimal(cell.strip())
         if not low <= number <= high:
             expected = f"expected {name} in [{low:g}, {high:g}] {unit} as a decimal number"
             raise ValueError(f"{expected}, got {reprlib.repr(cell)}")

@@ -1,16 +1,14 @@
 """Numbers of a URDF: the elements that have them, their count, unit and range."""
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from xml.dom.minidom import Element
 
+from aerodrake.support.decimals import read_decimal
 from aerodrake.support.urdf_element import children, fault, misspelled, text
 
 LARGEST = 1e9
 """Largest magnitude of a number."""
-NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
-"""A decimal number, as in XML Schema. Of other text Drake would read the beginning."""
 SPACE = " \t\r\n"
 TEXT = ""
 """Key, in the tables, of the text inside an element."""
@@ -61,12 +59,13 @@ class Expected:
         return " ".join(filter(None, (count, self.range.name, noun, unit)))
 
     def fits(self, words: list[str]) -> bool:
-        """Returns True if words have the right count, and are numbers in the range."""
+        """Returns True if words have the right count, and are decimal numbers in the range.
+
+        Of other text Drake would read the beginning.
+        """
+        numbers = map(read_decimal, words)
         return len(words) in self.counts and all(
-            NUMBER.fullmatch(word)
-            and abs(float(word)) <= LARGEST
-            and self.range.contains(float(word))
-            for word in words
+            abs(number) <= LARGEST and self.range.contains(number) for number in numbers
         )
 
 
@@ -201,4 +200,4 @@ def _check_attributes(element: Element, table: dict[str, Expected]) -> None:
 
 def _is_large(words: list[str]) -> bool:
     """Returns True if one of the words is a number whose magnitude is too large."""
-    return any(NUMBER.fullmatch(word) and abs(float(word)) > LARGEST for word in words)
+    return any(abs(read_decimal(word)) > LARGEST for word in words)
