@@ -4,7 +4,7 @@ from aerodrake.model.low_level.thrust_allocation import thrust_notes
 from aerodrake.model.reference.envelope_notes import envelope_notes
 from aerodrake.model.residual.scenario_network import provenance_notes
 from aerodrake.scenario import Scenario
-from aerodrake.scenario.rules import warnings
+from aerodrake.scenario.warnings import warnings
 
 
 def scenario_notes(scenario: Scenario) -> list[str]:

@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from aerodrake.scenario.load import load_scenario
-from aerodrake.scenario.rules import warnings
+from aerodrake.scenario.warnings import warnings
 
 
 def test_warns_if_d_h_exceeds_the_learning_space_unlike_the_papers(scenario):
