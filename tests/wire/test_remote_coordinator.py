@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from drake import lcmt_drake_signal
 from pydrake.lcm import DrakeLcm
 
 from aerodrake.coordinator import make_coordinator
@@ -74,6 +75,28 @@ def test_without_latency_the_flight_is_the_same_bit_for_bit(name):
     figures = summarize(scenario, local)["mpc"], summarize(scenario, over)["mpc"]
     for key in ("ticks", "missed", "solved_by", "solver_fallbacks"):
         assert figures[0][key] == figures[1][key]
+
+
+class OtherClock(Lockstep):
+    """Link of a station whose samples have times with jitter, an offset and drift."""
+
+    def __init__(self):
+        super().__init__()
+        self._random = np.random.default_rng(0)
+
+    def Publish(self, channel, buffer):
+        signal = lcmt_drake_signal.decode(buffer)
+        if channel == STATION and signal.val[0] == Phase.FLYING:
+            signal.timestamp = round(1.0001 * signal.timestamp + self._random.uniform(0, 2000))
+        super().Publish(channel, signal.encode())
+
+
+def test_the_clock_of_the_samples_does_not_matter(clover, local):
+    lcm = OtherClock()
+    over = fly_over(lcm, clover)
+    for key in ("p_E_m", "p_B_m", "p_Bd_m", "v_Bd_m_s"):
+        np.testing.assert_array_equal(over[key][1:], local[key][1:], err_msg=key)
+    assert (lcm.companion.service.missed, lcm.companion.link.rejected) == (0, 0)
 
 
 def test_latency_hardly_increases_the_error():
