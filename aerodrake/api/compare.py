@@ -17,6 +17,7 @@ from aerodrake.comparison.compare import (
     notes,
     own_variant,
 )
+from aerodrake.comparison.equal import equal_variants, share_margins, share_results
 from aerodrake.comparison.margins import find_margins
 from aerodrake.comparison.page import Comparison
 from aerodrake.flight.log import FlightLog
@@ -69,8 +70,11 @@ def compare(
         folder = stack.enter_context(temporary_folder())
         chosen = make_variants(flown, names, load_baseline(flown, file))
         console.note([*scenario_notes(flown), *notes(flown)])
-        with console.bar(flown.name, len(chosen), "variant") as bar:
-            summaries = fly_variants(chosen, folder, jobs, lambda name: bar.update())
+        equal = equal_variants(chosen)
+        distinct = {name: variant for name, variant in chosen.items() if name not in equal}
+        with console.bar(flown.name, len(distinct), "variant") as bar:
+            summaries = fly_variants(distinct, folder, jobs, lambda name: bar.update())
+        summaries = share_results(summaries, equal, chosen, folder)
         vehicle = VehicleModel.load(flown)  # The same in all variants.
         logs = {
             name: FlightLog.read(folder / name / "log.npz", summary, vehicle)
@@ -80,7 +84,8 @@ def compare(
         found = None
         if margins:
             with console.bar(f"{flown.name} margins", None, "flight") as bar:
-                found = find_margins(chosen, summaries, headline(summaries), jobs, bar.update)
+                found = find_margins(distinct, summaries, headline(summaries), jobs, bar.update)
+            found = share_margins(found, equal, chosen)
         comparison = Comparison(flown, chosen, own_variant(flown), summaries, logs, found)
         result = ComparisonResult(comparison, scenario, file, folder)
         weakref.finalize(result, stack.pop_all().close)  # Removes the folder of the flights.

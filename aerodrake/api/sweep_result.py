@@ -32,6 +32,8 @@ class SweepResult:
         return sweep_table(self.summary)
 
     def _repr_html_(self) -> str:
+        if not (self.folder / FIGURE).exists():  # It could not be drawn.
+            return f"<pre>{escape(str(self))}</pre>"
         picture = base64.b64encode((self.folder / FIGURE).read_bytes()).decode()
         image = f'<img alt="Results of the trials" src="data:image/png;base64,{picture}">'
         return f"<pre>{escape(str(self))}</pre>{image}"

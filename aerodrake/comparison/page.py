@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from aerodrake.comparison import margins_report
+from aerodrake.comparison.equal import EQUAL_TO
 from aerodrake.comparison.figure import COLORS, View, draw_distances, draw_errors, draw_path
 from aerodrake.comparison.margins import Margins
 from aerodrake.comparison.table import comparison_rows, comparison_titles, paper_rows
@@ -15,13 +16,14 @@ from aerodrake.reports.flight_panels import draw_allocation, draw_inputs
 from aerodrake.reports.flight_pictures import residual_picture
 from aerodrake.reports.page import render
 from aerodrake.reports.pictures import MOST_SAMPLES, Picture, sheet, timeline
+from aerodrake.reports.poster import poster
 from aerodrake.reports.replay import replay_page
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.schema import as_mapping, flat
 from aerodrake.station import make_closed_loop
 
 LEGEND_COLUMNS = 3
-LEGEND_LINE, LEGEND_PADDING = 0.21, 0.12
+LEGEND_LINE, LEGEND_PADDING = 0.24, 0.14
 """inches, height of one line of a legend, and padding around all lines."""
 
 
@@ -45,28 +47,40 @@ class Comparison(NamedTuple):
     margins: Margins | None
 
 
-def comparison_page(comparison: Comparison, resolved: str, commands: Sequence[str]) -> str:
+def distinct_logs(comparison: Comparison) -> dict[str, FlightLog]:
+    """Returns the log of each variant that was flown, without those that equal another."""
+    summaries = comparison.summaries
+    return {n: log for n, log in comparison.logs.items() if EQUAL_TO not in summaries[n]}
+
+
+def comparison_page(
+    comparison: Comparison, resolved: str, commands: Sequence[str], date: str = ""
+) -> str:
     """Returns the HTML page of one comparison.
 
     Args:
         comparison: The comparison to show.
         resolved: The scenario as YAML, with the paths of the user's own files.
         commands: Command that repeats the comparison, then one for each variant's flight.
+        date: Date and time of the flights; empty for none.
     """
     scenario, variants, own, summaries, logs, margins = comparison
+    distinct = distinct_logs(comparison)
     key, kind = headline(summaries), scenario.reference.kind
     shown = variants.get(own, scenario)
     return render(
         "comparison.html",
         make_closed_loop(shown),
         replay_page(logs[own], shown) if own in logs else "",
+        date=date,
+        poster=poster(logs[own], shown) if own in logs else "",
         scenario=scenario,
         own=own,
         colors=COLORS,
         titles=comparison_titles(key),
         rows=comparison_rows(summaries),
         papers=paper_rows(kind, key),
-        pictures=list(_pictures(logs, own, shown)),
+        pictures=list(_pictures(distinct, own, shown)),
         changes={name: changes(scenario, variant) for name, variant in variants.items()},
         margins=margins and _margins(margins),
         resolved=resolved,

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from aerodrake.comparison.equal import EQUAL_TO
 from aerodrake.comparison.margin_search import LEAST_ERROR_M
 from aerodrake.flight.summary import HEADLINES, Summaries, headline, millimetres
 from aerodrake.reports.flight_table import PAPER
@@ -53,6 +54,8 @@ def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None
     ending = summary["exit_reason"]
     if summary["exit_cause"]:
         ending += f": {summary['exit_cause']}"
+    if EQUAL_TO in summary:
+        ending += f", equal to {summary[EQUAL_TO]}"
     if "error" not in summary:
         return [name, *[""] * (len(WIDTHS) - 1), ending]
     error, arm = summary["error"], summary["arm"]

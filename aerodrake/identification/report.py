@@ -13,7 +13,15 @@ from aerodrake.flight.summary import rounded, to_json
 from aerodrake.identification.identify import AxisIdentification, Identification, Record
 from aerodrake.model.equivalent.identification import LEVEL
 from aerodrake.reports.drawing import drawing
-from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
+from aerodrake.reports.figures import (
+    ACCENT,
+    AXIS_COLORS,
+    INK,
+    REFERENCE,
+    STYLE,
+    legend_above,
+    write_png,
+)
 from aerodrake.scenario.load import save_scenario
 from aerodrake.support.version import __version__
 
@@ -130,7 +138,7 @@ def _response(axes: Axes, axis: AxisIdentification) -> None:
     axes.plot(record.time_s, model, color=INK, linewidth=0.9, label="model")
     axes.plot(record.time_s, p_d, **REFERENCE, alpha=0.5, label="p_d")
     axes.margins(y=0.2)
-    axes.legend(loc="lower right", ncols=3)
+    legend_above(axes, 3)
 
 
 def _velocity(axes: Axes, axis: AxisIdentification) -> None:
@@ -139,7 +147,7 @@ def _velocity(axes: Axes, axis: AxisIdentification) -> None:
     axes.plot(record.time_s, record.v, color=ACCENT, linewidth=2.2, label="measured")
     axes.plot(record.time_s, _fitted(axis, record), color=INK, linewidth=0.9, label="fitted")
     axes.margins(y=0.2)
-    axes.legend(loc="upper right", ncols=2)
+    legend_above(axes, 2)
 
 
 def _residual(axes: Axes, axis: AxisIdentification, color: str) -> None:
@@ -147,7 +155,7 @@ def _residual(axes: Axes, axis: AxisIdentification, color: str) -> None:
     for (arm, record), alpha in zip(axis.records.items(), (1.0, 0.5), strict=True):
         residual = record.v - _fitted(axis, record)
         axes.plot(record.time_s, residual, color=color, alpha=alpha, label=f"arm {arm}")
-    axes.legend(loc="upper left", ncols=2)
+    legend_above(axes, 2)
 
 
 def _fit(axes: Axes, axis: AxisIdentification, color: str) -> None:
@@ -159,7 +167,7 @@ def _fit(axes: Axes, axis: AxisIdentification, color: str) -> None:
     ends = np.array([np.argmin(record.p_d - record.p), np.argmax(record.p_d - record.p)])
     axes.plot((record.p_d - record.p)[ends], _fitted(axis, record)[ends], color=INK, label="fit")
     axes.set_xlabel("p_d - p / m")
-    axes.legend(loc="upper left", ncols=3)
+    legend_above(axes, 3)
 
 
 def _fitted(axis: AxisIdentification, record: Record) -> np.ndarray:

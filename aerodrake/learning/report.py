@@ -9,7 +9,15 @@ from matplotlib.figure import Figure
 
 from aerodrake.learning.evaluation import METHODS, NetworkEvaluation
 from aerodrake.model.residual.training import TrainingResult
-from aerodrake.reports.figures import ACCENT, AXIS_COLORS, INK, REFERENCE, STYLE, write_png
+from aerodrake.reports.figures import (
+    ACCENT,
+    AXIS_COLORS,
+    INK,
+    REFERENCE,
+    STYLE,
+    legend_above,
+    write_png,
+)
 
 
 class DeltaFlight(NamedTuple):
@@ -61,14 +69,14 @@ def plot_training(result: TrainingResult, delta: DeltaFlight, path: Path) -> Non
         losses.semilogy(epochs, result.validation_loss, color=ACCENT, label="validation")
         losses.axvline(result.best_epoch + 1, color=INK, linewidth=0.8, linestyle=":")
         losses.set(xlabel="epoch", ylabel="squared error / squared residual")
-        losses.legend(loc="upper right", ncols=2)
+        legend_above(losses, 2)
         times = delta.period_s * np.arange(len(delta.true))
         for axis, (plot, name) in enumerate(zip(axes, "xyz", strict=True)):
             plot.plot(times, 1e3 * delta.true[:, axis], **REFERENCE, label="true", zorder=3)
             estimated = 1e3 * delta.estimated[:, axis]
             plot.plot(times, estimated, color=AXIS_COLORS[axis], label="estimated")
             plot.set(ylabel=f"Delta {name} / m{delta.unit}", xlim=(0, times[-1]))
-            plot.legend(loc="upper right", ncols=2)
+            legend_above(plot, 2)
         axes[0].set_title(delta.title, parse_math=False)
         axes[-1].set_xlabel("time / s")
         write_png(figure, path)

@@ -39,6 +39,7 @@ PAGE_STYLE: dict[str, Any] = STYLE | {
     "axes.facecolor": "none",
     "axes.labelcolor": INK,
     "figure.facecolor": "none",
+    "font.size": 10.5,
     "legend.columnspacing": 1.2,
     "legend.handlelength": 1.4,
     "path.simplify_threshold": 0.25,
@@ -52,6 +53,17 @@ PAGE_STYLE: dict[str, Any] = STYLE | {
 
 LEAST_TIME_S = 0.1
 """Shortest span of a time axis."""
+
+
+def legend_above(axes: Axes, columns: int) -> None:
+    """Draws the legend above the panel at the right, where it covers no curve."""
+    axes.legend(
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        ncols=columns,
+        borderaxespad=0.0,
+        borderpad=0.2,
+    )
 
 
 def widen(axis: Axis, span: float) -> None:

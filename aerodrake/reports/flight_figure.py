@@ -41,10 +41,15 @@ def plot_tracking(log: FlightLog, scenario: Scenario, title: str, path: Path) ->
     with rc_context(STYLE):
         has_angle = log.tool_angle_rad is not None
         rows = 6 + has_angle + bool(time_spans)
-        figure = Figure(figsize=(13, 14 * rows / 6), dpi=120, layout="constrained")
+        bars = 0.3 + 0.12 * len({(span.mode is None, span.name) for span in time_spans})
+        height = 14 / 6 * (rows - bool(time_spans) + bars * bool(time_spans))
+        figure = Figure(figsize=(13, height), dpi=120, layout="constrained")
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
-        grid = figure.add_gridspec(rows, 2, width_ratios=[1.15, 1])
-        draw_paths(figure.add_subplot(grid[:3, 0], projection="3d"), log)
+        heights = [1.0] * (rows - bool(time_spans)) + [bars] * bool(time_spans)
+        grid = figure.add_gridspec(rows, 2, width_ratios=[1.15, 1], height_ratios=heights)
+        # A column at the right is for the labels of z, which no layout engine regards.
+        space = grid[:3, 0].subgridspec(1, 2, width_ratios=[1, 0.08])
+        draw_paths(figure.add_subplot(space[0], projection="3d"), log)
         times: list[Axes] = []
 
         def timeline(cell: Any) -> Axes:

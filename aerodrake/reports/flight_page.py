@@ -10,7 +10,8 @@ from pydrake.systems.framework import Diagram
 from aerodrake.flight.log import FlightLog
 from aerodrake.reports.flight_pictures import flight_pictures
 from aerodrake.reports.flight_table import highlights, notes, table_rows
-from aerodrake.reports.page import render
+from aerodrake.reports.page import date_of, render
+from aerodrake.reports.poster import poster
 from aerodrake.scenario import Scenario
 
 MOST_EVENTS = 200
@@ -34,13 +35,15 @@ def report_page(
         closed_loop: Diagram that was flown.
         replay: A page from `replay_page`.
         resolved: The scenario as YAML, with the paths of the user's own files.
-        folder: Folder of the results, for the command that repeats the flight.
+        folder: Folder of the results, for their date and the command that repeats the flight.
     """
     kind = scenario.reference.kind
     return render(
         "flight.html",
         closed_loop,
         replay,
+        date=date_of(folder / "summary.json"),
+        poster=poster(log, scenario),
         summary=summary,
         highlights=highlights(summary, kind),
         most_events=MOST_EVENTS,

@@ -18,6 +18,7 @@ from aerodrake.reports.figures import (
     INK,
     REFERENCE,
     cover_positive,
+    legend_above,
     widen,
 )
 from aerodrake.scenario import Scenario
@@ -46,6 +47,9 @@ SAFE_MODE_COLORS = {
     SafeMode.DESCEND: "#ffa94d",
     SafeMode.STOP: "#fa5252",
 }
+MOST_COLUMNS = 8
+"""Largest number of columns of a legend."""
+
 FAULT_COLOR = "#495057"
 
 WEIGHTS = ("w_q", "w_m", "w_d")
@@ -70,7 +74,7 @@ def draw_paths(axes: Any, log: FlightLog) -> None:
     axes.autoscale(enable=False)  # 3D axes would be scaled again when drawn.
     axes.set_aspect("equal")
     axes.locator_params(nbins=5)
-    axes.legend(loc="upper left")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.0)
 
 
 def draw_plan(axes: Axes, log: FlightLog) -> None:
@@ -81,7 +85,7 @@ def draw_plan(axes: Axes, log: FlightLog) -> None:
         widen(axis, 0.5)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x / m", ylabel="y / m")
-    axes.legend(loc="best")
+    legend_above(axes, 3)
 
 
 def draw_axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
@@ -91,7 +95,7 @@ def draw_axis(axes: Axes, log: FlightLog, axis: int, name: str) -> None:
     widen(axes.yaxis, 0.02)
     axes.set_ylabel(f"{name} / m")
     if axis == 0:
-        axes.legend(loc="best", ncols=2)
+        legend_above(axes, 2)
 
 
 def plot_error(axes: Axes, log: FlightLog, error_m: np.ndarray, **style: Any) -> None:
@@ -107,7 +111,7 @@ def draw_error(axes: Axes, log: FlightLog) -> None:
     errors = np.concatenate([log.error_m[log.is_flown], log.base_error_m[log.is_flown]])
     cover_positive(axes, 1e3 * errors, LEAST_ERROR_MM)
     axes.set_ylabel("error / mm")
-    axes.legend(loc="best", ncols=2)
+    legend_above(axes, 2)
 
 
 def draw_angle(axes: Axes, log: FlightLog) -> None:
@@ -128,7 +132,7 @@ def draw_allocation(axes: Axes, log: FlightLog) -> None:
     axes.set_ylim(-1.05, 1.05)
     axes.set_ylabel("gamma, mode")
     if stretches:
-        axes.legend(loc="lower right", ncols=4)
+        legend_above(axes, 4)
 
 
 def draw_weights(axes: Axes, log: FlightLog) -> None:
@@ -138,7 +142,7 @@ def draw_weights(axes: Axes, log: FlightLog) -> None:
     weights = np.concatenate([log[key] for key in WEIGHTS])  # Zero before the first tick.
     cover_positive(axes, weights, LEAST_WEIGHT)
     axes.set_ylabel("weights")
-    axes.legend(loc="best", ncols=3)
+    legend_above(axes, 3)
 
 
 def draw_base(axes: Axes, log: FlightLog) -> None:
@@ -148,7 +152,7 @@ def draw_base(axes: Axes, log: FlightLog) -> None:
         axes.plot(log.time_s, moved, color=color, label=name)
     widen(axes.yaxis, 0.01)
     axes.set_ylabel("base displacement / m")
-    axes.legend(loc="best", ncols=3)
+    legend_above(axes, 3)
 
 
 def draw_series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) -> None:
@@ -156,7 +160,7 @@ def draw_series(axes: Axes, log: FlightLog, key: str, convert: Any, label: str) 
     _plot_columns(axes, log.time_s, convert(log[key]), "q_")
     widen(axes.yaxis, 1.0)
     axes.set_ylabel(label)
-    axes.legend(loc="best", ncols=3)
+    legend_above(axes, MOST_COLUMNS)
 
 
 def draw_distance(axes: Axes, log: FlightLog, color: str = ACCENT) -> None:
@@ -182,7 +186,7 @@ def draw_inputs(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     axes.axhline(1.0, **REFERENCE)
     axes.set_ylim(0, 1.1)
     axes.set_ylabel("largest |u| / bound")
-    axes.legend(loc="best", ncols=2)
+    legend_above(axes, 2)
 
 
 def draw_thrust(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
@@ -191,7 +195,7 @@ def draw_thrust(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     for bound in (scenario.vehicle.rotor.min_thrust_n, scenario.vehicle.rotor.max_thrust_n):
         axes.axhline(bound, **REFERENCE)
     axes.set_ylabel("rotor thrust / N")
-    axes.legend(loc="best", ncols=4)
+    legend_above(axes, MOST_COLUMNS)
 
 
 def draw_ticks(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
@@ -205,7 +209,7 @@ def draw_ticks(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
     axes.axhline(period_ms, **REFERENCE, label="period")
     cover_positive(axes, np.append(slowest, period_ms), LEAST_TICK_MS)
     axes.set(xlabel="tick", ylabel="wall time / ms")
-    axes.legend(loc="best", ncols=2)
+    legend_above(axes, 2)
 
 
 def shade_safe_modes(axes: Axes, log: FlightLog) -> None:
@@ -231,7 +235,7 @@ def draw_spans(axes: Axes, spans: Sequence[Span]) -> None:
     for mode in sorted({span.mode for span in spans if span.mode is not None}):
         axes.barh([0], [0], color=SAFE_MODE_COLORS[mode], label=mode.label)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0))
+        legend_above(axes, 4)
 
 
 def _plot_columns(axes: Axes, time_s: np.ndarray, rows: np.ndarray, prefix: str = "") -> None:

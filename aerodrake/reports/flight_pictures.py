@@ -42,7 +42,8 @@ def flight_pictures(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
     caption = "gamma with its modes in the background, and the weights that follow from it."
     panels = (draw_allocation, draw_weights)
     yield timeline("allocation", "Weight allocation", caption, thin, *panels)
-    yield residual_picture(log, thin, scenario)
+    if scenario.residual.mode != "off":
+        yield residual_picture(log, thin, scenario)
     caption = (
         "Largest commanded acceleration of base and joints relative to its bound, and thrust of "
         "the rotors with its bounds."
@@ -67,7 +68,7 @@ def residual_picture(log: FlightLog, thin: FlightLog, scenario: Scenario, of: st
         of: Suffix of the title.
     """
     residual = EquivalentModel.of(scenario, log.vehicle.joints).residual
-    with sheet("residual", 6.2) as (figure, done):
+    with sheet("residual", 7.4) as (figure, done):
         panels = figure.subplots(4, 1, sharex=True)
         draw_residual(panels[:3], log, scenario)
         for name, axes in zip("xyz", panels, strict=False):
@@ -86,7 +87,7 @@ def residual_picture(log: FlightLog, thin: FlightLog, scenario: Scenario, of: st
 def _motion(log: FlightLog, scenario: Scenario) -> Iterator[Picture]:
     """Yields the pictures of the motion of vehicle and tool."""
     with sheet("path", 4.2) as (figure, done):
-        draw_paths(figure.add_axes((0.0, 0.04, 0.93, 0.96), projection="3d"), log)
+        draw_paths(figure.add_axes((0.02, 0.04, 0.9, 0.88), projection="3d"), log)
     yield Picture("Paths", "The end-effector, its reference and the base, in space.", *done)
     with sheet("plan", 4.2) as (figure, done):
         draw_plan(figure.add_subplot(), log)
@@ -119,7 +120,7 @@ def _draw_reach(axes: Axes, log: FlightLog, scenario: Scenario) -> None:
 
 def _supervision(log: FlightLog, time_spans: list[Span]) -> Picture:
     rows = len({(span.mode is None, span.name) for span in time_spans})
-    with sheet("supervision", 0.9 + 0.2 * rows, left=1.9, top=0.3) as (figure, done):
+    with sheet("supervision", 1.0 + 0.22 * rows, left=2.1, top=0.36) as (figure, done):
         axes = figure.add_subplot()
         cover(axes, log.time_s)
         draw_spans(axes, time_spans)

@@ -6,6 +6,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from aerodrake.flight.log import FlightLog
+from aerodrake.reports.drawable import drawable
 from aerodrake.reports.flight_panels import draw_error
 from aerodrake.reports.flight_table import ending, notes, table_rows
 from aerodrake.reports.pictures import MOST_SAMPLES, timeline
@@ -18,7 +19,7 @@ def flight_cell(scenario: Scenario, summary: Mapping[str, Any], log: FlightLog) 
         loader=PackageLoader("aerodrake.reports"), autoescape=True, undefined=StrictUndefined
     )
     caption = "Distances of the end-effector from its reference and of the base from its setpoint."
-    errors = timeline("error", "Errors", caption, log.thinned(MOST_SAMPLES), draw_error)
+    errors = timeline("error", "Errors", caption, drawable(log).thinned(MOST_SAMPLES), draw_error)
     return environment.get_template("flight_cell.html").render(
         name=scenario.name,
         ending=ending(summary),

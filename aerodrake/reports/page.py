@@ -2,6 +2,9 @@
 
 import base64
 import gzip
+import time
+from datetime import datetime
+from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -17,13 +20,17 @@ RECORDERS = ("samples", "log")
 """Systems of a flight beside station and coordinator, which the chart leaves out."""
 
 
-def render(template: str, closed_loop: Diagram, replay: str, **content: Any) -> str:
+def render(
+    template: str, closed_loop: Diagram, replay: str, *, date: str, poster: str, **content: Any
+) -> str:
     """Renders a template and escapes all text.
 
     Args:
         template: Name of the file in `aerodrake/reports/templates`.
         closed_loop: Diagram for the chart of the page.
         replay: A page from `replay_page`; empty for none.
+        date: Date and time of the flight.
+        poster: PNG in base64 that is shown where the replay is not; empty for none.
         content: The other variables of the template.
     """
     environment = Environment(
@@ -37,8 +44,16 @@ def render(template: str, closed_loop: Diagram, replay: str, **content: Any) -> 
         chart=n2_svg(closed_loop, CHART_DEPTH, RECORDERS),
         replay=_packed(replay) if replay else "",
         version=__version__,
+        date=date,
+        poster=poster,
         **content,
     )
+
+
+def date_of(results: Path) -> str:
+    """Returns the local date and time at which results were written; now if there are none."""
+    time_s = results.stat().st_mtime if results.exists() else time.time()
+    return datetime.fromtimestamp(time_s).astimezone().strftime("%Y-%m-%d %H:%M %Z")
 
 
 def _packed(text: str) -> str:

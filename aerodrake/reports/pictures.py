@@ -16,9 +16,9 @@ WIDTH = 5.2
 """Width of a picture in inches; on a phone its text is as large as that of the page."""
 ROW = 1.35
 """Height of a panel of a timeline in inches."""
-LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.2, 0.1, 0.42
+LEFT, RIGHT, TOP, BOTTOM = 0.95, 0.2, 0.36, 0.48
 """Margins for labels in inches. A layout engine would double the time of drawing."""
-GAP = 0.14
+GAP = 0.4
 
 MOST_SAMPLES = 1200
 """Largest number of samples in a line: three for each point of a picture's width."""

@@ -30,13 +30,13 @@ def replay_page(log: FlightLog, scenario: Scenario) -> str:
         scenario: The scenario of the flight, for its payload.
     """
     log = drawable(log)
-    times, positions = _frames(log)
+    times, positions = replay_frames(log)
     flown = np.flatnonzero(log.time_s >= min(0.0, log.time_s[-1]))
     stride = -(-len(flown) // MOST_POINTS)
     shown = flown[(len(flown) - 1) % stride :: stride]
     with Scene(scenario, log.vehicle) as scene:
-        scene.draw_reference(_finite(log["p_Ed_m"][shown]))
-        scene.draw_trace(_finite(log["p_E_m"][shown]))
+        scene.draw_reference(finite_points(log["p_Ed_m"][shown]))
+        scene.draw_trace(finite_points(log["p_E_m"][shown]))
         scene.look_at(np.median(positions[:, BASE], axis=0))
         scene.meshcat.StartRecording(frames_per_second=_pace(times[-1]))
         for time, position in zip(times, positions, strict=True):
@@ -46,7 +46,7 @@ def replay_page(log: FlightLog, scenario: Scenario) -> str:
         return scene.meshcat.StaticHtml()
 
 
-def _frames(log: FlightLog) -> tuple[np.ndarray, np.ndarray]:
+def replay_frames(log: FlightLog) -> tuple[np.ndarray, np.ndarray]:
     """Returns the times (F,) s of the frames, and the positions (F, 7 + n) of the plant there."""
     time_s = log.time_s
     positions = np.hstack([log["quaternion"], log["p_B_m"], log["q_rad"]])
@@ -67,5 +67,6 @@ def _pace(end_s: float) -> float:
     return min(FRAMES_PER_S, MOST_FRAMES / max(end_s, 1.0))
 
 
-def _finite(points: np.ndarray) -> np.ndarray:
+def finite_points(points: np.ndarray) -> np.ndarray:
+    """Returns the points (K, 3) of (T, 3) that are finite."""
     return points[np.isfinite(points).all(axis=1)]

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from aerodrake.flight.log import FlightLog
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.reports.figures import ACCENT, AXIS_COLORS, EDGE, widen
+from aerodrake.reports.figures import ACCENT, AXIS_COLORS, EDGE, legend_above, widen
 from aerodrake.scenario import Scenario
 
 MOST_RATIO = 10.0
@@ -26,7 +26,7 @@ def draw_residual(panels: Sequence[Axes], log: FlightLog, scenario: Scenario) ->
         axes.margins(x=0, y=0.15)
         widen(axes.yaxis, 1.0)
         _limit(axes, 1e3 * true[:, axis])
-        axes.legend(loc="upper right", ncols=2)
+        legend_above(axes, 2)
 
 
 def draw_prediction(axes: Axes, log: FlightLog) -> None:
@@ -43,7 +43,7 @@ def draw_prediction(axes: Axes, log: FlightLog) -> None:
     _limit(axes, 1e3 * np.linalg.norm(log["nominal_prediction_error_m_s"], axis=1))
     axes.set_ylim(bottom=0)
     axes.set_ylabel("error / mm/s")
-    axes.legend(loc="best", ncols=2)
+    legend_above(axes, 2)
 
 
 def _limit(axes: Axes, true: np.ndarray) -> None:

@@ -2,11 +2,21 @@
 
 import gc
 import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Self
 
 import numpy as np
-from pydrake.geometry import Box, Meshcat, MeshcatParams, MeshcatVisualizer, Rgba
+from pydrake.geometry import (
+    Box,
+    Meshcat,
+    MeshcatParams,
+    MeshcatVisualizer,
+    QueryObject,
+    Rgba,
+    SceneGraph,
+)
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.perception import PointCloud
@@ -56,17 +66,7 @@ class Scene:
         self._p_O = vehicle.p_O
         self._size_m = scenario.allocation.learning_space_m
         builder = DiagramBuilder()
-        self._plant = builder.AddSystem(MultibodyPlant(0.0))
-        scene_graph = builder.AddSystem(make_scene_graph())
-        self._plant.RegisterAsSourceForSceneGraph(scene_graph)
-        add_robot(self._plant, vehicle.description)
-        add_payload(self._plant, scenario.payload.mass_kg)
-        add_ground(self._plant)
-        self._plant.Finalize()
-        builder.Connect(
-            self._plant.get_geometry_pose_output_port(),
-            scene_graph.get_source_pose_port(self._plant.get_source_id()),
-        )
+        self._plant, scene_graph = _add_vehicle(builder, scenario, vehicle)
         MeshcatVisualizer.AddToBuilder(builder, scene_graph, self.meshcat)
         self._diagram = builder.Build()
         self._context = self._diagram.CreateDefaultContext()
@@ -121,6 +121,38 @@ class Scene:
     def look_at(self, middle: np.ndarray) -> None:
         """Turns the camera to a point, middle (3,) m in the world."""
         self.meshcat.SetCameraPose(middle + VIEW_FROM_M, middle)
+
+
+@contextmanager
+def posed_scene(
+    scenario: Scenario, vehicle: VehicleModel, positions: np.ndarray
+) -> Iterator[QueryObject]:
+    """Yields the geometry of a scenario's vehicle at positions (7 + n,), without a visualizer."""
+    builder = DiagramBuilder()
+    plant, scene_graph = _add_vehicle(builder, scenario, vehicle)
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    plant.SetPositions(plant.GetMyMutableContextFromRoot(context), positions)
+    own = scene_graph.GetMyContextFromRoot(context)
+    yield scene_graph.get_query_output_port().Eval(own)
+
+
+def _add_vehicle(
+    builder: DiagramBuilder, scenario: Scenario, vehicle: VehicleModel
+) -> tuple[MultibodyPlant, SceneGraph]:
+    """Adds the plant of a vehicle, with its payload and the ground, and its geometry."""
+    plant = builder.AddSystem(MultibodyPlant(0.0))
+    scene_graph = builder.AddSystem(make_scene_graph())
+    plant.RegisterAsSourceForSceneGraph(scene_graph)
+    add_robot(plant, vehicle.description)
+    add_payload(plant, scenario.payload.mass_kg)
+    add_ground(plant)
+    plant.Finalize()
+    builder.Connect(
+        plant.get_geometry_pose_output_port(),
+        scene_graph.get_source_pose_port(plant.get_source_id()),
+    )
+    return plant, scene_graph
 
 
 def _silent_meshcat() -> Meshcat:

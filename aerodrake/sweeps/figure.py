@@ -1,6 +1,7 @@
 """Figure of a sweep: distribution of the error, and error against each varied key."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,17 +11,26 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from aerodrake.flight.summary import HEADLINES
+from aerodrake.reports.drawable import LARGEST
 from aerodrake.reports.figures import ACCENT, INK, STYLE, write_png
 from aerodrake.scenario.plain_yaml import dump_line
-from aerodrake.sweeps.distributions import are_numbers
-from aerodrake.sweeps.outcomes import Outcomes
+from aerodrake.sweeps.distributions import Choice, Linspace, are_numbers
+from aerodrake.sweeps.outcomes import Outcomes, three_digits
 
 COLUMNS, MOST_PANELS = 3, 12
 PANEL_IN = (4.6, 3.4)
 POINTS: dict[str, Any] = {"linestyle": "", "marker": ".", "alpha": 0.6, "color": INK}
 ENDED: dict[str, Any] = {"linestyle": "", "marker": "x", "color": ACCENT}
-MOST_CATEGORIES = 8
-"""Largest number of distinct numbers that are drawn as categories."""
+MEDIANS: tuple[dict[str, Any], ...] = (
+    {"linewidth": 1.0},
+    {"linestyle": "", "marker": "_", "markersize": 24},
+)
+"""Styles of the medians of a grid, and of a choice."""
+MOST_UPRIGHT = 8
+"""Largest number of categories with upright labels."""
+WIDEST = 100.0
+"""Largest ratio of the errors on a linear axis."""
+QUANTILES = (50, 90, 95)
 TOP = 0.95
 """Height of the marks of flights that were not completed, as a fraction of the panel."""
 
@@ -48,40 +58,68 @@ def plot_sweep(outcomes: Outcomes, title: str, path: Path) -> None:
 
 def _draw_distribution(axes: Axes, outcomes: Outcomes) -> None:
     """Draws the cumulative distribution of the error of completed flights."""
-    error = 1e3 * np.sort(outcomes.error_m[outcomes.completed])
     axes.set(xlabel=_label(outcomes), ylabel="fraction of completed flights", ylim=(0, 1.02))
+    error = _error_mm(outcomes)
+    error = np.sort(error[np.isfinite(error)])
     if not len(error):
         return
     fraction = np.arange(1, len(error) + 1) / len(error)
     axes.step(np.append(error[0], error), np.append(0, fraction), where="post", color=INK)
-    for quantile in (50, 90, 95):
-        value = np.percentile(error, quantile)
+    if _spans_decades(error):
+        axes.set_xscale("log")
+    values = np.percentile(error, QUANTILES)
+    for value in values:
         axes.axvline(value, color=ACCENT, linewidth=0.8)
-        axes.annotate(f" {value:.2f}", (value, quantile / 100), color=ACCENT, fontsize=8, va="top")
+    labels = [f"{q} %: {three_digits(v)}" for q, v in zip(QUANTILES, values, strict=True)]
+    axes.set_title("    ".join(labels), color=ACCENT, fontsize=9, loc="left")
 
 
 def _draw_parameter(axes: Axes, outcomes: Outcomes, name: str) -> None:
-    """Draws error against the values of a key; words and few numbers as categories with medians."""
-    values, done = outcomes.parameters[name], outcomes.completed
+    """Draws error against the values of a key, with medians of the values that recur."""
+    kind, error = type(outcomes.vary[name]), _error_mm(outcomes)
     axes.set_xlabel(name, parse_math=False)
     axes.set_ylabel(_label(outcomes))
-    if are_numbers(*values) and len({*values}) > MOST_CATEGORIES:
-        x = np.array(values, dtype=float)
+    values = outcomes.parameters[name]
+    x = _categories(axes, values) if kind is Choice else np.array(values, dtype=float)
+    places = np.unique(x) if kind in (Choice, Linspace) else np.empty(0)
+    medians = [_median(error[x == place]) for place in places]
+    axes.plot(places, medians, color=ACCENT, **MEDIANS[kind is Choice])
+    axes.plot(x, error, **POINTS)
+    if _spans_decades(error):
+        axes.set_yscale("log")
     else:
-        by_word = {dump_line(v): v for v in values}
-        words = sorted(by_word, key=by_word.get) if are_numbers(*values) else sorted(by_word)
-        x = np.array([words.index(dump_line(value)) for value in values], dtype=float)
-        axes.set_xticks(range(len(words)), [word[:20] for word in words], parse_math=False)
-        for category in range(len(words)):
-            error = outcomes.error_m[(x == category) & done]
-            if len(error):
-                axes.plot(category, 1e3 * np.median(error), "_", color=ACCENT, markersize=24)
-    axes.plot(x[done], 1e3 * outcomes.error_m[done], **POINTS)
-    ended = x[~done]
+        axes.margins(y=0.15)
+    ended = x[~outcomes.completed]
     axes.plot(ended, np.full(len(ended), TOP), transform=axes.get_xaxis_transform(), **ENDED)
-    axes.margins(y=0.15)
     if correlation := outcomes.correlation(name):
         axes.set_title(f"rank correlation {correlation[0]:+.2f}", fontsize=9, color=INK)
+
+
+def _categories(axes: Axes, values: Sequence[Any]) -> np.ndarray:
+    """Labels an axis with the distinct `values`, in order; returns (T,) the place of each."""
+    by_word = {dump_line(value): value for value in values}
+    words = sorted(by_word, key=by_word.get) if are_numbers(*values) else sorted(by_word)
+    rotation = 90 if len(words) > MOST_UPRIGHT else 0
+    labels = [word[:20] for word in words]
+    axes.set_xticks(range(len(words)), labels, parse_math=False, rotation=rotation)
+    axes.set_xlim(-0.5, max(len(words), 1) - 0.5)
+    return np.array([words.index(dump_line(value)) for value in values], dtype=float)
+
+
+def _error_mm(outcomes: Outcomes) -> np.ndarray:
+    """Returns (T,) mm, errors of the completed flights; NaN for others, and for diverged ones."""
+    return np.where(outcomes.error_m <= LARGEST, 1e3 * outcomes.error_m, np.nan)
+
+
+def _median(error: np.ndarray) -> float:
+    error = error[np.isfinite(error)]
+    return float(np.median(error)) if len(error) else np.nan
+
+
+def _spans_decades(error: np.ndarray) -> bool:
+    """Returns True for errors so different that only a logarithmic axis shows all."""
+    error = error[np.isfinite(error)]
+    return bool(len(error) and error.min() > 0 and error.max() > WIDEST * error.min())
 
 
 def _label(outcomes: Outcomes) -> str:

@@ -1,5 +1,6 @@
 """Outcomes of a sweep: exit reasons and errors of its flights."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +10,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from aerodrake.flight.summary import HEADLINES
-from aerodrake.sweeps.distributions import are_numbers
+from aerodrake.sweeps.distributions import Distribution, are_numbers
 from aerodrake.sweeps.folder import read_rows
 from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.trial import FAILURES
@@ -28,6 +29,7 @@ class Outcomes:
         error_m: (T,) m, headline error of each trial; NaN if the flight was not completed.
         parameters: Values of each varied key.
         key: Key of the headline error in a row's `error`.
+        vary: Distribution of each varied key.
     """
 
     trials: np.ndarray
@@ -35,6 +37,7 @@ class Outcomes:
     error_m: np.ndarray
     parameters: Mapping[str, Sequence[Any]]
     key: str
+    vary: Mapping[str, Distribution]
 
     @classmethod
     def read(cls, folder: Path, plan: Plan) -> Self:
@@ -53,7 +56,7 @@ class Outcomes:
         drawn = [plan.trial(index).parameters for index in trials]
         parameters = {name: [values[name] for values in drawn] for name in plan.vary}
         column = error_m[:, list(HEADLINES).index(key)]
-        return cls(np.array(trials, dtype=int), endings, column, parameters, key)
+        return cls(np.array(trials, dtype=int), endings, column, parameters, key, plan.vary)
 
     @property
     def completed(self) -> np.ndarray:
@@ -81,6 +84,13 @@ class Outcomes:
             return None
         result = spearmanr(x, y)
         return float(result.statistic), float(result.pvalue)
+
+
+def three_digits(value: float) -> str:
+    """Formats a positive number with three significant digits or all before the point."""
+    if value and not 1e-4 <= value < 1e6:
+        return f"{value:.2e}"
+    return f"{value:.{max(0, 2 - math.floor(math.log10(value or 1)))}f}"
 
 
 def _brief(row: Mapping[str, Any]) -> tuple[int, str, list[float | None]]:

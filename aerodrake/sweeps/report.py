@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from aerodrake.flight.summary import HEADLINES, millimetres, rounded, to_json
+from aerodrake.flight.summary import HEADLINES, rounded, to_json
 from aerodrake.reports.drawing import drawing
 from aerodrake.support.files import write_atomically
 from aerodrake.support.interrupts import deferred_interrupts
 from aerodrake.sweeps.figure import plot_sweep
 from aerodrake.sweeps.folder import FIGURE, SUMMARY, SweepFolder
 from aerodrake.sweeps.match import SCENARIO
-from aerodrake.sweeps.outcomes import Outcomes
+from aerodrake.sweeps.outcomes import Outcomes, three_digits
 from aerodrake.sweeps.plan import Plan
 
 QUANTILES = {"median_m": 50, "p90_m": 90, "p95_m": 95, "max_m": 100}
@@ -93,7 +93,7 @@ def sweep_table(summary: Mapping[str, Any]) -> str:
     width = max([NARROWEST, *(len(label) + 1 for label in labels.values())])
     if error:
         titles = ("mean", "median", "90 %", "95 %", "max")
-        values = [millimetres(error[key]) for key in ("mean_m", *QUANTILES)]
+        values = [three_digits(1e3 * error[key]) for key in ("mean_m", *QUANTILES)]
         label = f"end-effector error, {HEADLINES[error['key']]}, mm".replace(", mean,", ",")
         lines += ["", " " * width + "".join(f"{title:>9}" for title in titles)]
         lines += [f"{label:<{width}}" + "".join(f"{value:>9}" for value in values)]
@@ -106,6 +106,6 @@ def sweep_table(summary: Mapping[str, Any]) -> str:
     lines += ["", "worst trials, with the command that flies each alone"]
     for worst in summary["worst"]:
         error_m = worst["error_m"]
-        result = worst["exit_reason"] if error_m is None else f"{millimetres(error_m)} mm"
+        result = worst["exit_reason"] if error_m is None else f"{three_digits(1e3 * error_m)} mm"
         lines.append(f"  trial {worst['trial']}, {result}: {worst['command']}")
     return "\n".join(lines)

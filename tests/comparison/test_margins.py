@@ -203,6 +203,7 @@ def short(monkeypatch):
 FILES = [
     *("clik", "comparison.json", "comparison.png", "margins.json", "margins.png", "modified"),
     "report.html",
+    "scenario.yaml",
 ]
 
 

@@ -3,6 +3,7 @@
 import json
 import re
 
+import numpy as np
 import pytest
 import yaml
 
@@ -11,15 +12,19 @@ from aerodrake.flight.log import FlightLog
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.reports.flight_page import report_page
 from aerodrake.reports.flight_table import table_rows
+from aerodrake.reports.page import date_of
 from aerodrake.scenario.load import load_scenario
 from aerodrake.scenario.plain_yaml import dump
 from aerodrake.scenario.schema import as_mapping
 from tests.browser import (
+    PHONE,
     assert_ids_are_found,
     assert_no_text_is_cut,
     assert_no_wider_than_its_window,
     assert_replay_draws,
     assert_silent,
+    pixels,
+    visit,
 )
 from tests.flights import lost_early
 
@@ -62,6 +67,42 @@ def test_it_opens_without_messages_and_requests(visited, path, tmp_path):
 
 def test_the_replay_draws(desktop):
     assert_replay_draws(desktop)
+
+
+def test_a_picture_is_in_the_place_of_a_replay_that_cannot_play(browser, path):
+    """Without scripts, and without WebGL, and on paper; the button is not there."""
+    without_webgl = "HTMLCanvasElement.prototype.getContext = () => null"
+    with visit(browser, path, java_script_enabled=False) as visited:
+        stage = visited.page.locator("#stage")
+        assert_orange(stage)
+        assert not visited.page.locator("#take").is_visible()
+        assert not visited.page.locator("#still").is_visible()
+    with visit(browser, path, PHONE) as visited:
+        visited.page.add_init_script(without_webgl)
+        visited.page.reload()
+        visited.page.locator("#stage").scroll_into_view_if_needed()
+        visited.page.locator("#still").wait_for()
+        assert not visited.page.locator("#take").is_visible()
+        visited.page.emulate_media(media="print")
+        assert_orange(visited.page.locator("#stage"))
+
+
+def assert_orange(place):
+    seen = pixels(place)
+    assert np.count_nonzero((seen[..., 0] > 0.6) & (seen[..., 2] < 0.35)) > 100
+
+
+def test_the_head_is_about_the_flight(desktop, folder):
+    """Its results, its date and its command, and nothing of the machine's speed."""
+    labels = desktop.page.locator(".highlights dt").all_text_contents()
+    assert labels == [
+        "error, mean", "largest error", "pointing error, mean", "base error, mean", "largest d_o",
+        "flown",
+    ]  # fmt: skip
+    text = desktop.page.locator("header").inner_text()
+    assert "real time" not in text and " ms" not in text
+    assert date_of(folder / "summary.json") in text
+    assert f"aerodrake run '{folder}/scenario.yaml'" in text
 
 
 def test_the_camera_is_taken_on_request(desktop):

@@ -9,13 +9,19 @@ from matplotlib.figure import Figure
 
 from aerodrake.reports.flight_panels import (
     MOST_TICKS,
+    draw_allocation,
     draw_boundaries,
     draw_distance,
     draw_error,
     draw_inputs,
     draw_paths,
+    draw_plan,
+    draw_series,
     draw_ticks,
+    draw_weights,
 )
+from aerodrake.reports.flight_pictures import flight_pictures
+from aerodrake.scenario import Residual
 
 
 @pytest.fixture
@@ -79,6 +85,39 @@ def test_distances_and_their_boundaries_are_all_within_the_panel(axes, short_fli
     assert low == 0 and high > 0.85
     heights = [line.get_ydata()[0] for line in axes.lines[2:]]
     assert heights == [scenario.allocation.d_h_m, scenario.allocation.d_edge_m]
+
+
+@pytest.mark.parametrize("error_mm", [1e-4, 2e-3, 0.5, 300.0])
+def test_errors_are_not_clipped_below_what_is_flown(error_mm, axes, short_flight):
+    _, log = short_flight
+    there = {"p_E_m": log["p_Ed_m"] + [0, 0, 1e-3 * error_mm], "p_B_m": log["p_Bd_m"]}
+    draw_error(axes, replace(log, signals={**log.signals, **there}))
+    low, high = axes.get_ylim()
+    assert low <= error_mm * (1 + 1e-6) and error_mm < high
+    np.testing.assert_allclose(lines(axes)["end-effector"][:, 1], error_mm, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "draw", [draw_error, draw_series, draw_weights, draw_allocation, draw_plan]
+)
+def test_legends_are_off_the_curves(draw, short_flight):
+    """They are above the panel."""
+    figure = Figure(layout="constrained")
+    axes = figure.add_subplot()
+    more = {"key": "q_rad", "convert": np.degrees, "label": "q"} if draw is draw_series else {}
+    draw(axes, short_flight[1], **more)
+    FigureCanvasAgg(figure).draw()
+    legend = axes.get_legend().get_window_extent()
+    assert legend.y0 >= axes.get_window_extent().y1 - 1
+    assert legend.y1 <= figure.bbox.y1
+
+
+@pytest.mark.parametrize("mode", ["off", "offline", "online"])
+def test_a_flight_without_residual_has_no_picture_of_it(mode, short_flight):
+    scenario, log = short_flight
+    scenario = replace(scenario, residual=Residual(mode=mode))
+    titles = [picture.title for picture in flight_pictures(log, scenario)]
+    assert ("Residual" in titles) == (mode != "off") and "Errors" in titles
 
 
 def test_the_error_axis_increases_for_small_errors(axes, short_flight):
