@@ -4,8 +4,6 @@ import difflib
 from collections.abc import Iterable, Iterator
 from xml.dom.minidom import Element
 
-import numpy as np
-
 from aerodrake.support.errors import BadInput
 
 OWNERS = ("link", "joint", "frame", "transmission", "material")
@@ -36,10 +34,10 @@ def text(element: Element) -> str:
     return "".join(parts).strip()
 
 
-def numbers(element: Element | None, name: str, default: str) -> np.ndarray:
-    """Returns the numbers (m,) of an attribute that has been checked, or those of the default."""
+def numbers(element: Element | None, name: str, default: str) -> list[float]:
+    """Returns the numbers of an attribute that has been checked, or those of the default."""
     given = element.getAttribute(name) if element is not None else ""
-    return np.array((given or default).split(), dtype=float)
+    return [float(word) for word in (given or default).split()]
 
 
 def owner(element: Element) -> str:
