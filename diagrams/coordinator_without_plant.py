@@ -3,16 +3,15 @@
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
+import aerodrake
 from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
-from aerodrake.scenario.load import load_scenario
-from aerodrake.station import make_context, make_coordinator
 from aerodrake.support.threads import single_thread
 
 
 def main() -> None:
-    scenario = load_scenario("moving_target")
-    coordinator = make_coordinator(scenario)
-    context = make_context(coordinator, scenario.seed)
+    scenario = aerodrake.load_scenario("moving_target")
+    coordinator = aerodrake.make_coordinator(scenario)
+    context = aerodrake.make_context(coordinator, scenario.seed)
     for port, value in (
         ("state", VehicleModel.load(scenario).trim_state),
         ("specific_thrust", [GRAVITY]),

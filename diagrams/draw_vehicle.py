@@ -17,17 +17,17 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
+import aerodrake
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.vehicle.robot import add_robot
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario.load import load_scenario
 
 EYE, TARGET = np.array([0.75, 1.35, 1.75]), np.array([-0.22, 0.12, 1.33])
 WIDTH, HEIGHT = 1200, 640
 
 
 def main() -> None:
-    scenario = load_scenario("clover")
+    scenario = aerodrake.load_scenario("clover")
     vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 1e-3)

@@ -3,18 +3,17 @@
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
+import aerodrake
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario.load import load_scenario
-from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.threads import single_thread
 
 
 def main() -> None:
-    scenario = load_scenario("clover")
-    closed_loop = make_closed_loop(scenario)
-    context = make_context(closed_loop, scenario.seed)
+    scenario = aerodrake.load_scenario("clover")
+    closed_loop = aerodrake.make_closed_loop(scenario)
+    context = aerodrake.make_context(closed_loop, scenario.seed)
     simulator = Simulator(closed_loop, context)
     kinematics = Kinematics(VehicleModel.load(scenario).plant)
     for t in range(11):

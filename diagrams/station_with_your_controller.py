@@ -5,10 +5,9 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource
 
+import aerodrake
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import Scenario
-from aerodrake.station import make_context, make_station
 from aerodrake.support.threads import single_thread
 
 
@@ -30,10 +29,10 @@ class Circle(LeafSystem):
 
 
 def main() -> None:
-    scenario = Scenario()
+    scenario = aerodrake.Scenario()
     vehicle = VehicleModel.load(scenario)
     builder = DiagramBuilder()
-    station = builder.AddSystem(make_station(scenario))
+    station = builder.AddSystem(aerodrake.make_station(scenario))
     circle = builder.AddNamedSystem("circle", Circle(vehicle.p_B))
     arm = builder.AddNamedSystem(
         "arm", ConstantVectorSource([*vehicle.working, *np.zeros(2 * vehicle.joints)])
@@ -42,7 +41,7 @@ def main() -> None:
     builder.Connect(arm.get_output_port(), station.GetInputPort("joint_setpoint"))
     diagram = builder.Build()
 
-    context = make_context(diagram, seed=0)
+    context = aerodrake.make_context(diagram, seed=0)
     simulator = Simulator(diagram, context)
     for t in range(0, 13, 2):
         with single_thread():

@@ -3,12 +3,9 @@
 import numpy as np
 from pydrake.systems.framework import LeafSystem
 
-from aerodrake.flight.simulate import FlightSimulation
-from aerodrake.flight.summary import summarize
+import aerodrake
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
-from aerodrake.scenario.load import load_scenario
-from aerodrake.wiring.replacements import Replacements
 
 
 class PdController(LeafSystem):
@@ -25,6 +22,7 @@ class PdController(LeafSystem):
         self._state = self.DeclareVectorInputPort("state", 13 + 2 * vehicle.joints)
         self._setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
         self.DeclareVectorInputPort("joint_setpoint", 3 * vehicle.joints)
+        self.DeclareVectorInputPort("position_offset", 3)  # For observers of the position.
         thrust = self.DeclareDiscreteState(self._mixer @ vehicle.trim_wrench)
         self.DeclareStateOutputPort("thrust_command", thrust)
         specific_thrust = self.DeclareDiscreteState([GRAVITY])
@@ -50,13 +48,13 @@ class PdController(LeafSystem):
 
 
 def main() -> None:
-    scenario = load_scenario("clover", duration=8)
+    scenario = aerodrake.load_scenario("clover", duration=8)
     vehicle = VehicleModel.load(scenario)
     ratio, period = scenario.vehicle.rotor.torque_ratio_m, scenario.rates.flight_period_s
     pd = {"flight_controller": lambda packaged: PdController(vehicle, ratio, period)}
-    for name, replacements in (("packaged", Replacements()), ("PD", Replacements(pd))):
-        error = summarize(scenario, FlightSimulation(scenario, replacements).fly())["error"]
-        print(f"{name}: {1e3 * error['mean_m']:.3f} mm")
+    for name, replaced in (("packaged", {}), ("PD", pd)):
+        result = aerodrake.fly(scenario, replacements=aerodrake.Replacements(replaced))
+        print(f"{name}: {1e3 * result.error['mean_m']:.3f} mm")
 
 
 if __name__ == "__main__":
