@@ -98,9 +98,9 @@ def test_rooms_are_folders():
     assert inner == set(MODEL_ROOMS)
 
 
-def test_the_readme_shows_the_rooms_from_the_top_down():
-    readme = (PACKAGE.parent / "README.md").read_text()
-    tree = re.search(r"^```text\naerodrake/\n(.*?)^diagrams/", readme, re.MULTILINE | re.DOTALL)[1]
+def test_contributing_shows_the_rooms_from_the_top_down():
+    page = (PACKAGE.parent / "diagrams" / "contributing.md").read_text()
+    tree = re.search(r"^```text\naerodrake/\n(.*?)^diagrams/", page, re.MULTILINE | re.DOTALL)[1]
     shown = [name for line in tree.splitlines() for name in line.strip().split("  ")[0].split()]
     data = {"scenarios/", "robots/", "networks/"}
     rooms = [name.removesuffix("/").removesuffix(".py") for name in shown if name not in data]
