@@ -11,10 +11,16 @@ from pydrake.systems.framework import LeafSystem
 from aerodrake.coordinator import make_coordinator
 from aerodrake.model.equivalent.model import EquivalentModel
 from aerodrake.model.low_level.joint_pid import JointPid
+from aerodrake.model.mpc.clik import InverseKinematics
+from aerodrake.model.mpc.formulation import MpcFormulation
+from aerodrake.model.reference.curves import make_reference
+from aerodrake.model.reference.direction import make_direction
 from aerodrake.model.sensing.state_filter import StateFilter
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import (
     Allocation,
     Arm,
+    Clik,
     Clover,
     Filter,
     Flight,
@@ -90,6 +96,12 @@ def test_every_constructor_checks_its_arguments(system):
             lambda v: StateFilter.make(Filter(), Sensors(), 0.0),
             "dt: expected more than 0 s, got 0.0",
         ),
+        (lambda v: MpcFormulation(Allocation(), v, v), "config: expected Mpc, got Allocation("),
+        (lambda v: InverseKinematics(Mpc(), Clik(), v, v), "config: expected Clik, got Mpc("),
+        (lambda v: VehicleModel.load("clover"), "scenario: expected Scenario, got 'clover'"),
+        (lambda v: make_reference(Mpc(), np.zeros(3)), "config: expected Hover or Clover or"),
+        (lambda v: make_reference(Clover(), np.zeros(2)), "start: expected an array of 3 numbers"),
+        (lambda v: make_direction(Clover()), "config: expected OrientationOff or FixedAxis or"),
         (
             lambda v: EquivalentModel.make("papr", np.ones(3), 0.02, 6),
             "kind: unknown value 'papr'; did",

@@ -11,7 +11,7 @@ from aerodrake.scenario.overrides import Override, apply, from_keys, from_option
 from aerodrake.scenario.plain_yaml import dump, parse
 from aerodrake.scenario.scenario import MAX_NAME_BYTES, Scenario
 from aerodrake.scenario.schema import as_mapping, convert_field, map_files
-from aerodrake.support.errors import BadInput, ScenarioError, nearest, sourced
+from aerodrake.support.errors import BadInput, ScenarioError, nearest, show, sourced
 from aerodrake.support.files import read_bounded
 
 MAX_FILE_BYTES = 100_000
@@ -45,7 +45,7 @@ def load_scenario(
     """
     if not isinstance(name_or_path, str | os.PathLike):
         expected = "expected the name of a packaged scenario or the path of a .yaml file"
-        raise ScenarioError("name_or_path", "", f"{expected}, got {name_or_path!r}")
+        raise ScenarioError("name_or_path", "", f"{expected}, got {show(name_or_path)}")
     name = os.fspath(name_or_path)
     changes = from_keys(name, overrides, keys)
     return _load(name, changes, name if changes else "")
@@ -81,8 +81,10 @@ def override(
     Raises:
         ScenarioError: if a key or value is invalid, or keys are inconsistent.
     """
-    changes = from_keys(scenario.name or scenario.source, overrides, keys)
-    return _changed(vars(scenario), changes, scenario.name, scenario.name or scenario.source)
+    if not isinstance(scenario, Scenario):
+        raise ScenarioError("scenario", "", f"expected Scenario, got {show(scenario)}")
+    source = scenario.name or scenario.source
+    return _changed(vars(scenario), from_keys(source, overrides, keys), scenario.name, source)
 
 
 def resolve(

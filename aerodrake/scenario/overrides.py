@@ -8,7 +8,7 @@ from aerodrake.scenario.plain_yaml import parse
 from aerodrake.scenario.renamed import successor
 from aerodrake.scenario.scenario import Scenario
 from aerodrake.scenario.schema import as_mapping, convert_field
-from aerodrake.support.errors import BadInput, ScenarioError, nearest
+from aerodrake.support.errors import BadInput, ScenarioError, nearest, show
 
 UNIONS = ("reference", "orientation", "faults")
 """Sections whose key `kind` selects their class."""
@@ -61,10 +61,10 @@ def from_keys(
     """
     if not isinstance(overrides, Mapping | None):
         expected = "expected a mapping of dotted keys to values"
-        raise BadInput(source, "overrides", f"{expected}, got {overrides!r}")
+        raise BadInput(source, "overrides", f"{expected}, got {show(overrides)}")
     for key in overrides or ():
         if not isinstance(key, str):
-            raise BadInput(source, "overrides", f"expected dotted keys, got {key!r}")
+            raise BadInput(source, "overrides", f"expected dotted keys, got {show(key)}")
     changes = [*(overrides or {}).items(), *keys.items()]
     changes.sort(key=lambda change: (len(_parts(change[0])), not change[0].endswith(".kind")))
     return [Override(source, key, value) for key, value in changes]

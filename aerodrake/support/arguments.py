@@ -128,6 +128,8 @@ def _problem(hint: Any, value: Any) -> str:
     if kind is Annotated:
         problems = (constraint.problem(value) for constraint in hint.__metadata__)
         return _problem(arguments[0], value) or next(filter(None, problems), "")
+    if hint is Any:
+        return ""
     if hint is float:
         is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
         is_valid, expected = is_number and math.isfinite(value), "a number"
@@ -146,7 +148,7 @@ def _problem(hint: Any, value: Any) -> str:
     elif isinstance(kind or hint, type):
         is_valid, expected = isinstance(value, kind or hint), _name(hint)
     else:
-        return ""
+        is_valid, expected = True, ""
     return "" if is_valid else f"expected {expected}, got {show(value)}"
 
 

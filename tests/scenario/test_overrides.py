@@ -109,6 +109,12 @@ def test_a_scenario_is_named_by_a_string_or_path(name):
         load_scenario(name)
 
 
+@pytest.mark.parametrize("scenario", [None, "clover", Mpc()])
+def test_an_overridden_scenario_is_a_scenario(scenario):
+    with pytest.raises(ScenarioError, match="^scenario: expected Scenario, got"):
+        override(scenario, duration=3)
+
+
 def test_an_overridden_scenario_keeps_its_other_keys():
     scenario = load_scenario("clover", seed=3)
     changed = override(scenario, {"mpc.horizon": 10}, duration=5)

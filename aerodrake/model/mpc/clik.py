@@ -11,6 +11,7 @@ from aerodrake.model.mpc.tick import MpcInputs
 from aerodrake.model.setpoint.integration import SetpointLimits
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Clik, Mpc
+from aerodrake.support.arguments import checked
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ class InverseKinematics:
         vehicle: Gives the centre of the learning space and the limits of the joints.
     """
 
+    @checked
     def __init__(self, config: Clik, mpc: Mpc, model: EquivalentModel, vehicle: VehicleModel):
         self.mpc, self.model = mpc, model
         self._config, self._p_O = config, vehicle.p_O

@@ -14,6 +14,7 @@ from aerodrake.model.qp.quadratic_program import QuadraticProgram
 from aerodrake.model.setpoint.integration import braking
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mpc
+from aerodrake.support.arguments import checked
 
 
 class MpcFormulation(MpcProblem):
@@ -28,6 +29,7 @@ class MpcFormulation(MpcProblem):
         config, model, vehicle: As for `MpcProblem`.
     """
 
+    @checked
     def __init__(self, config: Mpc, model: EquivalentModel, vehicle: VehicleModel):
         super().__init__(config, model, vehicle)
         N, ticks, acceleration = config.horizon, self.stage_ticks, self.limits.acceleration

@@ -11,6 +11,7 @@ from aerodrake.model.reference.reference_curve import Motion, ReferenceCurve, pa
 from aerodrake.model.reference.smoothing import smooth_waypoints
 from aerodrake.model.reference.waypoints import interpolate_waypoints, read_waypoints
 from aerodrake.scenario import references
+from aerodrake.support.arguments import Vector3, checked
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import locate
 
@@ -90,7 +91,8 @@ CURVES: dict[type, Callable[..., ReferenceCurve]] = {
 }
 
 
-def make_reference(config: references.Reference, start: np.ndarray) -> ReferenceCurve:
+@checked
+def make_reference(config: references.Reference, start: Vector3) -> ReferenceCurve:
     """Returns the curve that a scenario's reference section describes.
 
     Args:

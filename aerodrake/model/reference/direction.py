@@ -12,6 +12,7 @@ from aerodrake.model.reference.waypoints import interpolate_waypoints, read_wayp
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import AxisAlong, FixedAxis, Orientation, OrientationOff
 from aerodrake.scenario.references import SHORTEST_AXIS
+from aerodrake.support.arguments import checked
 from aerodrake.support.errors import BadInput, ScenarioError
 from aerodrake.support.files import locate
 
@@ -78,6 +79,7 @@ class DirectionPath(Direction):
         return d, (rate - d * np.sum(d * rate, axis=1, keepdims=True)) / length
 
 
+@checked
 def make_direction(config: Orientation) -> Direction | None:
     """Returns the directions of a scenario's orientation section; None if it is off.
 

@@ -22,6 +22,7 @@ from aerodrake.model.vehicle.rotors import Rotors
 from aerodrake.model.vehicle.state import BASE_POSITIONS, BASE_VELOCITIES, VehicleState
 from aerodrake.model.vehicle.tucking import GroundGeometry, tuck
 from aerodrake.scenario import Scenario
+from aerodrake.support.arguments import checked
 from aerodrake.support.errors import BadInput, ScenarioError, file_at
 
 GRAVITY = 9.81
@@ -125,6 +126,7 @@ class VehicleModel:
         return np.broadcast_to(np.array(values, dtype=float), self.joints)
 
     @classmethod
+    @checked
     def load(cls, scenario: Scenario) -> Self:
         """Reads the scenario's robot and computes its trim.
 
