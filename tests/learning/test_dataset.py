@@ -7,7 +7,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from aerodrake.learning import dataset
@@ -138,6 +138,7 @@ def test_any_other_file_is_bad_input_in_one_line(path, samples, defect, message)
     assert (path.read_bytes() if path.exists() else None) == before
 
 
+@settings(max_examples=30, deadline=None)
 @given(st.data())
 def test_no_flipped_bit_changes_the_samples(tmp_path_factory, data):
     samples = np.arange(14.0).reshape(2, 7), np.ones((2, 3))

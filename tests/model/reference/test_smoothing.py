@@ -46,7 +46,7 @@ tables = st.integers(2, 12).flatmap(
 )
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(tables)
 def test_any_points_give_a_finite_path_from_rest_to_rest(table):
     steps, points, step = table

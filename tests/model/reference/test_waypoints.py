@@ -140,6 +140,7 @@ def test_other_spellings_of_numbers_are_refused(write, text, column):
         read_waypoints(path)
 
 
+@settings(max_examples=30, deadline=None)
 @given(st.floats(-1000, 1000), st.sampled_from(["{!r}", "{:.3f}", "{:+.9e}", "{:g}", " {:.1E} "]))
 def test_decimal_numbers_are_read_as_python_reads_them(tmp_path_factory, number, form):
     path = tmp_path_factory.getbasetemp() / "numbers.csv"
@@ -157,7 +158,7 @@ FORMS = {
 }
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(
     st.sampled_from(sorted(FORMS)),
     st.sampled_from(["multiples", "sum"]),

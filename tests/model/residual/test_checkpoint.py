@@ -7,7 +7,7 @@ import zipfile
 import numpy as np
 import pytest
 import torch
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from aerodrake.model.residual.checkpoint import (
@@ -124,6 +124,7 @@ def test_truncated(tmp_path):
         rejects(path, "expected a checkpoint of aerodrake")
 
 
+@settings(max_examples=30, deadline=None)
 @given(st.data())
 def test_no_flipped_bit_changes_the_network(tmp_path_factory, data):
     path = tmp_path_factory.getbasetemp() / "flipped.pt"
