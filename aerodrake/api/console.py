@@ -1,11 +1,13 @@
 """Notes and progress bars of the functions in this folder."""
 
+import sys
 from collections.abc import Iterable
 from typing import Any
 
 from tqdm import tqdm
 
 from aerodrake.support.compiled import CACHE, is_cold
+from aerodrake.support.streams import OutputStream
 
 FLIGHT_BAR = (
     "{desc} {percentage:3.0f}%|{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}, {rate_fmt}]"
@@ -19,28 +21,32 @@ LIVE_BAR = "{desc} {n:.1f}/{total:.1f} s{postfix} |{bar}|"
 class Console:
     """Prints notes on standard output, and shows progress bars on standard error.
 
+    A stream that cannot be written does not end the flight whose notes and progress it shows.
+
     Args:
         quiet: True to print and show nothing.
     """
 
     def __init__(self, quiet: bool):
         self._quiet = quiet
+        self._output, self._errors = OutputStream(sys.stdout), OutputStream(sys.stderr)
 
     def say(self, text: str) -> None:
         """Prints a text."""
         if not self._quiet:
-            print(text)
+            print(text, file=self._output)
 
     def note(self, notes: Iterable[str]) -> None:
         """Prints notes, and others if compiled code has an unusual folder or is missing."""
-        for note in (*notes, *([CACHE.note] if CACHE.note else [])):
+        for note in (*notes, *CACHE.new_notes()):
             self.say(f"note: {note}")
         if is_cold():
             self.say("note: compiling the equations first; this takes a minute, once per machine")
 
     def bar(self, name: str | None, total: float | None, unit: str, **others: Any) -> tqdm:
         """Returns a progress bar up to `total`, if that is known."""
-        return tqdm(desc=name, total=total, unit=unit, disable=self._quiet, **others)
+        shown = {"desc": name, "total": total, "unit": unit, "file": self._errors, **others}
+        return tqdm(disable=self._quiet, **shown)
 
     def flight_bar(self, name: str, total_s: float, form: str = FLIGHT_BAR) -> tqdm:
         """Returns a progress bar over simulated time."""

@@ -17,6 +17,9 @@ class Recording(Mapping[str, np.ndarray]):
 
     Args:
         columns: Column of each key in a sample for a plain series, or its range of columns.
+
+    Raises:
+        BadInput: if no folder of temporary files can be written.
     """
 
     def __init__(self, columns: Mapping[str, int | slice]):
@@ -25,7 +28,10 @@ class Recording(Mapping[str, np.ndarray]):
         self._others: dict[str, np.ndarray] = {}
         self._blocks: list[tuple[int, int]] = []  # Offset and number of samples of each.
         self._newest: np.ndarray | None = None
-        self._file = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115
+        try:
+            self._file = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115
+        except OSError as error:
+            raise BadInput("TMPDIR", "", f"expected a writable folder: {error.strerror}") from None
         weakref.finalize(self, self._file.close)
 
     def append(self, times: np.ndarray, samples: np.ndarray) -> None:

@@ -52,6 +52,7 @@ class CacheFolders:
             kept = f"kept in {writes}" if writes else "compiled anew in each process"
             folders = " and ".join(map(str, usual))
             self.note = f"compiled code is {kept}, since {folders} cannot be written"
+        self._new = [self.note] if self.note else []
         self.reads = [
             folder / name for folder in dict.fromkeys([*usual, *([writes] if writes else [])])
         ]
@@ -60,6 +61,11 @@ class CacheFolders:
             for other in beside.glob("compiled-*"):
                 if other.name != name:
                     shutil.rmtree(other, ignore_errors=True)
+
+    def new_notes(self) -> list[str]:
+        """Returns the note at the first call, if there is one; then none."""
+        notes, self._new = self._new, []
+        return notes
 
 
 CACHE = CacheFolders(EQUATIONS)

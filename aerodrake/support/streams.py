@@ -23,7 +23,7 @@ class OutputStream:
         error: The first error of writing; None without one.
 
     Args:
-        stream: `sys.stdout` or `sys.stderr`; None if it was closed when the process started.
+        stream: Any text stream; None for one that was closed when the process started.
     """
 
     def __init__(self, stream: TextIO | None):
@@ -41,7 +41,7 @@ class OutputStream:
             try:
                 self._stream.write(text)
             except (OSError, ValueError) as error:  # ValueError: closed by the program itself.
-                self._drop(error)
+                self.error = error
         return len(text)
 
     def flush(self) -> None:
@@ -50,7 +50,7 @@ class OutputStream:
             try:
                 self._stream.flush()
             except (OSError, ValueError) as error:
-                self._drop(error)
+                self.error = error
 
     def exit_code(self, code: int) -> int:
         """Returns the exit code of a command that wrote its results to this stream.
@@ -68,16 +68,16 @@ class OutputStream:
         is_broken = isinstance(self.error, BrokenPipeError)
         return code or (BROKEN_PIPE_CODE if is_broken else UNWRITABLE_CODE)
 
-    def _drop(self, error: OSError | ValueError) -> None:
-        """Keeps the error, and empties the buffer into the null device.
+    def close_broken(self) -> None:
+        """Connects the stream to the null device if it is broken.
 
-        Python flushes the buffer again at exit, and would fail with code 120.
+        Python flushes its buffer again at exit, and would fail with code 120.
         """
-        self.error = error
-        with suppress(OSError, ValueError):
-            null = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(null, self._stream.fileno())
-            os.close(null)
+        if self.error is not None:
+            with suppress(OSError, ValueError):
+                null = os.open(os.devnull, os.O_WRONLY)
+                os.dup2(null, self._stream.fileno())
+                os.close(null)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
@@ -96,9 +96,10 @@ def output_streams() -> Iterator[OutputStream]:
     try:
         yield output
     finally:
-        output.flush()
-        errors.flush()
         sys.stdout, sys.stderr = before
+        for stream in (output, errors):
+            stream.flush()
+            stream.close_broken()
 
 
 def _open_closed_descriptors() -> None:

@@ -77,3 +77,9 @@ def test_its_file_is_closed_with_it():
         file = Recording(COLUMNS)._file
         gc.collect()
     assert file.closed and not caught
+
+
+def test_without_a_writable_temporary_folder(monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", "/proc/none")
+    with pytest.raises(BadInput, match="^TMPDIR: expected a writable folder: No such file"):
+        Recording(COLUMNS)

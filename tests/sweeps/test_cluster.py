@@ -88,7 +88,7 @@ def test_a_killed_worker_does_not_change_the_rows(scheduler, plan, flown, tmp_pa
 
 def test_a_worker_of_another_version_is_refused(scheduler, monkeypatch):
     monkeypatch.setattr(module, "__version__", "0.0.0")  # In this process only.
-    expected = "--scheduler: expected aerodrake 0.0.0 on worker tcp:.*got '"
+    expected = "scheduler: expected aerodrake 0.0.0 on worker tcp:.*got '"
     with pytest.raises(BadInput, match=expected), cluster(scheduler):
         pytest.fail("connected")
 
