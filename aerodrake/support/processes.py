@@ -1,5 +1,6 @@
 """Parallel work in isolated processes, one for each item."""
 
+import logging
 import multiprocessing
 import os
 import signal
@@ -32,7 +33,7 @@ def run_parallel(
         jobs: Number of concurrent processes.
     """
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPool(max_workers=jobs, max_tasks=1, initializer=_end_with_parent, context=context)
+    pool = ProcessPool(max_workers=jobs, max_tasks=1, initializer=_follow_parent, context=context)
     try:
         running: dict[Future, int] = {}
         sent = 0
@@ -50,8 +51,9 @@ def run_parallel(
         pool.join()
 
 
-def _end_with_parent() -> None:
-    """Makes this process end with its parent, even if the parent is killed."""
+def _follow_parent() -> None:
+    """Makes this process end with its parent, even if the parent is killed, and log errors only."""
+    logging.disable(logging.WARNING)  # The parent has logged the warnings on the same vehicle.
     parent = multiprocessing.parent_process()
 
     def watch() -> None:

@@ -1,6 +1,7 @@
 """Function calls in child processes that are reused."""
 
 import contextlib
+import logging
 import os
 import pickle
 import queue
@@ -119,6 +120,7 @@ class _Child:
 def main(pipe: Connection) -> None:
     """Executes calls until the parent ends, or no call comes for `IDLE_S`."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    logging.disable(logging.WARNING)  # The parent has logged the warnings on the same vehicle.
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
 
     def read() -> None:

@@ -42,11 +42,18 @@ class ThrustAllocation(NamedTuple):
         allocation = cls.of(mixer, rotor.min_thrust_n, rotor.max_thrust_n)
         names = zip(vehicle.rotors.names, allocation.inverse[0], strict=True)
         if idle := [name for name, thrust in names if thrust <= 1e-6]:
+            # With positions alone, without the drag torques.
+            is_around = (np.linalg.pinv(mixer[:3])[:, 0] > 1e-6).all()
+            expected, torque = (
+                ("directions of rotation, _ccw and _cw, that balance in hover", "yaw torque")
+                if is_around
+                else ("rotors all around the base's origin", "torque")
+            )
             raise ScenarioError(
                 vehicle.source,
                 "vehicle.robot",
-                f"{vehicle.robot}: expected rotors all around the base's origin; for lift without "
-                f"torque {', '.join(idle)} would have to pull down",
+                f"{vehicle.robot}: expected {expected}; for lift without {torque}, "
+                f"{', '.join(idle)} would have to pull down",
             )
         return allocation
 

@@ -1,5 +1,6 @@
 """Numbers of a URDF: the elements that have them, their count, unit and range."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from xml.dom.minidom import Element
@@ -45,12 +46,14 @@ class Expected:
         range: The range of each.
         counts: Valid counts.
         is_required: True if the attribute cannot be left out.
+        advice: A way out for numbers that are not in the range.
     """
 
     unit: str = ""
     range: Range = ANY
     counts: tuple[int, ...] = (1,)
     is_required: bool = False
+    advice: str = ""
 
     def __str__(self) -> str:
         count = "a" if self.counts == (1,) else " or ".join(map(str, self.counts))
@@ -82,6 +85,7 @@ SHAPES = {
     "mesh": {"scale": Expected(range=NONZERO, counts=(1, 3))},
 }
 """Shapes of geometry, with their attributes."""
+MASS = Expected("kg", POSITIVE, (1,), True, "a link without mass has no <inertial>")
 COLOR = {"rgba": Expected("[0, 1]", FRACTION, (4,), is_required=True)}
 PROXIMITY = "link/collision/drake:proximity_properties/drake:"
 
@@ -89,7 +93,7 @@ NUMBERS: dict[str, dict[str, Expected]] = {
     "frame": POSE,
     "material/color": COLOR,
     "link/inertial/origin": POSE,
-    "link/inertial/mass": {"value": Expected("kg", POSITIVE, is_required=True)},
+    "link/inertial/mass": {"value": MASS},
     "link/inertial/inertia": {m: Expected("kg m^2", is_required=True) for m in MOMENTS},
     "link/visual/origin": POSE,
     "link/visual/material/color": COLOR,
@@ -192,7 +196,9 @@ def _check_attributes(element: Element, table: dict[str, Expected]) -> None:
         words = value.strip(SPACE).split()
         if not value.isascii() or not expected.fits(words):
             most = f" of magnitude {LARGEST:g} or less" if _is_large(words) else ""
-            raise fault(element, f"{place}: expected {expected}{most}, got {value!a}")
+            is_number = words and not most and not any(map(math.isnan, map(read_decimal, words)))
+            advice = f"; {expected.advice}" if is_number and expected.advice else ""
+            raise fault(element, f"{place}: expected {expected}{most}, got {value!a}{advice}")
         if name and value != " ".join(words):
             # Drake takes a scale for one number unless there is a plain space in it.
             element.setAttribute(name, " ".join(words))

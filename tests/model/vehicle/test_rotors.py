@@ -121,9 +121,17 @@ def test_rotors_beside_the_base_are_refused_by_name(tmp_path):
         start, _, rest = row.partition('xyz="')
         x, rest = rest.split(" ", 1)
         text = text.replace(row, f'{start}xyz="{float(x) + 1} {rest}')
-    scenario = with_urdf(text, tmp_path)
+    vehicle = VehicleModel.load(with_urdf(text, tmp_path))
     with pytest.raises(BadInput, match="all around the base's origin; .* rotor_1_ccw.* pull down"):
-        ThrustAllocation.make(VehicleModel.load(scenario), Rotor())
+        ThrustAllocation.make(vehicle, Rotor())
+
+
+@pytest.mark.parametrize("directions", ["+++++-", "++++--"])
+def test_directions_that_do_not_balance_are_refused(directions, tmp_path):
+    """Lift without yaw torque would need negative thrusts, though yaw torque is independent."""
+    vehicle = VehicleModel.load(with_urdf(spinning(directions), tmp_path))
+    with pytest.raises(BadInput, match="directions of rotation.* balance in hover; .* pull down"):
+        ThrustAllocation.make(vehicle, Rotor())
 
 
 def test_three_rotors_are_too_few(tmp_path):

@@ -123,7 +123,7 @@ def test_other_spellings_of_the_numbers_fly_as_before(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('<mass value="0.08"/>', '<mass value="0"/>', "hand: <mass value>: expected a positive"),
+        ('<mass value="0.08"/>', '<mass value="0"/>', "kg, got '0'; a link without mass"),
         ('<mass value="0.08"/>', '<mass value="-0.08"/>', "positive number in kg, got '-0.08'"),
         ('<mass value="0.08"/>', "<mass>0.08</mass>", "missing; .* got the text '0.08'"),
         ('<mass value="0.08"/>', '<mass vaule="0.08"/>', "'vaule'; did you mean 'value'"),
