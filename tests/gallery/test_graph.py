@@ -137,7 +137,7 @@ def test_every_connection_is_drawn(systems, name):
 def test_signals_are_followed_into_and_out_of_diagrams(closed_loop):
     drawn = arrows(graph_of(closed_loop, DEPTH))
     for consumer in ("kinematics", "mpc", "residual_estimator", "flight_controller"):
-        assert drawn["sensors", consumer] == ("state",)
+        assert "state" in drawn["sensors", consumer]
     assert drawn["setpoint_integrator", "arm_controller"] == ("joint_setpoint",)
     for consumer in ("flight_controller", "equivalent_state", "mpc"):
         assert drawn["setpoint_integrator", consumer] == ("base_setpoint", "joint_setpoint")
