@@ -1,16 +1,16 @@
 """Draws every diagram and system, with a page for each, into diagrams/graphs.
 
 It is the same as `aerodrake graph --out diagrams/graphs`. A diagram of your own can be given
-instead: `graph(diagram)`.
+instead: `aerodrake.graph(diagram)`.
 """
 
 from pathlib import Path
 
-from aerodrake.gallery.export import graph
+import aerodrake
 
 
 def main() -> None:
-    for path in graph(out=Path(__file__).parent / "graphs"):
+    for path in aerodrake.graph(out=Path(__file__).parent / "graphs"):
         print(path)
 
 

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 from pydrake.math import RigidTransform
 
+import aerodrake
 from aerodrake.gallery.vehicle_picture import Camera, VehiclePicture
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.vehicle.robot import TOOL_FRAME
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario.load import load_scenario
 
 CAMERA = Camera(
     eye=np.array([0.80, 1.45, 1.72]),
@@ -27,7 +27,7 @@ BLUE, ORANGE = "#1864ab", "#c2410c"
 
 
 def main() -> None:
-    scenario = load_scenario("clover")
+    scenario = aerodrake.load_scenario("clover")
     vehicle = VehicleModel.load(scenario)
     times = scenario.reference.start_s + np.linspace(0, scenario.reference.lap_s, 900)
     lap, _ = make_reference(scenario.reference, vehicle.p_E).evaluate(times)

@@ -55,8 +55,8 @@ class WireReceiver(LeafSystem):
         out `reference` (6): p_Ed, p_Ed' in m and m/s, from the horizon of the last message,
             interpolated by cubic Hermite splines at the current time; before the first message
             that of a hover in trim.
-        out `requested_reference` (6): p_Ed, p_Ed' in m and m/s, before faults and guard; while it is not
-            followed, extrapolated at its velocity.
+        out `requested_reference` (6): p_Ed, p_Ed' in m and m/s, before faults and guard; while it
+            is not followed, extrapolated at its velocity.
         out `tool_axis_d` (3): desired direction of the tool's axis, interpolated likewise from
             its horizon; only with an orientation task.
         out `prediction` (3 (N + 1)): m, p_E predicted by the MPC in the last message.
