@@ -91,12 +91,12 @@ class VehiclePicture:
         self._axes.set_axis_off()
 
     def name(self, text: str, point: np.ndarray, place: tuple[float, float], **style: Any) -> None:
-        """Writes a text at a place of the picture, with a line to a point (3,) of the world.
+        """Writes a text at a place of the picture, with a line to a point of the world.
 
         Args:
             text: The text.
-            point: m.
-            place: Pixels, of the left end of the text.
+            point: (3,) m.
+            place: Of the left end of the text, in pixels.
             style: `color` of both, and `start`, the part of the text where the line begins.
         """
         color, start = style.get("color", INK), style.get("start", (0.5, 0.5))
