@@ -5,14 +5,19 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import aerodrake
 
 ROOT = Path(aerodrake.__file__).parents[1]
 
 
-def test_versions_agree():
-    xml = (ROOT / "aerodrake" / "package.xml").read_text()
-    assert re.search("<version>(.+)</version>", xml)[1] == aerodrake.__version__
+@pytest.mark.parametrize(
+    ("file", "pattern"),
+    [("aerodrake/package.xml", "<version>(.+)</version>"), ("CITATION.cff", "\nversion: (.+)")],
+)
+def test_versions_agree(file, pattern):
+    assert re.search(pattern, (ROOT / file).read_text())[1] == aerodrake.__version__
 
 
 def test_the_version_of_a_source_tree(tmp_path):

@@ -101,12 +101,12 @@ def test_a_scheduler_that_does_not_respond_is_bad_input(address, monkeypatch, ca
             address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
     assert main(["sweep", "hover", "--trials", "1", "--quiet", "--scheduler", address]) == 2
     error = capsys.readouterr().err
-    assert "--scheduler: expected the address of a Dask scheduler" in error
+    assert "scheduler: expected the address of a Dask scheduler" in error
     assert len(error.splitlines()) == 1
 
 
 def test_a_missing_extra_is_bad_input(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    expected = r"--scheduler: expected the extra \[cluster\]"
+    expected = r"scheduler: expected the extra \[cluster\]"
     with pytest.raises(BadInput, match=expected), cluster("tcp://127.0.0.1:8786"):
         pytest.fail("connected")
