@@ -26,7 +26,7 @@ URL = "udpm://239.255.76.67:7668?ttl=0"
     ],
 )
 def test_an_invalid_address_is_refused(url):
-    with pytest.raises(BadInput, match="^--lcm: expected udpm://"):
+    with pytest.raises(BadInput, match="^lcm: expected udpm://"):
         make_lcm(url)
 
 
@@ -39,7 +39,7 @@ def test_a_port_of_another_program_is_refused():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("", 0))
         port = other.getsockname()[1]
-        with pytest.raises(BadInput, match=f"^--lcm: .* got {port}: Address already in use$"):
+        with pytest.raises(BadInput, match=f"^lcm: .* got {port}: Address already in use$"):
             make_lcm(f"udpm://239.255.76.67:{port}?ttl=0")
 
 
@@ -49,7 +49,7 @@ def test_a_port_that_is_not_permitted_is_refused(monkeypatch, code):
         raise OSError(code, "Not permitted")
 
     monkeypatch.setattr(socket.socket, "bind", bind)
-    with pytest.raises(BadInput, match="^--lcm: .* got 7668: Not permitted$"):
+    with pytest.raises(BadInput, match="^lcm: .* got 7668: Not permitted$"):
         make_lcm(URL)
 
 

@@ -60,4 +60,4 @@ def test_redundant_motion_returns_to_the_working_configuration(vehicle):
 
 def test_paths_beyond_the_joint_limits_are_refused(vehicle):
     with pytest.raises(ValueError, match="limits"):
-        joint_motion(eight(vehicle, lap_s=0.5)[1], vehicle, PERIOD)
+        joint_motion(eight(vehicle, lap_s=1.0)[1], vehicle, PERIOD)
