@@ -1,7 +1,7 @@
 """Joints of a URDF: a serial arm of revolute joints, with limits and transmissions."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from xml.dom.minidom import Element
 
 import numpy as np
@@ -50,22 +50,23 @@ def check_joints(robot: Element, base: str, tool: str) -> None:
     for element in children(robot):
         if element.tagName in UNSUPPORTED:
             raise fault(element, f"expected joints of the arm alone, got <{element.tagName}>")
-    links = [link.getAttribute("name") for link in children(robot, "link")]
+    links = dict.fromkeys(link.getAttribute("name") for link in children(robot, "link"))
     frames = {f.getAttribute("name"): f.getAttribute("link") for f in children(robot, "frame")}
     tool_link = frames.get(tool, tool)
     if tool_link not in links:
         raise BadInput("", "", f"expected a frame named '{tool}', whose origin is the end-effector")
     parents = _parents(robot, links, base)
-    arm: list[Element] = []
+    path: list[Element] = []
     while tool_link != base:
-        arm.insert(0, parents[tool_link])
-        tool_link = attribute(arm[0], "parent", "link")
-    arm = [joint for joint in arm if joint.getAttribute("type") in REVOLUTE]
+        path.append(parents[tool_link])
+        tool_link = attribute(path[-1], "parent", "link")
+    arm = [joint for joint in reversed(path) if joint.getAttribute("type") in REVOLUTE]
     names = [joint.getAttribute("name") for joint in arm]
     if not arm:
         raise BadInput("", "", f"expected revolute joints between '{base}' and '{tool}', got none")
-    for joint in parents.values():
-        if joint.getAttribute("type") in REVOLUTE and joint not in arm:
+    in_series = set(names)
+    for name, joint in ((joint.getAttribute("name"), joint) for joint in parents.values()):
+        if joint.getAttribute("type") in REVOLUTE and name not in in_series:
             raise fault(
                 joint,
                 f"expected all moving joints in series between '{base}' and '{tool}', got a branch "
@@ -76,7 +77,7 @@ def check_joints(robot: Element, base: str, tool: str) -> None:
     _check_transmissions(robot, names)
 
 
-def _parents(robot: Element, links: Sequence[str], base: str) -> dict[str, Element]:
+def _parents(robot: Element, links: Collection[str], base: str) -> dict[str, Element]:
     """Returns the joint above each link but the base, after checking that they form a tree."""
     above: dict[str, Element] = {}
     for joint in children(robot, "joint"):
@@ -97,16 +98,18 @@ def _parents(robot: Element, links: Sequence[str], base: str) -> dict[str, Eleme
             other = above[link].getAttribute("name")
             raise fault(joint, f"expected one joint above '{link}', which is below {other}, too")
         above[link] = joint
-    for link in links:
-        seen = {link}
-        while link != base:
+    connected = {base}
+    for first in links:
+        link, seen = first, {first}
+        while link not in connected:
             if link not in above:
                 problem = f"expected joints that connect it to '{base}', got none above '{link}'"
-                raise BadInput("", f"link {min(seen, key=links.index)}", problem)
+                raise BadInput("", f"link {first}", problem)
             link = attribute(above[link], "parent", "link")
             if link in seen:
                 raise fault(above[link], f"expected no loop of joints, got one through '{link}'")
             seen.add(link)
+        connected |= seen
     return above
 
 
@@ -137,8 +140,8 @@ def _check_limits(joint: Element) -> None:
 
 def _check_transmissions(robot: Element, arm: Sequence[str]) -> None:
     """Raises BadInput unless the arm's joints have one transmission each, in their order."""
-    joints = [joint.getAttribute("name") for joint in children(robot, "joint")]
-    driven: list[str] = []
+    joints = {joint.getAttribute("name") for joint in children(robot, "joint")}
+    driven, moving = [], set(arm)
     for element in children(robot, "transmission"):
         joint = only_child(element, "joint")
         name = joint.getAttribute("name") if joint is not None else ""
@@ -153,10 +156,11 @@ def _check_transmissions(robot: Element, arm: Sequence[str]) -> None:
         if not attribute(element, "actuator", "name"):
             raise fault(element, "expected one <actuator> with the attribute 'name'")
         only_child(element, "actuator")
-        if name in arm:
+        if name in moving:
             driven.append(name)
+    counts = Counter(driven)
     for name in arm:
-        if (count := driven.count(name)) != 1:
+        if (count := counts[name]) != 1:
             raise BadInput(
                 "", f"joint {name}", f"expected one <transmission>, got {count or 'none'}"
             )

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from aerodrake.model.vehicle.robot import RobotDescription
 from tests.urdfs import HEXAROTOR, changed, refusal
 
 WRIST = 'name="wrist_pitch" type="revolute"'
@@ -85,3 +86,18 @@ def test_fixed_joints_may_have_anything(tmp_path):
     text = changed(text, '<axis xyz="1 0 0"/>', "<axis/>")
     message = refusal(text, tmp_path)
     assert message == "joint wrist_pitch: <axis xyz>: missing; expected 3 numbers"
+
+
+@pytest.mark.parametrize(("last", "message"), [("base", ""), ("l3", "no loop of joints")])
+def test_long_chains(last, message, tmp_path):
+    """Their check takes a time in proportion to their length: with its square, minutes."""
+    chain, count = "", 3000
+    for i in range(count):
+        ends = f'<parent link="{f"l{i + 1}" if i < count - 1 else last}"/><child link="l{i}"/>'
+        chain += f'<link name="l{i}"/><joint name="j{i}" type="fixed">{ends}</joint>'
+    text = changed(HEXAROTOR, MOTORS, chain + MOTORS)
+    if message:
+        assert message in refusal(text, tmp_path)
+    else:
+        (tmp_path / "robot.urdf").write_text(text)
+        assert RobotDescription.read(str(tmp_path / "robot.urdf"))
