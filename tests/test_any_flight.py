@@ -9,14 +9,29 @@ import pytest
 from hypothesis import strategies as st
 
 from aerodrake.comparison.figure import plot_comparison
+from aerodrake.comparison.margin_search import Outcome, Search
+from aerodrake.comparison.margins import DISTURBANCES, Margins
+from aerodrake.comparison.margins_report import plot_margins
 from aerodrake.comparison.page import _pictures as comparison_pictures
 from aerodrake.flight.log import PER_TICK, FlightLog
 from aerodrake.flight.summary import summarize, to_json
+from aerodrake.identification.identify import (
+    ARMS,
+    AXES,
+    AxisIdentification,
+    Identification,
+    Record,
+)
+from aerodrake.identification.report import plot_identification
+from aerodrake.learning.report import DeltaFlight, plot_training
+from aerodrake.model.equivalent.identification import GainFit
+from aerodrake.model.residual.training import TrainingResult
 from aerodrake.reports.drawable import LARGEST, drawable
 from aerodrake.reports.flight_figure import plot_tracking
 from aerodrake.reports.flight_pictures import flight_pictures
 from aerodrake.reports.flight_table import highlights, table
 from aerodrake.reports.replay import replay_page
+from aerodrake.scenario import Scenario
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -87,3 +102,28 @@ def test_values_that_cannot_be_drawn_are_gaps(short_flight):
     assert np.isnan(drawn[0]).all() and np.isnan([drawn[1, 0], drawn[2, 2]]).all()
     assert np.count_nonzero(np.isnan(drawn)) == 5
     np.testing.assert_array_equal(drawn[3:], log["p_E_m"][3:])
+
+
+@pytest.mark.parametrize("value", [np.nan, 1e300])
+def test_an_identification_is_drawn(value, tmp_path):
+    time_s = 0.02 * np.arange(20)
+    record = Record(time_s, *(np.full(20, value) for _ in range(3)))
+    fit = GainFit(gain=2.0, interval=(value, value), r2=value)
+    axis = AxisIdentification(fit, dict.fromkeys(ARMS, record), dict.fromkeys(ARMS, 2.0))
+    axes = dict.fromkeys(AXES, axis)
+    plot_identification(Identification(Scenario(), axes), tmp_path / "a.png")
+
+
+@pytest.mark.parametrize(("value", "rows"), [(1.0, 0), (-1.0, 1), (1e300, 1), (np.nan, 20)])
+def test_a_training_is_drawn(value, rows, tmp_path):
+    losses = [value] * rows
+    result = TrainingResult(None, losses, losses, 0)
+    delta = DeltaFlight("title", 0.02, "m/s", *[np.full((rows, 3), value)] * 2)
+    plot_training(result, delta, tmp_path / "a.png")
+
+
+@pytest.mark.parametrize("error_m", [None, 1e300])
+def test_margins_are_drawn(error_m, tmp_path):
+    search = Search([0.0, 1.0, 2.0], {i: Outcome(error_m, "completed") for i in range(3)})
+    margins = Margins("mean_m", {"modified": dict.fromkeys(DISTURBANCES, search)})
+    plot_margins(margins, "title", tmp_path / "a.png")

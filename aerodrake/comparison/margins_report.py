@@ -12,6 +12,7 @@ from aerodrake.comparison.figure import COLORS
 from aerodrake.comparison.margin_search import LEAST_ERROR_M, Bracket, Search
 from aerodrake.comparison.margins import Margins
 from aerodrake.flight.summary import HEADLINES, millimetres, to_json
+from aerodrake.reports.drawable import LARGEST
 from aerodrake.reports.figures import INK, REFERENCE, STYLE, write_png
 from aerodrake.scenario import Scenario
 
@@ -166,7 +167,7 @@ def draw_margins(row: Sequence[Axes], margins: Margins) -> None:
 
 def _draw(axes: Axes, search: Search, factor: float, color: str) -> None:
     errors = {
-        factor * search.values[i]: 1e3 * max(outcome.error_m, LEAST_ERROR_M)
+        factor * search.values[i]: 1e3 * min(max(outcome.error_m, LEAST_ERROR_M), LARGEST)
         for i, outcome in sorted(search.outcomes.items())
         if not outcome.is_lost and outcome.error_m is not None
     }

@@ -87,7 +87,7 @@ def paper_rows(kind: str, key: str) -> list[list[str]]:
         integral = {"lap_mean_m": paper["integral_lap_mean_m"]}
         rows.insert(0, _paper_row("paper: integral", integral, key))
         rows[1][3] = f"{100 * (paper['lap_mean_m'] / paper['integral_lap_mean_m'] - 1):+.1f} %"
-    return rows
+    return [row for row in rows if any(row[1:])]
 
 
 def _paper_row(name: str, paper: Mapping[str, float], key: str) -> list[str]:

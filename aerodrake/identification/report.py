@@ -1,5 +1,6 @@
 """Table, figure and files of an identification."""
 
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from scipy.signal import lsim
 from aerodrake.flight.summary import rounded, to_json
 from aerodrake.identification.identify import AxisIdentification, Identification, Record
 from aerodrake.model.equivalent.identification import LEVEL
+from aerodrake.reports.drawable import drawable_values
 from aerodrake.reports.drawing import drawing
 from aerodrake.reports.figures import (
     ACCENT,
@@ -116,7 +118,8 @@ def plot_identification(identification: Identification, path: Path) -> None:
         for column, (name, axis), color in columns:
             k, (low, high), r2 = axis.fit.gain, axis.fit.interval, axis.fit.r2
             title = f"{name}: K_B = {k:.3f} ({low:.3f} to {high:.3f}) 1/s, R^2 = {r2:.3f}"
-            column[0].set_title(title, parse_math=False)
+            column[0].set_title(title, parse_math=False, pad=22)  # Above the legend.
+            axis = _drawable(axis)
             _response(column[0], axis)
             _velocity(column[1], axis)
             _residual(column[2], axis, color)
@@ -127,6 +130,14 @@ def plot_identification(identification: Identification, path: Path) -> None:
         for axes in rows[:3].flat:
             axes.set_xlabel("time / s")
         write_png(figure, path)
+
+
+def _drawable(axis: AxisIdentification) -> AxisIdentification:
+    records = {
+        arm: Record(*(drawable_values(getattr(record, field.name)) for field in fields(record)))
+        for arm, record in axis.records.items()
+    }
+    return replace(axis, records=records)
 
 
 def _response(axes: Axes, axis: AxisIdentification) -> None:

@@ -9,15 +9,21 @@ from matplotlib.figure import Figure
 
 from aerodrake.learning.evaluation import METHODS, NetworkEvaluation
 from aerodrake.model.residual.training import TrainingResult
+from aerodrake.reports.drawable import drawable_values
 from aerodrake.reports.figures import (
     ACCENT,
     AXIS_COLORS,
     INK,
     REFERENCE,
     STYLE,
+    cover,
+    cover_positive,
     legend_above,
     write_png,
 )
+
+LEAST_LOSS = 1e-12
+"""Smallest loss that the figure shows."""
 
 
 class DeltaFlight(NamedTuple):
@@ -65,19 +71,24 @@ def plot_training(result: TrainingResult, delta: DeltaFlight, path: Path) -> Non
         figure = Figure(figsize=(10, 9), dpi=120, layout="constrained")
         losses, *axes = figure.subplots(4, 1, height_ratios=[1.6, 1, 1, 1])
         epochs = 1 + np.arange(len(result.training_loss))
-        losses.semilogy(epochs, result.training_loss, color=INK, label="training")
-        losses.semilogy(epochs, result.validation_loss, color=ACCENT, label="validation")
+        both = [np.array(loss) for loss in (result.training_loss, result.validation_loss)]
+        training, validation = map(drawable_values, both)
+        losses.plot(epochs, training, color=INK, label="training")
+        losses.plot(epochs, validation, color=ACCENT, label="validation")
+        cover_positive(losses, np.concatenate([training, validation]), LEAST_LOSS)
         losses.axvline(result.best_epoch + 1, color=INK, linewidth=0.8, linestyle=":")
         losses.set(xlabel="epoch", ylabel="squared error / squared residual")
         legend_above(losses, 2)
         times = delta.period_s * np.arange(len(delta.true))
         for axis, (plot, name) in enumerate(zip(axes, "xyz", strict=True)):
-            plot.plot(times, 1e3 * delta.true[:, axis], **REFERENCE, label="true", zorder=3)
-            estimated = 1e3 * delta.estimated[:, axis]
+            true = 1e3 * drawable_values(delta.true[:, axis])
+            plot.plot(times, true, **REFERENCE, label="true", zorder=3)
+            estimated = 1e3 * drawable_values(delta.estimated[:, axis])
             plot.plot(times, estimated, color=AXIS_COLORS[axis], label="estimated")
-            plot.set(ylabel=f"Delta {name} / m{delta.unit}", xlim=(0, times[-1]))
+            plot.set_ylabel(f"Delta {name} / m{delta.unit}")
+            cover(plot, times)
             legend_above(plot, 2)
-        axes[0].set_title(delta.title, parse_math=False)
+        axes[0].set_title(delta.title, parse_math=False, loc="left")
         axes[-1].set_xlabel("time / s")
         write_png(figure, path)
 

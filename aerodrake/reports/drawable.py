@@ -27,14 +27,18 @@ class DrawableSignals(Mapping[str, np.ndarray]):
         self._signals = signals
 
     def __getitem__(self, key: str) -> np.ndarray:
-        rows = self._signals[key]
-        return np.where(np.abs(rows) <= LARGEST, rows, np.nan)
+        return drawable_values(self._signals[key])
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._signals)
 
     def __len__(self) -> int:
         return len(self._signals)
+
+
+def drawable_values(values: np.ndarray) -> np.ndarray:
+    """Returns the values (T, ...) with NaN for those that are infinite or exceed `LARGEST`."""
+    return np.where(np.abs(values) <= LARGEST, values, np.nan)
 
 
 def drawable(log: FlightLog) -> FlightLog:

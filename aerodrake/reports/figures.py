@@ -76,7 +76,8 @@ def widen(axis: Axis, span: float) -> None:
 
 def cover(axes: Axes, times: np.ndarray) -> None:
     """Sets the limits of a time axis to those of `times` (T,) s, at least `LEAST_TIME_S` apart."""
-    axes.set_xlim(times[0], max(times[-1], times[0] + LEAST_TIME_S))
+    start, end = (times[0], times[-1]) if len(times) else (0.0, 0.0)
+    axes.set_xlim(start, max(end, start + LEAST_TIME_S))
 
 
 def cover_positive(axes: Axes, values: np.ndarray, least: float) -> None:
