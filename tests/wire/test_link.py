@@ -123,7 +123,7 @@ def test_another_scenario_is_refused_at_both_ends():
         coordinator.receive()
     with pytest.raises(BadInput) as at_station:
         station.wait(lambda: None)
-    expected = "--lcm: expected a {} of the same scenario, got one that differs in rates"
+    expected = "lcm: expected a {} of the same scenario, got one that differs in rates"
     assert str(at_coordinator.value) == expected.format("station")
     assert str(at_station.value) == expected.format("coordinator")
 
