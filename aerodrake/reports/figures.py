@@ -88,9 +88,12 @@ def cover_positive(axes: Axes, values: np.ndarray, least: float) -> None:
     shown = values[values >= least]
     low = shown.min() if len(shown) else least
     # Limits first: those of lines without positive values are none of a logarithmic axis.
-    axes.set_ylim(low, max(2 * shown.max(initial=low), 10 * low))
+    high = max(2 * shown.max(initial=low), 10 * low)
+    axes.set_ylim(low, high)
     axes.set_yscale("log", nonpositive="mask")
     plain_ticks(axes.yaxis)
+    if high <= 10 * low:  # Less than two powers of ten are between the limits.
+        axes.yaxis.set_minor_formatter("{x:g}")
 
 
 def plain_ticks(axis: Axis) -> None:
