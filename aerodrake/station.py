@@ -60,7 +60,6 @@ WIRING = Wiring(
         ("flight_controller", "acceleration", "sensors", "acceleration"),
         ("flight_controller", "reaction", "sensors", "reaction"),
         ("sensors", "state", "flight_controller", "state"),
-        ("sensors", "position_offset", "flight_controller", "position_offset"),
         ("sensors", "state", "arm_controller", "state"),
         ("sensors", "sample", "rotor_monitor", "sample"),
         ("sensors", "sample_health", "rotor_monitor", "sample_health"),

@@ -85,7 +85,8 @@ class Monitor:
         reference, p_E = self._eval("reference"), self._p_E(x)
         moved = math.dist(reference[:3], self._target)
         self._target = reference[:3]
-        offset = self._eval("position_offset")
+        has_resets = self._closed_loop.HasOutputPort("position_offset")
+        offset = self._eval("position_offset") if has_resets else np.zeros(3)
         has_jumped = moved > JUMP_M + MONITOR_PERIOD_S * np.linalg.norm(reference[3:])
         has_jumped |= not np.array_equal(offset, self._offset)
         self._offset, farthest = offset, LOST_ERROR_M + np.linalg.norm(offset)

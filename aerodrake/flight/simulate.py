@@ -83,7 +83,8 @@ class FlightSimulation:
         first = self._columns["p_Bd_m"].start
         self._segment = slice(first, first + sizes["segment"])
         for name in MONITORED:
-            builder.ExportOutput(ports[name], name)
+            if name in ports:  # A replacement may lack some.
+                builder.ExportOutput(ports[name], name)
         self.closed_loop: Diagram = builder.Build()
         self.closed_loop.set_name("flight")
         self._tick_ms = link.tick_ms if link else _tick_ms(self.closed_loop, scenario.controller)
@@ -205,11 +206,17 @@ class FlightSimulation:
     def _derived(
         self, time_s: np.ndarray, signals: Mapping[str, np.ndarray]
     ) -> dict[str, np.ndarray]:
-        """Returns the signals of `DERIVED`, and zeros for ports that the closed loop lacks."""
+        """Returns the signals of `DERIVED`, and those of ports that the closed loop lacks.
+
+        They are zeros, and the followed reference for the one that was asked for.
+        """
         quaternion = signals["quaternion"]
         tool = np.array([self._kinematics.tool(q) for q in signals["q_rad"]])
         p_EB, t_B = tool[:, 0], tool[:, 1]
-        absent = {"tool_axis_d": np.zeros_like(t_B)} if "tool_axis_d" not in signals else {}
+        absent = {"tool_axis_d": np.zeros_like(t_B), "position_offset_m": np.zeros_like(t_B)}
+        if "p_Ed_m" not in signals:
+            absent |= {key: signals[f"followed_{key}"] for key in ("p_Ed_m", "v_Ed_m_s")}
+        absent = {key: rows for key, rows in absent.items() if key not in signals}
         return {
             "time_s": time_s,
             "p_E_m": signals["p_B_m"] + rotate(quaternion, p_EB),

@@ -24,8 +24,6 @@ class FlightController(LeafSystem):
             uses p_d alone.
         in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2. Used by the
             feedforward alone.
-        in `position_offset` (3): m, sum of the resets of the measured position, by which the
-            position observer moves; unconnected without resets.
         out `thrust_command` (k): N, per rotor.
         out `acceleration` (6): modelled acceleration of the base from this command until
             the next, without disturbances: of its origin, m/s^2 in the world, and
@@ -44,8 +42,9 @@ class FlightController(LeafSystem):
     State:
         a group for each field of `FlightState`: position observer (9), attitude
         observer (6), integral of the position error (3), desired attitude (9), its
-        filtered rate (3), modelled rotor thrust (k), acceleration (6) and position offset (3).
-        And a group for each other output. The observers start at the first sample.
+        filtered rate (3), modelled rotor thrust (k), acceleration (6) and measured position (3).
+        And a group for each other output. The observers start at the first sample, and move with
+        a position that jumps.
     Rate:
         `period`, after `offset`, so that it uses the MPC's command of the same instant.
 
@@ -89,7 +88,6 @@ class FlightController(LeafSystem):
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(vehicle.joints))
         self._setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * vehicle.joints)
-        self._offset = self.DeclareVectorInputPort("position_offset", 3)
         self._loops = NamedState(self, at_rest)
         self._outputs = NamedState(
             self,
@@ -107,10 +105,8 @@ class FlightController(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        state, offset = self._state.Eval(context), np.zeros(3)
-        if self._offset.HasValue(context):
-            offset = self._offset.Eval(context)
-        last = self._loops.read(context).aligned(split_state(state), offset, self._inner.lag.dt)
+        state = self._state.Eval(context)
+        last = self._loops.read(context).aligned(split_state(state), self._inner.lag.dt)
         position = outer_loop(self._outer, last, state, self._setpoint.Eval(context))
         effort = self._effort(context, state, position.a_B)
         loops, outputs = inner_loop(self._inner, last, state, position, effort)

@@ -6,11 +6,13 @@ from typing import Self
 from pydrake.systems.framework import Diagram, DiagramBuilder, PortDataType, System
 
 from aerodrake.support.errors import BadInput, nearest
+from aerodrake.wiring.table import OPTIONAL
 
 Replacement = Callable[[System], System]
 """Function that receives the default system and returns the system to use instead.
 
-The result must have every port of the default one, by name, size and type. It may have more
+The result must have every port of the default one, by name, size and type, but those in
+`aerodrake.wiring.table.OPTIONAL`. It may have more
 outputs. Rates and state are its own.
 """
 
@@ -70,7 +72,8 @@ class Replacements:
         for kind in ("input", "output"):
             have = _ports(theirs, kind)
             for port, expected in _ports(ours, kind).items():
-                if have.get(port) != expected:
+                is_absent = port not in have and (name, port) in OPTIONAL
+                if have.get(port) != expected and not is_absent:
                     got = have.get(port) or ", ".join(have) or "none"
                     problem = f"expected an {kind} port '{port}' of {expected}, got {got}"
                     raise BadInput("replacements", name, problem)

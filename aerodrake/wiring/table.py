@@ -16,6 +16,17 @@ def outputs(system: str, *ports: str) -> tuple[tuple[str, str, str], ...]:
     return tuple((system, port, port) for port in ports)
 
 
+OPTIONAL = frozenset(
+    {
+        *((name, "position_offset") for name in ("state_filter", "sensors", "station")),
+        *((name, "position_offset") for name in ("setpoint_integrator", "coordinator")),
+        ("setpoint_integrator", "state"),
+        *((name, "requested_reference") for name in ("guidance", "coordinator")),
+    }
+)
+"""Systems and their ports that a replacement may lack; a `Wiring` then skips their rows."""
+
+
 @dataclass(frozen=True)
 class Wiring:
     """Connections of the systems in a DiagramBuilder, and the ports that their diagram exports.
@@ -68,19 +79,30 @@ class Wiring:
         """Connects and exports the ports of systems that are in the builder.
 
         Raises:
-            RuntimeError: if a system or port does not exist.
+            RuntimeError: if a system or port does not exist that is not `OPTIONAL`.
         """
         system = builder.GetSubsystemByName
+
+        def is_absent(name: str, port: str, kind: str) -> bool:
+            has_port = getattr(system(name), f"Has{kind}Port")
+            return (name, port) in OPTIONAL and not has_port(port)
+
         for source, output, target, port in self.connections:
+            if is_absent(source, output, "Output") or is_absent(target, port, "Input"):
+                continue
             builder.Connect(system(source).GetOutputPort(output), system(target).GetInputPort(port))
         exported: set[str] = set()
         for name, target, port in self.inputs:
+            if is_absent(target, port, "Input"):
+                continue
             if name in exported:
                 builder.ConnectInput(name, system(target).GetInputPort(port))
             else:
                 builder.ExportInput(system(target).GetInputPort(port), name)
                 exported.add(name)
         for source, output, name in self.outputs:
+            if is_absent(source, output, "Output"):
+                continue
             builder.ExportOutput(system(source).GetOutputPort(output), name)
 
     def build(self, builder: DiagramBuilder, name: str) -> Diagram:

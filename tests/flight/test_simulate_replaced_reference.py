@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydrake.systems.framework import DiagramBuilder
 
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
@@ -41,6 +42,23 @@ def test_a_replaced_guidance_is_the_one_that_errors_are_relative_to(vehicle):
     log = flown(short, guidance=lambda ours: make_guidance(clover, vehicle))
     np.testing.assert_array_equal(log["p_Ed_m"], flown(clover)["p_Ed_m"])
     assert np.ptp(log["p_Ed_m"], axis=0).max() > 0.01
+
+
+def test_a_guidance_may_lack_the_requested_reference(vehicle):
+    """As those of earlier versions; errors are then of the followed reference."""
+    short = replace(HOVER, settle_s=0.0, duration=0.1)
+
+    def bare(ours):
+        builder = DiagramBuilder()
+        for name in ("reference", "horizon", "reference_verdict", "d_g"):
+            if name == "reference":
+                inner = builder.AddNamedSystem("inner", make_guidance(short, vehicle))
+            builder.ExportOutput(inner.GetOutputPort(name), name)
+        return builder.Build()
+
+    log = flown(short, guidance=bare)
+    np.testing.assert_array_equal(log["p_Ed_m"], log["followed_p_Ed_m"])
+    assert log.is_followed.all() and log.error_m.max() < 1e-6
 
 
 def test_a_replaced_direction_is_the_one_that_angles_are_relative_to(vehicle):

@@ -6,6 +6,10 @@ import numpy as np
 
 from aerodrake.model.vehicle.state import VehicleState
 
+JUMP_M = 0.05
+"""Step of the measured position, beyond its velocity, that no vehicle makes from one sample to the
+next."""
+
 
 class FlightState(NamedTuple):
     """State of the flight controller's loops at a sample.
@@ -19,8 +23,7 @@ class FlightState(NamedTuple):
         rotor_thrust: (k,) N, modelled at the next sample.
         acceleration: (6,) of the base until the next sample, modelled without disturbances:
             m/s^2 in the world and rad/s^2 in the base frame.
-        position_offset: (3,) m, by which resets have moved the measured position; NaN before the
-            first sample.
+        p_B: (3,) m, measured; NaN before the first sample.
     """
 
     position_observer: np.ndarray
@@ -30,7 +33,7 @@ class FlightState(NamedTuple):
     omega_d: np.ndarray
     rotor_thrust: np.ndarray
     acceleration: np.ndarray
-    position_offset: np.ndarray
+    p_B: np.ndarray
 
     @classmethod
     def at_rest(cls, p_B: np.ndarray, h_omega: np.ndarray, thrust: np.ndarray) -> Self:
@@ -50,28 +53,29 @@ class FlightState(NamedTuple):
             omega_d=zero,
             rotor_thrust=thrust,
             acceleration=np.concatenate([zero, -h_omega]),
-            position_offset=np.full(3, np.nan),
+            p_B=np.full(3, np.nan),
         )
 
-    def aligned(self, state: VehicleState, position_offset: np.ndarray, dt: float) -> Self:
-        """Returns the state with its observers at the first sample, or moved by a reset.
+    def aligned(self, state: VehicleState, dt: float) -> Self:
+        """Returns the state with its observers at the first sample, or moved by a jump.
+
+        The measured position jumps if its estimator is reset, which is no disturbance.
 
         Args:
             state: Measured now.
-            position_offset: (3,) m, sum of the resets up to this sample.
             dt: s, from the sample before.
         """
         observer = self.position_observer.copy()
-        if np.isfinite(self.position_offset[0]):
-            observer[0] += position_offset - self.position_offset
-            return self._replace(position_observer=observer, position_offset=position_offset)
+        if np.isfinite(self.p_B[0]):
+            step = state.p_B - self.p_B - dt * state.v_B
+            if step @ step > JUMP_M**2:
+                observer[0] += step
+            return self._replace(position_observer=observer, p_B=state.p_B)
         observer[0], observer[1] = state.p_B - dt * state.v_B, state.v_B
         attitude_observer = self.attitude_observer.copy()
         attitude_observer[0] = state.R_B.T @ state.omega_W
         return self._replace(
-            position_observer=observer,
-            attitude_observer=attitude_observer,
-            position_offset=position_offset,
+            position_observer=observer, attitude_observer=attitude_observer, p_B=state.p_B
         )
 
 

@@ -125,7 +125,7 @@ def inner_loop(
         omega_d,
         thrust,
         np.concatenate((linear, angular)),
-        last.position_offset,
+        last.p_B,
     )
     disturbance = np.concatenate((position.observer[-1] - reaction, observer[-1]))
     return now, FlightOutputs(command, reaction, thrust.sum() / loop.mass, disturbance, saturated)
