@@ -1,4 +1,4 @@
-"""A full disk gives one line and exit code 2, and preserves earlier results."""
+"""A full disk gives one line for what is missing, and preserves what is there."""
 
 from pathlib import Path
 
@@ -21,16 +21,30 @@ def earlier(tmp_path_factory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(
-    ("most_bytes", "expected"),
-    [(1000, "during the flight"), (100_000, "results"), (1_000_000, "results")],
-    ids=["recording", "plot", "replay"],
-)
-def test_earlier_results_are_preserved(earlier, most_bytes, expected, capsys):
+def test_earlier_results_are_preserved_if_the_flight_cannot_be_recorded(earlier, capsys):
     before = content(earlier)
-    with room_for(most_bytes):
+    with room_for(1000):
         assert main([*ARGV, str(earlier / "results")]) == 2
     output, error = capsys.readouterr()
     assert output == "" and len(error.splitlines()) == 1
-    assert "File too large" in error and expected in error
+    assert "File too large" in error and "during the flight" in error
     assert content(earlier) == before and [p.name for p in earlier.iterdir()] == ["results"]
+
+
+@pytest.mark.parametrize(
+    ("most_bytes", "missing"),
+    [
+        (100_000, {"tracking.png", "replay.html", "report.html"}),
+        (1_000_000, {"replay.html", "report.html"}),
+    ],
+)
+def test_results_are_kept_if_they_cannot_be_drawn(earlier, most_bytes, missing, tmp_path, caplog):
+    """Each drawing that is missing is named in one line."""
+    with room_for(most_bytes):
+        assert main([*ARGV, str(tmp_path / "results")]) == 0
+    written, whole = content(tmp_path / "results"), content(earlier / "results")
+    assert whole.keys() - written.keys() == missing
+    assert written["scenario.yaml"] == whole["scenario.yaml"] and written["log.npz"]
+    assert len(caplog.messages) == len(missing)
+    for name in missing:
+        assert any(f"{name} is not drawn: " in message for message in caplog.messages)
