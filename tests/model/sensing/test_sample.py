@@ -25,11 +25,11 @@ def test_deviations_are_the_scenarios():
     config = Sensors(
         position_noise_m=0.1,
         velocity_noise_m_s=0.2,
-        attitude_noise_rad=0.3,
+        attitude_noise_rad=0.15,
         rate_noise_rad_s=0.4,
-        joint_noise_rad=0.5,
+        joint_noise_rad=0.05,
     )
-    assert Deviations.make(config) == SIGMA
+    assert Deviations.make(config) == SIGMA._replace(attitude=0.15, joint=0.05)
 
 
 def test_a_sample_has_the_arm_of_one_state_and_the_base_of_another():
