@@ -142,13 +142,17 @@ def test_an_interrupt_in_flight_writes_the_results(number, times, tmp_path):
     assert len(list((tmp_path / "results").iterdir())) == 6
 
 
-def test_an_interrupted_comparison_leaves_no_file_and_no_process(tmp_path):
+def test_an_interrupted_comparison_leaves_no_file_and_no_process(tmp_path, monkeypatch):
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setenv("TMPDIR", str(temporary))
     process = call("compare", tmp_path)
-    while not list(tmp_path.glob(".aerodrake-*/new/results/*")):  # The first variant has begun.
+    while not list(temporary.rglob("integral")):  # The first variant has begun.
         assert process.poll() is None
         time.sleep(0.01)
     process.send_signal(signal.SIGTERM)
     _, output = process.communicate(timeout=CALL_S)
     assert process.returncode == 130 and output == b"aerodrake: interrupted\n"
-    assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.iterdir()) == [temporary]
     wait_for_children(process.pid)
+    assert not list(temporary.rglob("integral"))
