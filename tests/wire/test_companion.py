@@ -212,7 +212,9 @@ def test_the_end_of_another_flight_is_ignored(bench):
 
 
 def test_a_silent_station_is_dead(vehicle):
-    bench = Bench(Scenario(supervisor=Supervisor(attitude_lost_s=0.05)), vehicle)
+    bench = Bench(
+        Scenario(supervisor=Supervisor(attitude_outage_s=0.04, attitude_lost_s=0.05)), vehicle
+    )
     bench.replies(0.0, 0.01)
     service = bench.companion.serve(lambda flown_s: None)
     assert service.fault == "no sample from the station for 0.05 s, since 0.01 s"
@@ -256,7 +258,9 @@ def test_the_first_of_two_stations_is_served(bench):
 
 
 def test_a_station_that_ends_before_its_flight_is_replaced(vehicle):
-    bench = Bench(Scenario(supervisor=Supervisor(attitude_lost_s=0.05)), vehicle)
+    bench = Bench(
+        Scenario(supervisor=Supervisor(attitude_outage_s=0.04, attitude_lost_s=0.05)), vehicle
+    )
     second = make_station_link(bench.companion.scenario, bench.lcm)
     bench.publish(0.0, Phase.WAITING)
 
