@@ -159,8 +159,8 @@ def test_events_of_one_instant_are_at_the_very_same_time(second):
 
 
 def test_only_the_noise_comes_before_the_discrete_updates(second):
-    """There is one unrestricted update per sample."""
-    assert second.simulator.get_num_unrestricted_updates() == 100
+    """There is one unrestricted update per sample, and one for the first sample before time 0."""
+    assert second.simulator.get_num_unrestricted_updates() == 100 + 1
 
 
 def test_the_wind_samples_the_base_at_its_instant(second):
