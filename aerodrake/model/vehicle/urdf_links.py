@@ -13,6 +13,11 @@ from aerodrake.support.urdf_element import children, fault
 COLLISION_MESHES = (".obj", ".vtk", ".gltf")
 """Endings of the meshes whose convex hull Drake can compute."""
 
+MARKER_KG = 1e-6
+"""Largest mass of a link without inertia, as CAD programs export frames."""
+ROUNDING = 1e-12
+"""Largest ratio of principal moments of which the smaller one is zero up to rounding."""
+
 
 def check_links(robot: Element, base: str) -> None:
     """Checks the links and frames of a URDF whose numbers have been checked.
@@ -81,14 +86,18 @@ def _check_inertia(inertial: Element) -> None:
         problem = f"<inertial>: missing <{tag}>; a link without mass has no <inertial>"
         raise fault(inertial, problem)
     only_child(inertial, "origin")
-    I_B = RotationalInertia(*(float(inertia.getAttribute(name)) for name in MOMENTS))
-    if not I_B.CouldBePhysicallyValid():
+    moments = [float(inertia.getAttribute(name)) for name in MOMENTS]
+    if not any(moments) and float(mass.getAttribute("value")) <= MARKER_KG:
+        return
+    I_B = RotationalInertia(*moments)
+    principal = I_B.CalcPrincipalMomentsOfInertia()
+    if not I_B.CouldBePhysicallyValid() or min(principal) <= ROUNDING * max(principal):
         given = ", ".join(f"{name}={inertia.getAttribute(name)}" for name in MOMENTS)
-        principal = ", ".join(f"{x:.4g}" for x in I_B.CalcPrincipalMomentsOfInertia())
+        got = ", ".join(f"{x:.4g}" for x in principal)
         raise fault(
             inertial,
-            "<inertia>: expected principal moments that are not negative, each at most the sum of "
-            f"the other two, got {principal} kg m^2 from {given}",
+            "<inertia>: expected principal moments that are positive, each at most the sum of the "
+            f"other two, got {got} kg m^2 from {given}",
         )
 
 

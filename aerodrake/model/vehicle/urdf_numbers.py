@@ -13,6 +13,8 @@ LARGEST = 1e9
 SPACE = " \t\r\n"
 TEXT = ""
 """Key, in the tables, of the text inside an element."""
+DRAKE = "drake:"
+"""Prefix of the elements and attributes that only Drake has."""
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 """Attributes of `<inertia>`: moments and products of inertia."""
 
@@ -73,6 +75,8 @@ class Expected:
 
 
 POSE = {"xyz": Expected("m", counts=(3,)), "rpy": Expected("rad", counts=(3,))}
+POSE_ATTRIBUTES = {"name", "link", "drake_ignore"}
+"""Attributes of elements with a pose that are not numbers."""
 SIZE = Expected("m", POSITIVE, is_required=True)
 CYLINDER = {"radius": SIZE, "length": SIZE}
 SHAPES = {
@@ -175,12 +179,22 @@ def _check_children(element: Element, path: str) -> None:
             below = f"{path}/{tag}" if path else tag
             _check_attributes(inner, NUMBERS.get(below, {}))
             _check_children(inner, below)
-        elif path and not tag.startswith("drake:") and (right := misspelled(tag, known)):
+        elif path and not tag.startswith(DRAKE) and (right := _meant(tag, known)):
             raise fault(inner, f"expected no element <{tag}>; did you mean <{right}>?")
+
+
+def _meant(tag: str, known: set[str]) -> str:
+    """Returns the known tag that another resembles, or is without `drake:`; else empty."""
+    return DRAKE + tag if DRAKE + tag in known else misspelled(tag, known)
 
 
 def _check_attributes(element: Element, table: dict[str, Expected]) -> None:
     given = dict(element.attributes.items())
+    if table is POSE and (unknown := given.keys() - POSE_ATTRIBUTES - POSE.keys()):
+        problem = f"expected no attribute '{min(unknown)}'"
+        right = misspelled(min(unknown), POSE, similarity=0.6)
+        advice = f"did you mean '{right}'?" if right else f"valid: {', '.join(POSE)}"
+        raise fault(element, f"<{element.tagName}>: {problem}; {advice}")
     for name, expected in table.items():
         place = f"<{element.tagName} {name}>" if name else f"<{element.tagName}>"
         if name and name not in given:
@@ -202,6 +216,10 @@ def _check_attributes(element: Element, table: dict[str, Expected]) -> None:
         if name and value != " ".join(words):
             # Drake takes a scale for one number unless there is a plain space in it.
             element.setAttribute(name, " ".join(words))
+    if table and TEXT not in table and text(element):
+        names = ", ".join(table)
+        problem = f"expected numbers in the attributes {names}, got the text '{text(element)}'"
+        raise fault(element, f"<{element.tagName}>: {problem}")
 
 
 def _is_large(words: list[str]) -> bool:

@@ -29,10 +29,12 @@ def with_moments(moments: list[float]) -> str:
         ([-5e-5, 5e-5, 4e-5, 0, 0, 0], "-5e-05, 4e-05, 5e-05"),
         ([5e-5, 5e-5, 4e-5, 1e-3, 0, 0], "-0.00095, 4e-05, 0.00105"),
         ([1e-5, 0, 0, 0, 0, 0], "0, 0, 1e-05"),
+        ([5e-5, 5e-5, 0, 0, 0, 0], "0, 5e-05, 5e-05"),
+        ([0, 0, 0, 0, 0, 0], "0, 0, 0"),
     ],
-    ids=["triangle", "negative", "product", "line"],
+    ids=["triangle", "negative", "product", "line", "rod", "point"],
 )
-def test_inertias_that_drake_would_replace(moments, principal, tmp_path):
+def test_inertias_that_are_not_physical(moments, principal, tmp_path):
     message = refusal(with_moments(moments), tmp_path)
     assert message.startswith("link hand: <inertia>: expected principal moments")
     assert f"got {principal} kg m^2 from ixx={moments[0]}, " in message
@@ -63,10 +65,12 @@ def test_the_triangle_inequality_in_any_axes(a, b, slack, rpy, tmp_path_factory)
         np.testing.assert_allclose(about_centre, inertia, atol=1e-12)
 
 
-def test_point_masses_and_links_without_mass_are_accepted(tmp_path):
-    point = HAND.replace("5e-5", "0").replace("4e-5", "0")
+def test_frames_and_links_without_mass_are_accepted(tmp_path):
+    """CAD programs export a frame as a link of almost no mass, without inertia."""
+    frame = changed(HEXAROTOR, HAND, HAND.replace("5e-5", "0").replace("4e-5", "0"))
+    frame = changed(frame, MASS, '<mass value="1e-9"/>')
     inertial = re.search(r"<inertial>(?:(?!</inertial>).)*0\.08.*?</inertial>", HEXAROTOR, re.S)[0]
-    for text in (changed(HEXAROTOR, HAND, point), changed(HEXAROTOR, inertial, "")):
+    for text in (frame, changed(HEXAROTOR, inertial, "")):
         (tmp_path / "robot.urdf").write_text(text)
         add_robot(MultibodyPlant(0.0), RobotDescription.read(str(tmp_path / "robot.urdf")))
 

@@ -120,6 +120,9 @@ def test_other_spellings_of_the_numbers_fly_as_before(tmp_path):
     np.testing.assert_array_equal(*states)
 
 
+ORIGIN = '<origin xyz="0 0 -0.16"/>'
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -130,7 +133,10 @@ def test_other_spellings_of_the_numbers_fly_as_before(tmp_path):
         ('<mass value="0.08"/>', '<mass value="1e10"/>', r"1e\+09 or less, got '1e10'"),
         (' iyz="0"/>', "/>", "link hand: <inertia iyz>: missing; expected a number in kg m"),
         ('<limit lower="-2.0"', '<limits lower="-2.0"', "<limits>; did you mean <limit>"),
-        ('<origin xyz="0 0 -0.16"/>', '<origin xzy="0 0 -0.16"/>', "'xzy'; did you mean 'xyz'"),
+        (ORIGIN, '<origin xzy="0 0 -0.16"/>', "'xzy'; did you mean 'xyz'"),
+        (ORIGIN, "<origin>0 0 -0.16</origin>", "attributes xyz, rpy, got the text '0 0 -0.16'"),
+        (ORIGIN, '<origin z="-0.16"/>', "<origin>: expected no attribute 'z'; valid: xyz, rpy"),
+        ("<drake:gear_ratio", "<gear_ratio", "<gear_ratio>; did you mean <drake:gear_ratio>"),
         ('damping="0.01"', 'damping="-0.01"', "wrist_pitch: <dynamics damping>: .* non-negative"),
         ('damping="0.01"', 'friction="0,1"', "wrist_pitch: <dynamics friction>: .* got '0,1'"),
         ('damping="0.01"', 'dampening="0.1"', "'dampening'; did you mean 'damping'"),
