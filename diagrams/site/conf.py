@@ -23,7 +23,6 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.graphviz",
     "sphinx.ext.napoleon",
-    "sphinx.ext.viewcode",
     "api_pages",
     "docstrings",
     "sources",

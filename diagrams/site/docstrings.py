@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from functools import cache
 
 from docutils import nodes
 from sphinx.application import Sphinx
@@ -69,17 +70,25 @@ def escaped(line: str) -> str:
     return "".join(parts)
 
 
+@cache
+def names_by_ending(app: Sphinx) -> dict[str, list[str]]:
+    """Returns the full names of all objects by their last part."""
+    names: dict[str, list[str]] = {}
+    for name in app.env.domains["py"].objects:
+        names.setdefault(name.rpartition(".")[2], []).append(name)
+    return names
+
+
 def resolve_short_name(app, env, node, contnode) -> nodes.reference | None:
     """Links `Name` and `Class.name` to the one object of the package that ends so."""
     target = node.get("reftarget", "")
     if node.get("refdomain") != "py" or not re.fullmatch(r"[\w.]+", target):
         return None
-    domain = env.domains["py"]
-    ending = "." + target
-    matches = [name for name in domain.objects if name.endswith(ending)]
+    candidates = names_by_ending(app).get(target.rpartition(".")[2], ())
+    matches = [name for name in candidates if name.endswith("." + target)]
     if len(matches) != 1:
         return None
-    entry = domain.objects[matches[0]]
+    entry = env.domains["py"].objects[matches[0]]
     source = node.get("refdoc") or env.docname
     uri = app.builder.get_relative_uri(source, entry.docname)
     return nodes.reference("", "", contnode, internal=True, refuri=f"{uri}#{entry.node_id}")

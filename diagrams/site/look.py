@@ -21,7 +21,7 @@ SEARCHED = {"Kalman": "theory.html", "joints_outage": "faults.html", "make_stati
 def main(site: Path) -> int:
     """Prints what is wrong, and returns 1 if anything is."""
     command = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))))
-    pages = sorted(page for page in site.rglob("*.html") if "_modules" not in page.parts)
+    pages = sorted(site.rglob("*.html"))
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=command, args=["--no-sandbox"])
         problems = [*visit(browser, pages, site), *search(browser, site)]
