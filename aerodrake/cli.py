@@ -18,19 +18,14 @@ EXIT_CODES = """Exit codes: 0 success; 1 a flight did not complete, a variant fa
 died or standard output cannot be written; 2 bad input; 130 interrupted; 141 standard output
 has no reader. Results are written even if standard output or standard error cannot be."""
 
-
 POSITIONAL = ("scenario", "name")
 """Arguments that are not options."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs one command. Its results are written even if its output cannot be.
+    """Runs one command and returns one of the `EXIT_CODES`, that of the first cause.
 
-    Returns:
-        0 on success; 1 if a flight did not complete, a variant failed, a process died or
-        standard output cannot be written; 2 on bad input; 130 on an interrupt outside of the
-        flight; 141 if standard output has no reader, as programs that SIGPIPE ends.
-        The first cause counts, and standard error never does.
+    An error of standard error has no exit code, and an interrupt of a flight alone is no error.
     """
     with output_streams() as output:
         try:

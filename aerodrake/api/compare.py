@@ -81,12 +81,12 @@ def compare(
             for name, summary in summaries.items()
             if summary["exit_reason"] != "failed"
         }
-        found = None
+        searched = None
         if margins:
             with console.bar(f"{flown.name} margins", None, "flight") as bar:
-                found = find_margins(distinct, summaries, headline(summaries), jobs, bar.update)
-            found = share_margins(found, equal, chosen)
-        comparison = Comparison(flown, chosen, own_variant(flown), summaries, logs, found)
+                searched = find_margins(distinct, summaries, headline(summaries), jobs, bar.update)
+            searched = share_margins(searched, equal, chosen)
+        comparison = Comparison(flown, chosen, own_variant(flown), summaries, logs, searched)
         result = ComparisonResult(comparison, scenario, file, folder)
         weakref.finalize(result, stack.pop_all().close)  # Removes the folder of the flights.
     return result

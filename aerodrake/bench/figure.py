@@ -170,7 +170,7 @@ def _draw_parts(axes: Axes, figures: Figures) -> None:
     axes.grid(axis="y", visible=False)
     whole, times = loop["closed_loop_ms_per_s"], figures["closed_loop_over_plant"]
     axes.set_title(
-        f"Closed loop: {whole:.0f} ms of wall time a simulated second, {times:.1f} times the plant "
-        f"alone; its parts, with a stopwatch: {sum(parts.values()):.0f} ms"
+        f"Closed loop: {whole:.0f} ms of wall time per simulated second, {times:.1f} times the "
+        f"plant alone; its parts, with a stopwatch: {sum(parts.values()):.0f} ms"
     )
     axes.set_xlabel("wall time / (ms per simulated second)")

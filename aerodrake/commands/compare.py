@@ -45,6 +45,7 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.api.compare import compare
     from aerodrake.api.comparison_result import RESULTS
+    from aerodrake.api.console import Console
 
     check_target(target, RESULTS)
     result = compare(
@@ -58,7 +59,7 @@ def main(arguments: argparse.Namespace) -> int:
     with deferred_interrupts():
         result.save(target)
         result.report(target)
-    say = options.printer(arguments)
     files = ", ".join(sorted(path.name for path in target.iterdir() if path.is_file()))
-    say(f"{result}\n\n{target}: {files}, and the folder of a run for each variant")
+    text = f"{result}\n\n{target}: {files}, and the folder of a run for each variant"
+    Console(arguments.quiet).say(text)
     return 1 if result.failed else 0

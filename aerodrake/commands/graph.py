@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from aerodrake.commands import options
+from aerodrake.support.limits import DEPTH
 
 HELP = "export diagrams and systems as graphs and pages"
 
@@ -18,7 +19,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument(
         "--depth",
-        type=options.whole_number(0, 100),
+        type=options.whole_number(*DEPTH),
         default=2,
         metavar="N",
         help="levels of nested diagrams; default: 2",

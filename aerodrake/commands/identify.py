@@ -32,6 +32,7 @@ def main(arguments: argparse.Namespace) -> int:
         check_replaceable(file, "model.k_b")
     target = arguments.out or options.new_folder(f"identify-{scenario.name}")
 
+    from aerodrake.api.console import Console
     from aerodrake.api.identify import identify
     from aerodrake.identification.report import FIGURE, RESULTS
 
@@ -40,7 +41,7 @@ def main(arguments: argparse.Namespace) -> int:
     with deferred_interrupts():
         result.save(target)
         result.report(target)
-    say = options.printer(arguments)
+    say = Console(arguments.quiet).say
     say(f"{target}: {', '.join((*RESULTS, FIGURE))}")
     if arguments.write:
         replace_numbers(file, "model.k_b", result.k_b)

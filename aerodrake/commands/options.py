@@ -2,7 +2,6 @@
 
 import argparse
 import itertools
-import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import load_with_options
 from aerodrake.support.decimals import read_decimal
+from aerodrake.support.limits import JOBS
 
 LCM_URL = "udpm://239.255.76.67:7667?ttl=0"
 """LCM's default address, on this machine alone; ttl=1 includes the local network."""
@@ -51,12 +51,11 @@ def add_output(command: argparse.ArgumentParser, default: str) -> None:
     command.add_argument("--quiet", action="store_true", help="print only errors")
 
 
-def add_jobs(command: argparse.ArgumentParser) -> None:
+def add_jobs(command: argparse._ActionsContainer) -> None:
     """Adds the number of processes."""
     command.add_argument(
         "--jobs",
-        type=whole_number(1, 1000),
-        default=os.cpu_count() or 1,
+        type=whole_number(*JOBS),
         metavar="N",
         help="number of concurrent processes; default: the number of cores",
     )
@@ -97,11 +96,6 @@ def load(arguments: argparse.Namespace) -> Scenario:
         if value is not None:
             pairs.append((f"--{name}", f"{name}={value}"))
     return load_with_options(arguments.scenario, pairs)
-
-
-def printer(arguments: argparse.Namespace) -> Callable[[str], None]:
-    """Returns `print`, or with --quiet a function without effect."""
-    return (lambda line: None) if arguments.quiet else print
 
 
 def new_folder(name: str) -> Path:

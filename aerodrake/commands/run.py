@@ -6,6 +6,7 @@ import sys
 from aerodrake.commands import options
 from aerodrake.support.errors import BadInput
 from aerodrake.support.interrupts import deferred_interrupts
+from aerodrake.support.limits import RATE
 from aerodrake.support.run_folder import check_target
 
 HELP = "fly a scenario"
@@ -20,7 +21,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument(
         "--rate",
-        type=options.number_in(0.01, 1000.0),
+        type=options.number_in(*RATE),
         metavar="R",
         help="with --live: ratio of simulated time to wall time; default: 1",
     )
@@ -45,6 +46,7 @@ def main(arguments: argparse.Namespace) -> int:
     target = arguments.out or options.new_folder(scenario.name)
     check_target(target)
 
+    from aerodrake.api.console import Console
     from aerodrake.api.fly import fly
     from aerodrake.reports.flight_folder import DRAWINGS, RESULTS
     from aerodrake.reports.live import LiveView
@@ -56,6 +58,5 @@ def main(arguments: argparse.Namespace) -> int:
     with deferred_interrupts():
         result.save(target)
         result.report(target)
-    say = options.printer(arguments)
-    say(f"{result}\n\n{target}: {', '.join((*RESULTS, *DRAWINGS))}")
+    Console(arguments.quiet).say(f"{result}\n\n{target}: {', '.join((*RESULTS, *DRAWINGS))}")
     return 0 if result.exit_reason == "completed" else 1

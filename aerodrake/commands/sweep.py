@@ -9,6 +9,7 @@ from pathlib import Path
 
 from aerodrake.commands import options
 from aerodrake.support.errors import BadInput, ProcessDied
+from aerodrake.support.limits import TRIALS
 
 HELP = "fly a scenario many times with varied keys"
 
@@ -18,7 +19,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     options.add_scenario(command)
     command.add_argument(
         "--trials",
-        type=options.whole_number(1, 100_000),
+        type=options.whole_number(*TRIALS),
         metavar="N",
         help="number of flights; default: one for each point of the grid of all linspace()",
     )
@@ -34,12 +35,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--seed", metavar="N", help="seed of the sweep; default: the scenario's seed"
     )
     engine = command.add_mutually_exclusive_group()
-    engine.add_argument(
-        "--jobs",
-        type=options.whole_number(1, 1000),
-        metavar="N",
-        help="number of concurrent processes; default: the number of cores",
-    )
+    options.add_jobs(engine)
     engine.add_argument("--scheduler", metavar="ADDRESS", help="fly the trials on a Dask cluster")
     command.add_argument(
         "--resume", action="store_true", help="continue the sweep in --out, or add trials to it"
@@ -57,6 +53,7 @@ def main(arguments: argparse.Namespace) -> int:
     scenario = options.load(arguments)
     vary = dict(_distributions(arguments.vary))
 
+    from aerodrake.api.console import Console
     from aerodrake.api.sweep import sweep
     from aerodrake.sweeps.folder import FILES
     from aerodrake.sweeps.trial import FAILURES
@@ -76,7 +73,7 @@ def main(arguments: argparse.Namespace) -> int:
     except (KeyboardInterrupt, ProcessDied):
         _say_how_to_resume(arguments, target)
         raise
-    options.printer(arguments)(f"{result}\n\n{target}: {', '.join(FILES)}")
+    Console(arguments.quiet).say(f"{result}\n\n{target}: {', '.join(FILES)}")
     return 1 if any(result.summary["endings"].get(reason) for reason in FAILURES) else 0
 
 

@@ -24,20 +24,20 @@ def main(arguments: argparse.Namespace) -> int:
     """
     scenario = load(arguments)
 
+    from aerodrake.api.console import Console
+    from aerodrake.api.jobs import checked_jobs
     from aerodrake.learning.collection_runs import paper_runs, quick_runs
     from aerodrake.learning.report import training_table
-    from aerodrake.learning.train import train_scenario
+    from aerodrake.learning.train import CHECKPOINT, DATA, FIGURE, LOG, train_scenario
     from aerodrake.model.residual.training import TrainingConfig
     from aerodrake.scenario.inputs import frozen
 
     kind = "train-quick" if arguments.quick else "train"
     target = arguments.out or Path("runs", f"{kind}-{scenario.name}")
     runs = quick_runs() if arguments.quick else paper_runs()
+    jobs, config = checked_jobs(arguments.jobs), TrainingConfig()
     with frozen(scenario) as scenario:
-        evaluation = train_scenario(
-            scenario, runs, TrainingConfig(), target, arguments.jobs, arguments.quiet
-        )
-    if not arguments.quiet:
-        print(training_table(evaluation))
-        print(f"\n{target}: network.pt, training.json, training.png, stages")
+        evaluation = train_scenario(scenario, runs, config, target, jobs, arguments.quiet)
+    files = ", ".join((CHECKPOINT, LOG, FIGURE, DATA))
+    Console(arguments.quiet).say(f"{training_table(evaluation)}\n\n{target}: {files}")
     return 0

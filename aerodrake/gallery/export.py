@@ -32,16 +32,14 @@ from aerodrake.scenario import (
     Sensors,
 )
 from aerodrake.station import make_closed_loop
+from aerodrake.support.arguments import check_whole
 from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.files import write_atomically
+from aerodrake.support.limits import DEPTH
 from aerodrake.wire.remote_coordinator import make_remote_coordinator, make_station_link
-
-MOST_DEPTH = 100
-"""Largest number of levels of diagrams to open."""
 
 DOT_TIMEOUT_S = 60.0
 """Time limit of Graphviz, which needs less than a second for the closed loop."""
-
 
 Shown = str | System
 """A system to draw: its name in `gallery`, or the system itself."""
@@ -68,9 +66,7 @@ def graph(
         BadInput: if a name is unknown, `systems` or `depth` are invalid, or `out` cannot be
             written.
     """
-    if isinstance(depth, bool) or not isinstance(depth, int) or not 0 <= depth <= MOST_DEPTH:
-        problem = f"expected a whole number in [0, {MOST_DEPTH}], got {depth!r}"
-        raise BadInput("depth", "", problem)
+    check_whole("depth", depth, *DEPTH)
     chosen = _chosen(systems)
     folder = Path(out)
     try:

@@ -37,6 +37,7 @@ from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.errors import BadInput, ProcessDied, ScenarioError, sourced
+from aerodrake.support.limits import SEED
 from aerodrake.support.processes import run_parallel
 
 AXES = ("x", "y", "z")
@@ -181,7 +182,7 @@ def fly(manoeuvre: Manoeuvre) -> Record:
     """
     scenario, axis, arm = manoeuvre
     seeds = np.random.SeedSequence([scenario.seed, axis, ARMS.index(arm)])
-    seeded = dataclasses.replace(scenario, seed=int(seeds.generate_state(1)[0]) % 2**31)
+    seeded = dataclasses.replace(scenario, seed=int(seeds.generate_state(1)[0]) % (SEED[1] + 1))
     vehicle = VehicleModel.load(scenario)
     base, joints = base_motion(scenario, vehicle, axis), arm_motion(scenario, vehicle, arm)
     try:

@@ -28,7 +28,6 @@ from aerodrake.scenario.load import save_scenario
 from aerodrake.support.version import __version__
 
 FIGURE = "identification.png"
-RESULTS = ("identification.json", "scenario.yaml")
 
 RESULTS = ("identification.json", "scenario.yaml")
 """Files that every identification has, also if it could not be drawn."""

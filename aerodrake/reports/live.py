@@ -16,9 +16,8 @@ from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.reports.scene import Scene
 from aerodrake.support.errors import BadInput
+from aerodrake.support.limits import RATE
 
-SLOWEST, FASTEST = 0.01, 1000.0
-"""Range of the ratio of simulated time to wall time."""
 FRAMES_PER_S = 30.0
 """Frames per second of wall time."""
 SHOWN_S = 120.0
@@ -36,7 +35,7 @@ class LiveView:
         rate: Simulated time over wall time of the flight; 1 is real time.
 
     Args:
-        rate: The attribute, in [0.01, 1000].
+        rate: The attribute, in the range of `RATE`.
         announce: Called with a line that has the address for a browser.
 
     Raises:
@@ -44,10 +43,10 @@ class LiveView:
     """
 
     def __init__(self, rate: float = 1.0, announce: Callable[[str], None] = print):
-        if not SLOWEST <= rate <= FASTEST:
-            raise BadInput(
-                "rate", "", f"expected a number in [{SLOWEST:g}, {FASTEST:g}], got {rate}"
-            )
+        slowest, fastest = RATE
+        if not slowest <= rate <= fastest:
+            expected = f"expected a number in [{slowest:g}, {fastest:g}]"
+            raise BadInput("rate", "", f"{expected}, got {rate}")
         self.rate = rate
         self._announce = announce
         self._scenes = ExitStack()

@@ -40,6 +40,7 @@ from aerodrake.scenario.sections import (
     Vehicle,
 )
 from aerodrake.support.errors import ScenarioError, sourced
+from aerodrake.support.limits import SEED
 
 MAX_NAME_BYTES = 200
 """Longest name of a scenario, which is part of a folder's name."""
@@ -63,7 +64,7 @@ class Scenario(Section):
     duration: float = quantity(30.0, "s", 0.02, 3600.0)
     # Duration of the initial hover, before reference time 0.
     settle_s: float = quantity(3.0, "s", 0.0, 60.0)
-    seed: int = quantity(0, "1", 0, 2**31 - 1)
+    seed: int = quantity(0, "1", *SEED)
     rates: Rates = Rates()
     reference: Reference = Hover()
     # Desired direction of the tool's axis, which is -z of the frame `tool`.

@@ -21,6 +21,7 @@ from typing import Annotated, Any, NamedTuple, TypeVar
 import numpy as np
 
 from aerodrake.support.errors import BadInput, show
+from aerodrake.support.limits import SEED
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -78,7 +79,7 @@ class Timed(NamedTuple):
 Period = Annotated[float, Interval(0.0, unit="s", includes_low=False)]
 Duration = Annotated[float, Interval(0.0, unit="s")]
 Count = Annotated[int, Interval(1)]
-Seed = Annotated[int, Interval(0, 2**31 - 1)]
+Seed = Annotated[int, Interval(*SEED)]
 Vector3 = Annotated[np.ndarray, Size(3)]
 Vector6 = Annotated[np.ndarray, Size(6)]
 StateVector = Annotated[np.ndarray, Size(13, 2)]
@@ -111,6 +112,13 @@ def checked(function: F) -> F:
         return function(*args, **kwargs)
 
     return typing.cast(F, wrapper)
+
+
+def check_whole(argument: str, value: object, low: int, high: int) -> None:
+    """Raises BadInput that names an argument unless its value is a whole number in [low, high]."""
+    if _problem(int, value) or not low <= value <= high:
+        expected = f"expected a whole number in [{low}, {high}]"
+        raise BadInput(argument, "", f"{expected}, got {show(value)}")
 
 
 def _hints(function: Callable[..., Any]) -> Iterator[tuple[str, Any]]:

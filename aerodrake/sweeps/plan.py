@@ -13,18 +13,16 @@ from aerodrake.scenario.inputs import named_files
 from aerodrake.scenario.overrides import Override, apply
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.station import make_closed_loop
+from aerodrake.support.arguments import check_whole
 from aerodrake.support.errors import BadInput, ScenarioError
+from aerodrake.support.limits import SEED, TRIALS
 from aerodrake.support.version import __version__
 from aerodrake.sweeps.distributions import VARY, Choice, Distribution, Linspace, make_rng
 from aerodrake.sweeps.distributions import parse_distribution as parse
 from aerodrake.sweeps.trial import Trial
 
-MOST_TRIALS = 100_000
-
 TRIED = 10
 """Number of trials of which at least one must be a scenario that can be flown."""
-
-MOST_SEED = 2**31
 
 
 @dataclass(frozen=True)
@@ -72,8 +70,7 @@ class Plan:
             expected = "expected a number of trials, since no linspace() spans a grid"
             raise BadInput("trials", "", expected)
         count = math.prod(grid) if trials is None else trials
-        if not isinstance(count, int) or not 1 <= count <= MOST_TRIALS:
-            raise BadInput("trials", "", f"expected 1 to {MOST_TRIALS}, got {count!r}")
+        check_whole("trials", count, *TRIALS)
         return cls(scenario, count, distributions, _integer_keys(scenario, distributions))
 
     def trial(self, index: int) -> Trial:
@@ -81,7 +78,7 @@ class Plan:
 
         The first key of a grid changes fastest, so that another key does not change its values.
         """
-        seed = int(make_rng(self.scenario.seed, index, "seed").integers(MOST_SEED))
+        seed = int(make_rng(self.scenario.seed, index, "seed").integers(SEED[1] + 1))
         parameters: dict[str, Any] = {}
         cell = index
         for key, distribution in self.vary.items():

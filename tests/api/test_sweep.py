@@ -49,8 +49,11 @@ def test_a_sweep_in_a_folder_can_get_more_trials(result, tmp_path):
         ({"vary": {}}, "trials: expected a number of trials"),
         ({"vary": ["duration=uniform(1, 2)"]}, "vary: expected a mapping of dotted keys"),
         ({"vary": VARY, "trials": 1, "scheduler": "nowhere"}, "scheduler: expected the address"),
-        ({"vary": VARY, "trials": 0}, "trials: expected 1 to 100000, got 0"),
-        ({"vary": VARY, "trials": 1.5}, "trials: expected 1 to 100000, got 1.5"),
+        ({"vary": VARY, "trials": 0}, "trials: expected a whole number"),
+        (
+            {"vary": VARY, "trials": 1.5},
+            "trials: expected a whole number",
+        ),
         ({"vary": {"mass": "uniform(0, 1)"}, "trials": 1}, "vary: mass: unknown key"),
         ({"vary": {"duration": "gamma(1)"}, "trials": 1}, "no such distribution 'gamma'"),
         ({"vary": {"duration": 3}, "trials": 1}, "vary: duration: expected "),

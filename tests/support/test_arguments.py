@@ -1,5 +1,6 @@
 """Arguments are checked against their annotations."""
 
+import re
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -18,6 +19,7 @@ from aerodrake.support.arguments import (
     StateVector,
     Timed,
     Vector3,
+    check_whole,
     checked,
 )
 from aerodrake.support.errors import BadInput
@@ -89,6 +91,14 @@ def test_valid_arguments_are_passed_on_unchanged():
     assert vectors(state) is state and vectors(state=[0] * 15) == [0] * 15
     assert Controller(np.float32(0.5), np.int64(2), ["a"], Gains(1), 1).period == np.float32(0.5)
     assert Controller.__init__.__doc__ == "Documented."
+
+
+@pytest.mark.parametrize("value", [0, 11, 2.0, True, "3", None])
+def test_a_whole_number_is_within_its_range(value):
+    check_whole("jobs", np.int64(10), 1, 10)
+    expected = f"jobs: expected a whole number in [1, 10], got {value!r}"
+    with pytest.raises(BadInput, match=re.escape(expected)):
+        check_whole("jobs", value, 1, 10)
 
 
 def test_missing_and_unknown_arguments_are_errors_of_python():
