@@ -146,9 +146,7 @@ def test_the_number_of_trials_is_required_without_a_grid():
     for options in ([], ["duration=uniform(1, 2)"]):
         with pytest.raises(BadInput, match="trials: expected a number of trials"):
             Plan.make(Scenario(), by_key(options))
-    with pytest.raises(
-        BadInput, match=r"trials: .* in \[1, 100000\], got 100002"
-    ):
+    with pytest.raises(BadInput, match=r"trials: .* in \[1, 100000\], got 100002"):
         Plan.make(
             Scenario(), by_key(["duration=linspace(1, 2, 50001)", "settle_s=linspace(0, 1, 2)"])
         )
