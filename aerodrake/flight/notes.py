@@ -3,8 +3,9 @@
 from aerodrake.model.low_level.thrust_allocation import thrust_notes
 from aerodrake.model.reference.envelope_notes import envelope_notes
 from aerodrake.model.residual.scenario_network import provenance_notes
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
-from aerodrake.scenario.warnings import warnings
+from aerodrake.scenario.notes import value_notes
 
 
 def scenario_notes(scenario: Scenario) -> list[str]:
@@ -13,6 +14,6 @@ def scenario_notes(scenario: Scenario) -> list[str]:
     Raises:
         BadInput: if a file that the scenario names cannot be used.
     """
-    joints = len(scenario.vehicle.working_rad)
-    vehicle_notes = [*thrust_notes(scenario), *envelope_notes(scenario)]
-    return [*warnings(scenario), *provenance_notes(scenario, joints), *vehicle_notes]
+    vehicle = VehicleModel.load(scenario)
+    vehicle_notes = [*thrust_notes(scenario, vehicle), *envelope_notes(scenario, vehicle)]
+    return [*value_notes(scenario), *provenance_notes(scenario, vehicle.joints), *vehicle_notes]

@@ -10,10 +10,10 @@ from collections.abc import Collection, Iterator
 from itertools import accumulate
 from typing import NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from pydrake.systems.framework import Diagram, System
 
 from aerodrake.gallery.graph import Box, graph_of
+from aerodrake.support.templates import render_template
 
 CHARACTER, LINE = 6.1, 13.0
 """Width and height of a character, in units of the chart."""
@@ -84,15 +84,8 @@ class Chart(NamedTuple):
 
 def n2_svg(system: System, depth: int, without: Collection[str] = ()) -> str:
     """Returns the chart of a system as SVG; the arguments are those of `graph_of`."""
-    environment = Environment(
-        loader=PackageLoader("aerodrake.gallery"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     chart = n2_chart(system, depth, without)
-    return environment.get_template("n2_chart.svg").render(chart=chart, line=LINE)
+    return render_template("aerodrake.gallery", "n2_chart.svg", chart=chart, line=LINE)
 
 
 def n2_chart(system: System, depth: int, without: Collection[str] = ()) -> Chart:

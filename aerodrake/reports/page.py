@@ -7,10 +7,10 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from pydrake.systems.framework import Diagram
 
 from aerodrake.gallery.n2_chart import n2_svg
+from aerodrake.support.templates import render_template
 from aerodrake.support.version import __version__
 
 CHART_DEPTH = 2
@@ -33,14 +33,9 @@ def render(
         poster: PNG in base64 that is shown where the replay is not; empty for none.
         content: The other variables of the template.
     """
-    environment = Environment(
-        loader=PackageLoader("aerodrake.reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template(template).render(
+    return render_template(
+        "aerodrake.reports",
+        template,
         chart=n2_svg(closed_loop, CHART_DEPTH, RECORDERS),
         replay=_packed(replay) if replay else "",
         version=__version__,

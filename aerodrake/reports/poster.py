@@ -157,13 +157,13 @@ def _hull(points: np.ndarray) -> np.ndarray:
 
 @cache
 def _corners() -> np.ndarray:
-    """(8, 3) corners of a cube with edges of 2."""
+    """Returns (8, 3), the corners of a cube with edges of 2."""
     return np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(-1, 3)
 
 
 @cache
 def _rings() -> np.ndarray:
-    """(2 STEPS, 3) points on the edges of a cylinder with a radius of 1 and a length of 2."""
+    """Returns (2 STEPS, 3), points on both edges of a cylinder of radius 1 and length 2."""
     turn = np.linspace(0, 2 * np.pi, STEPS, endpoint=False)
     ring = np.column_stack([np.cos(turn), np.sin(turn), np.ones(STEPS)])
     return np.concatenate([ring, ring * [1, 1, -1]])
@@ -171,7 +171,7 @@ def _rings() -> np.ndarray:
 
 @cache
 def _sphere() -> np.ndarray:
-    """(N, 3) points on a sphere with a radius of 1."""
+    """Returns (N, 3), points on a sphere of radius 1."""
     height = np.linspace(-1, 1, STEPS // 2 + 1)[:, None, None]
     ring = _rings()[:STEPS, :2] * np.sqrt(1 - height**2)
     heights = np.broadcast_to(height, (*ring.shape[:2], 1))

@@ -30,7 +30,7 @@ def is_writable(folder: Path) -> bool:
         return False
 
 
-def temporary_folder() -> Path | None:
+def private_folder() -> Path | None:
     """Returns this user's folder in the folder of temporary files; None if there is none.
 
     Later processes of the user find it again. Since files in it are executed, it is not used if
@@ -63,6 +63,6 @@ def let_matplotlib_cache() -> None:
             folder and folder / "matplotlib" for folder in (user_folder(*names) for names in xdg)
         ]
     if not all(folder and is_writable(Path(folder)) for folder in own):
-        temporary = temporary_folder()
+        temporary = private_folder()
         if temporary:
             os.environ["MPLCONFIGDIR"] = str(temporary / "matplotlib")

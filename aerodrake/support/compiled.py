@@ -11,7 +11,7 @@ from numba import config, njit
 from aerodrake.support.cache_folders import (
     first_writable,
     let_matplotlib_cache,
-    temporary_folder,
+    private_folder,
     user_folder,
 )
 from aerodrake.support.machine_code import SUFFIX, MachineCode
@@ -48,7 +48,7 @@ class CacheFolders:
         writes = first_writable(usual)
         self.note = ""
         if writes is None:
-            writes = temporary_folder()
+            writes = private_folder()
             kept = f"kept in {writes}" if writes else "compiled anew in each process"
             folders = " and ".join(map(str, usual))
             self.note = f"compiled code is {kept}, since {folders} cannot be written"

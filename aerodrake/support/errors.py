@@ -11,13 +11,13 @@ _REPR.maxstring = 60
 
 
 class BadInput(Exception):
-    """Invalid input: a scenario, an option, a robot or a file.
+    """Invalid input: an argument, a scenario, a robot or a file.
 
-    The message is one line with the source (a file or an option), the dotted key if there is
-    one, and the expected value with unit and range. Commands print it and exit with code 2.
+    The message is one line with the source, the dotted key if there is one, and the expected value
+    with unit and range. Commands print it and exit with code 2.
 
     Args:
-        source: The file or option that the input came from.
+        source: The file, argument, function or option that the input came from.
         key: The dotted key in the source, or empty.
         message: The expected and the given value.
     """
@@ -30,7 +30,7 @@ class BadInput(Exception):
 
     @property
     def source(self) -> str:
-        """The file or option that the input came from."""
+        """The file, argument, function or option that the input came from."""
         return self.args[0]
 
     @property

@@ -9,7 +9,7 @@ from aerodrake.support import cache_folders
 from aerodrake.support.cache_folders import (
     is_writable,
     let_matplotlib_cache,
-    temporary_folder,
+    private_folder,
     user_folder,
 )
 
@@ -45,7 +45,7 @@ def test_folders_that_cannot_be_written(folder, tmp_path, monkeypatch):
 
 
 def test_the_temporary_folder_is_found_again_and_is_private(temporary):
-    assert temporary_folder() == temporary == temporary_folder()
+    assert private_folder() == temporary == private_folder()
     assert temporary.stat().st_mode & 0o777 == 0o700
 
 
@@ -65,7 +65,7 @@ def test_the_temporary_folder_is_not_shared_with_others(take, temporary):
         take(temporary)
     except PermissionError:
         pytest.skip("only root can give a folder away")
-    assert temporary_folder() is None
+    assert private_folder() is None
 
 
 def test_without_a_folder_of_temporary_files(monkeypatch):
@@ -73,7 +73,7 @@ def test_without_a_folder_of_temporary_files(monkeypatch):
         raise FileNotFoundError(2, "No usable temporary directory found")
 
     monkeypatch.setattr("tempfile.gettempdir", gettempdir)
-    assert temporary_folder() is None
+    assert private_folder() is None
 
 
 def test_matplotlib_has_a_folder_that_can_be_written(temporary, tmp_path, monkeypatch):
@@ -90,6 +90,6 @@ def test_matplotlib_has_a_folder_that_can_be_written(temporary, tmp_path, monkey
     let_matplotlib_cache()
     assert os.environ["MPLCONFIGDIR"] == str(temporary / "matplotlib")
     monkeypatch.setenv("MPLCONFIGDIR", "/proc/matplotlib")
-    monkeypatch.setattr(cache_folders, "temporary_folder", lambda: None)
+    monkeypatch.setattr(cache_folders, "private_folder", lambda: None)
     let_matplotlib_cache()  # matplotlib itself reports it.
     assert os.environ["MPLCONFIGDIR"] == "/proc/matplotlib"

@@ -80,7 +80,7 @@ def usual(tmp_path, monkeypatch):
     def usual(numba: str, user: Path | None, *writable: Path) -> None:
         monkeypatch.setattr(config, "CACHE_DIR", numba)
         monkeypatch.setattr(compiled, "user_folder", lambda *names: user)
-        monkeypatch.setattr(compiled, "temporary_folder", lambda: tmp_path / "temporary")
+        monkeypatch.setattr(compiled, "private_folder", lambda: tmp_path / "temporary")
         monkeypatch.setattr(cache_folders, "is_writable", lambda folder: folder in writable)
 
     return usual
@@ -109,7 +109,7 @@ def test_folders_in_the_order_of_their_preference(sources, usual, tmp_path):
 
 def test_without_any_folder_the_note_says_so(sources, usual, monkeypatch):
     usual("", None)
-    monkeypatch.setattr(compiled, "temporary_folder", lambda: None)
+    monkeypatch.setattr(compiled, "private_folder", lambda: None)
     folders = CacheFolders(sources)
     assert folders.writes is None and "compiled anew in each process" in folders.note
 

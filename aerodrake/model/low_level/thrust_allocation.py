@@ -58,9 +58,9 @@ class ThrustAllocation(NamedTuple):
         return allocation
 
 
-def thrust_notes(scenario: Scenario) -> list[str]:
-    """Returns a warning for each thrust limit of the rotors that prevents hovering."""
-    rotor, vehicle = scenario.vehicle.rotor, VehicleModel.load(scenario)
+def thrust_notes(scenario: Scenario, vehicle: VehicleModel) -> list[str]:
+    """Returns a note for each thrust limit of the rotors that prevents hovering."""
+    rotor = scenario.vehicle.rotor
     trim = vehicle.trim_wrench @ ThrustAllocation.make(vehicle, rotor).inverse
     notes = []
     if trim.max() >= rotor.max_thrust_n:

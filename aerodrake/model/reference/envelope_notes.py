@@ -1,5 +1,7 @@
 """Notes on a reference that leaves the envelope, before it is flown."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from aerodrake.model.reference.curves import make_reference
@@ -29,7 +31,7 @@ SPEED_KEYS = {
 """Keys that determine how fast a reference is, by its kind."""
 
 
-def envelope_notes(scenario: Scenario) -> list[str]:
+def envelope_notes(scenario: Scenario, vehicle: VehicleModel) -> list[str]:
     """Returns a note for each limit of the envelope that the scenario's reference violates.
 
     The reference is sampled at the ticks of the MPC.
@@ -37,56 +39,45 @@ def envelope_notes(scenario: Scenario) -> list[str]:
     Raises:
         BadInput: if a file of the scenario cannot be used.
     """
-    vehicle = VehicleModel.load(scenario)
     with file_at(scenario.source, "reference.file"):
         curve = make_reference(scenario.reference, vehicle.p_E)
     period = scenario.rates.mpc_period_s
     times = period * np.arange(int(scenario.duration / period + 1e-9) + 1)
     envelope = Envelope.make(scenario.supervisor, vehicle.p_E)
-    motion = curve.evaluate(times)
-    verdicts = check_points(envelope, np.hstack(motion))
-    kind = scenario.reference.kind
     notes = []
-    for what, limit, keys, is_violated in _violations(envelope, motion, verdicts, kind):
+    for violation, is_violated in _violations(envelope, curve.evaluate(times), scenario):
         refused = np.flatnonzero(is_violated)
         if len(refused):
-            lasts = "all the time"
+            span = "all the time"
             if len(refused) < len(times):
                 seconds = period * len(refused)
-                lasts = f"from {times[refused[0]]:.2f} s on, for {seconds:.2f} s in all"
-            notes.append(
-                f"{keys}: the reference is {what}, {limit}, {lasts}; "
-                "meanwhile it is not followed and the vehicle holds"
-            )
+                span = f"from {times[refused[0]]:.2f} s on, for {seconds:.2f} s in all"
+            notes.append(f"{violation}, {span}; meanwhile it is not followed and the vehicle holds")
     return notes
 
 
 def _violations(
-    envelope: Envelope, motion: Motion, verdicts: np.ndarray, kind: str
-) -> list[tuple[str, str, str, np.ndarray]]:
-    """Returns what is wrong, the limit, the keys, and the samples (T,) at which it is so."""
+    envelope: Envelope, motion: Motion, scenario: Scenario
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Yields a clause on each limit, and the samples (T,) that violate it: True or False."""
     p, v = motion
-    outside, is_low = verdicts == ReferenceVerdict.OUT_OF_REACH, p[:, 2] < envelope.lowest
-    is_fast, is_far = verdicts == ReferenceVerdict.TOO_FAST, outside & ~is_low
+    verdicts = check_points(envelope, np.hstack(motion))
+    is_outside, is_low = verdicts == ReferenceVerdict.OUT_OF_REACH, p[:, 2] < envelope.lowest
+    kind = scenario.reference.kind
     size, speed = SIZE_KEYS[kind], SPEED_KEYS.get(kind, "")
     distance = np.linalg.norm(p - envelope.start, axis=1)
-    return [
-        (
-            f"too low ({p[:, 2].min():.4g} m)",
-            f"below supervisor.lowest_m ({envelope.lowest:g} m)",
-            size,
-            outside & is_low,
-        ),
-        (
-            f"too far ({distance.max():.4g} m from the start)",
-            f"above supervisor.farthest_m ({envelope.farthest:g} m)",
-            size,
-            is_far,
-        ),
-        (
-            f"too fast ({np.abs(v).max():.4g} m/s along an axis)",
-            f"above supervisor.fastest_m_s ({envelope.fastest:g} m/s)",
-            speed,
-            is_fast,
-        ),
-    ]
+    yield (
+        f"{size}: the reference is too low ({p[:, 2].min():.4g} m), below supervisor.lowest_m "
+        f"({envelope.lowest:g} m)",
+        is_outside & is_low,
+    )
+    yield (
+        f"{size}: the reference is too far ({distance.max():.4g} m from the start), above "
+        f"supervisor.farthest_m ({envelope.farthest:g} m)",
+        is_outside & ~is_low,
+    )
+    yield (
+        f"{speed}: the reference is too fast ({np.abs(v).max():.4g} m/s along an axis), above "
+        f"supervisor.fastest_m_s ({envelope.fastest:g} m/s)",
+        verdicts == ReferenceVerdict.TOO_FAST,
+    )

@@ -243,11 +243,11 @@ def _check_jump(
     if is_plausible:
         jumped = has_jumped(last.jump, deviation)
         return Verdict.RESET.value if jumped else Verdict.OK.value, Jump(np.zeros(3), 0.0)
-    since = last.jump.duration_s + bounds.dt
-    tolerance, _ = _prediction_bounds(bounds, POSITION, predicted, since)
+    since_jump = last.jump.duration_s + bounds.dt
+    tolerance, _ = _prediction_bounds(bounds, POSITION, predicted, since_jump)
     jump = extend_jump(last.jump, deviation, tolerance + bounds.noise[POSITION], bounds.dt)
-    since = split_health(last.health).ages[POSITION] + bounds.dt
-    tolerance, rate_bound = _prediction_bounds(bounds, POSITION, predicted, since)
+    since_accepted = split_health(last.health).ages[POSITION] + bounds.dt
+    tolerance, rate_bound = _prediction_bounds(bounds, POSITION, predicted, since_accepted)
     is_reset = is_lasting(bounds.jump, jump, tolerance, bounds.dt)
     if is_reset and length(velocity - predicted_velocity) <= rate_bound:
         return Verdict.RESET.value, Jump(np.zeros(3), 0.0)

@@ -157,8 +157,8 @@ def update(
     accelerations = np.concatenate((last.accelerations, acceleration[np.newaxis, :]))
     at_sample = predict_base(last.estimate, accelerations[0], gains.dt)
     predicted = predict_arm(at_sample, joint_setpoint, gains.dt)
-    checked = check(gains.check, last.check, predicted, sample)
-    ages, verdicts = split_health(last.check.health).ages, split_health(checked.health).verdicts
+    check_state = check(gains.check, last.check, predicted, sample)
+    ages, verdicts = split_health(last.check.health).ages, split_health(check_state.health).verdicts
     position_offset = last.position_offset
     for g in range(3):
         is_reset = verdicts[g] == Verdict.RESET.value
@@ -179,7 +179,7 @@ def update(
     now = at_sample
     for k in range(1, len(accelerations)):
         now = predict_base(now, accelerations[k], gains.dt)
-    return FilterState(checked, at_sample, accelerations[1:], position_offset), now
+    return FilterState(check_state, at_sample, accelerations[1:], position_offset), now
 
 
 @compiled

@@ -7,18 +7,13 @@ from xml.dom.minidom import Element
 import numpy as np
 
 from aerodrake.model.vehicle.urdf_links import only_child
+from aerodrake.model.vehicle.urdf_numbers import NUMBERS
 from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.urdf_element import attribute, child, children, fault, numbers, text
 
 REVOLUTE = ("revolute", "continuous")
 """Types of the arm's joints. Drake treats both alike."""
-LIMITS = {
-    "lower": "rad",
-    "upper": "rad",
-    "effort": "N m",
-    "velocity": "rad/s",
-    "drake:acceleration": "rad/s^2",
-}
+LIMITS = {name: limit.unit for name, limit in NUMBERS["joint/limit"].items()}
 """Limits of a joint and their units."""
 SMALLEST = 1e-8
 """Smallest limit, range of a joint, and norm of its axis, which is Drake's."""

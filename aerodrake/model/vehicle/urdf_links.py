@@ -58,9 +58,9 @@ def only_child(element: Element, tag: str) -> Element | None:
     Raises:
         BadInput: if there are several, since Drake ignores all but the first.
     """
-    if len(found := list(children(element, tag))) > 1:
-        raise fault(element, f"expected one <{tag}>, got {len(found)}")
-    return found[0] if found else None
+    if len(same := list(children(element, tag))) > 1:
+        raise fault(element, f"expected one <{tag}>, got {len(same)}")
+    return same[0] if same else None
 
 
 def _check_names(robot: Element, tags: tuple[str, ...]) -> None:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate, thrust_notes
 from aerodrake.model.vehicle.rotors import Rotors
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Rotor, Scenario
 from aerodrake.scenario import Vehicle as VehicleKeys
 
@@ -113,6 +114,7 @@ def test_more_rotors_than_wrench_components():
     ],
 )
 def test_rotors_that_cannot_hover_are_noted(rotor, note):
-    notes = thrust_notes(Scenario(vehicle=VehicleKeys(rotor=rotor)))
+    scenario = Scenario(vehicle=VehicleKeys(rotor=rotor))
+    notes = thrust_notes(scenario, VehicleModel.load(scenario))
     assert len(notes) == (note is not None)
     assert all(re.match(note, text) for text in notes)

@@ -7,6 +7,7 @@ import pytest
 
 from aerodrake.flight.notes import scenario_notes
 from aerodrake.model.reference.envelope_notes import SIZE_KEYS, SPEED_KEYS, envelope_notes
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Clover, Lissajous, MovingTarget, Scenario, Supervisor, Waypoints
 from aerodrake.scenario.load import load_scenario
 from aerodrake.scenario.references import Reference
@@ -14,9 +15,13 @@ from aerodrake.scenario.references import Reference
 PACKAGED = ("clover", "hover", "moving_target", "figure_eight", "lissajous", "waypoints")
 
 
+def notes_of(scenario):
+    return envelope_notes(scenario, VehicleModel.load(scenario))
+
+
 @pytest.mark.parametrize("name", PACKAGED)
 def test_packaged_scenarios_have_no_note(name):
-    assert envelope_notes(load_scenario(name)) == []
+    assert notes_of(load_scenario(name)) == []
 
 
 def test_every_kind_has_keys():
@@ -44,7 +49,7 @@ def test_every_kind_has_keys():
         (Clover(), {"farthest_m": 0.6}, ("too far", "farthest_m (0.6 m)", "from ")),
     ],
 )
-def test_a_violation_is_said_with_its_keys(reference, supervisor, parts):
+def test_a_violation_is_reported_with_its_keys(reference, supervisor, parts):
     limits = replace(Supervisor(), **supervisor)
     scenario = Scenario(reference=reference, supervisor=limits, duration=10.0)
     (note,) = [note for note in scenario_notes(scenario) if "the reference is" in note]
@@ -56,16 +61,15 @@ def test_a_target_that_leaves_is_too_far_from_then_on():
     target = MovingTarget(target_m=(0.0, 0.2, 0.6), velocity_m_s=(1.4, 0.0, 0.0))
     supervisor = replace(Supervisor(), farthest_m=2.0)
     scenario = Scenario(reference=target, supervisor=supervisor, duration=3.0)
-    (note,) = envelope_notes(scenario)
+    (note,) = notes_of(scenario)
     first = next(t for t in np.arange(0, 3, 0.02) if 1.4 * t > 2.0)
     assert f"from {first:.2f} s on" in note
 
 
-def test_a_file_is_checked_as_well(tmp_path):
-    """And all violations of a reference are said."""
+def test_all_violations_of_a_file_are_reported(tmp_path):
     file = tmp_path / "path.csv"
     file.write_text("t,x,y,z\n0,0,0.2,1.2\n1,0,0.2,-1\n2,0,0.2,1.2\n")
     scenario = Scenario(reference=Waypoints(file=str(file)), duration=2.0)
-    notes = envelope_notes(scenario)
+    notes = notes_of(scenario)
     assert ["too low" in notes[0], "too fast" in notes[1], len(notes)] == [True, True, 2]
     assert all(note.startswith("reference.file: ") for note in notes)

@@ -5,14 +5,14 @@ import dataclasses
 import pytest
 
 from aerodrake.scenario.load import load_scenario
-from aerodrake.scenario.warnings import warnings
+from aerodrake.scenario.notes import value_notes
 
 
 def test_warns_if_d_h_exceeds_the_learning_space_unlike_the_papers(scenario):
-    assert warnings(scenario) == []
+    assert value_notes(scenario) == []
     wide = dataclasses.replace(scenario.allocation, d_h_m=0.08)
-    (warning,) = warnings(dataclasses.replace(scenario, allocation=wide))
-    assert "allocation.d_h_m" in warning and "0.08 m" in warning and "0.05 m" in warning
+    (note,) = value_notes(dataclasses.replace(scenario, allocation=wide))
+    assert "allocation.d_h_m" in note and "0.08 m" in note and "0.05 m" in note
 
 
 @pytest.mark.parametrize(
@@ -36,11 +36,11 @@ def test_warns_if_d_h_exceeds_the_learning_space_unlike_the_papers(scenario):
     ],
 )
 def test_warns_of_values_that_degrade_the_flight(changes, expected):
-    *_, warning = warnings(load_scenario("hover", changes))
-    assert warning.startswith(expected)
+    *_, note = value_notes(load_scenario("hover", changes))
+    assert note.startswith(expected)
 
 
-def test_defaults_and_the_papers_choices_cause_no_warning(scenario):
+def test_defaults_and_the_papers_choices_cause_no_note(scenario):
     papers = load_scenario("hover", {"flight.interface": "position", "model.kind": "paper"})
     for fine in (scenario, papers):
-        assert warnings(fine) == []
+        assert value_notes(fine) == []

@@ -6,7 +6,7 @@ from aerodrake.scenario.scenario import Scenario
 from aerodrake.scenario.sections import Allocation
 
 
-def warnings(scenario: Scenario) -> list[str]:
+def value_notes(scenario: Scenario) -> list[str]:
     """Returns notes on values that are valid but may degrade the flight."""
     notes = []
     half_height = scenario.allocation.learning_space_m[2] / 2
