@@ -5,7 +5,6 @@ from pydrake.systems.analysis import Simulator
 
 import aerodrake
 from aerodrake.model.vehicle.kinematics import Kinematics
-from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.support.threads import single_thread
 
@@ -19,7 +18,7 @@ def main() -> None:
     for t in range(11):
         with single_thread():
             simulator.AdvanceTo(scenario.settle_s + t)
-        state = split_state(closed_loop.GetOutputPort("true_state").Eval(context))
+        state = aerodrake.split_state(closed_loop.GetOutputPort("true_state").Eval(context))
         p_Ed = closed_loop.GetOutputPort("reference").Eval(context)[:3]
         error = np.linalg.norm(kinematics.end_effector(state).p_E - p_Ed)
         x, y, z = p_Ed

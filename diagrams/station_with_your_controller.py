@@ -6,7 +6,6 @@ from pydrake.systems.framework import BasicVector, Context, DiagramBuilder, Leaf
 from pydrake.systems.primitives import ConstantVectorSource
 
 import aerodrake
-from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.support.threads import single_thread
 
@@ -47,7 +46,7 @@ def main() -> None:
         with single_thread():
             simulator.AdvanceTo(t)
         x = station.GetOutputPort("true_state").Eval(station.GetMyContextFromRoot(context))
-        p_B = split_state(x).p_B
+        p_B = aerodrake.split_state(x).p_B
         p_Bd = circle.get_output_port().Eval(circle.GetMyContextFromRoot(context))[:3]
         print(f"{t:3d} s  base at {p_B.round(3)} m, setpoint {p_Bd.round(3)} m")
 

@@ -4,7 +4,6 @@ import numpy as np
 from pydrake.systems.framework import LeafSystem
 
 import aerodrake
-from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
 
 
@@ -33,7 +32,7 @@ class PdController(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0005, self._update)
 
     def _update(self, context, discrete) -> None:
-        x = split_state(self._state.Eval(context))
+        x = aerodrake.split_state(self._state.Eval(context))
         p_d, v_d, a_d = self._setpoint.Eval(context).reshape(3, 3)
         a = a_d + 9.0 * (p_d - x.p_B) + 5.0 * (v_d - x.v_B) + [0.0, 0.0, GRAVITY]
         R, z = x.R_B, a / np.linalg.norm(a)

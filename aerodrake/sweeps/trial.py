@@ -23,7 +23,7 @@ FAILURES = ("failed", "refused")
 
 @dataclass(frozen=True)
 class Trial:
-    """One flight of a sweep, as `aerodrake run SCENARIO` flies it with the options of `options`.
+    """One flight of a sweep, as its `command` flies it alone.
 
     Attributes:
         index: Index, from 0.
@@ -37,11 +37,6 @@ class Trial:
     parameters: Mapping[str, Any]
     scenario: Scenario
 
-    def options(self) -> list[tuple[str, str]]:
-        """Returns the options and assignments, as for `load_with_options`."""
-        keys = [f"{key}={dump_line(v)}" for key, v in self.parameters.items() if key != "seed"]
-        return [*(("--set", assignment) for assignment in keys), ("--seed", f"seed={self.seed}")]
-
     def resolved(self) -> Scenario:
         """Returns the scenario of the trial.
 
@@ -52,9 +47,10 @@ class Trial:
 
     def command(self, scenario: Path) -> str:
         """Returns the shell command that flies this trial alone; `scenario` is the sweep's file."""
-        words = [word for pair in self.options() for word in pair]
-        words[-1] = str(self.seed)  # Without `seed=`.
-        return shlex.join(["aerodrake", "run", str(scenario), *words])
+        keys = [f"{key}={dump_line(v)}" for key, v in self.parameters.items() if key != "seed"]
+        words = [word for assignment in keys for word in ("--set", assignment)]
+        again = ["aerodrake", "run", str(scenario), *words, "--seed", str(self.seed)]
+        return shlex.join(again)
 
     def header(self) -> dict[str, Any]:
         """Returns the first entries of the row, which do not depend on the flight."""

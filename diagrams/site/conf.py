@@ -1,4 +1,4 @@
-"""Configuration of the documentation: python -m sphinx -W -n -c diagrams/site diagrams build/site.
+"""Configuration of the documentation: python -m sphinx -W -c diagrams/site diagrams build/site.
 
 The sources are the pages of `diagrams/`, which are readable on a plain git host too; the pages
 of the API reference are made at each build from the docstrings.
