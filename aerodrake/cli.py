@@ -18,9 +18,6 @@ EXIT_CODES = """Exit codes: 0 success; 1 a flight did not complete, a variant fa
 died or standard output cannot be written; 2 bad input; 130 interrupted; 141 standard output
 has no reader. Results are written even if standard output or standard error cannot be."""
 
-POSITIONAL = ("scenario", "name")
-"""Arguments that are not options."""
-
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command and returns one of the `EXIT_CODES`, that of the first cause.
@@ -66,9 +63,9 @@ def make_parser() -> argparse.ArgumentParser:
 
 def _as_given(error: Exception, arguments: argparse.Namespace) -> str:
     """Returns the message, in which an argument of a function is named as the option it is here."""
-    text = str(error)
-    is_option = isinstance(error, BadInput) and error.source in vars(arguments)
-    return f"--{text}" if is_option and error.source not in POSITIONAL else text
+    names = vars(arguments).keys() - {getattr(arguments, "scenario", None)}
+    is_option = isinstance(error, BadInput) and error.source in names
+    return f"--{error}" if is_option else str(error)
 
 
 class _Parser(argparse.ArgumentParser):

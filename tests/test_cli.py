@@ -27,6 +27,11 @@ def test_bad_input_of_the_process(argv, expected, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_scenario_is_not_taken_for_the_option_of_its_name(capsys):
+    assert main(["run", "seed"]) == 2
+    assert capsys.readouterr().err.startswith("aerodrake: seed: no such scenario")
+
+
 def test_help_needs_neither_drake_nor_torch():
     code = (
         "import sys\n"

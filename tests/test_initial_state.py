@@ -83,7 +83,7 @@ def test_delay_noise_and_faults_at_time_0(fault):
 
 
 def test_a_clone_continues_bit_for_bit():
-    """Also one that a Simulator of its own initialises again."""
+    """A Simulator of its own may initialise it again."""
     flight = Flight("clover_realistic", dp=(0.2, 0, 0), v=(0.1, 0, 0))
     flight.advance(0.035)
     clone = flight.context.Clone()

@@ -78,12 +78,8 @@ def fly(
             if link:
                 console.say(f"note: waiting in trim for a coordinator at {lcm}")
             rate = view.rate if view else 1.0 if link else 0.0
-            log = flight.fly(progress, rate, view.attach if view else _no_observer)
+            log = flight.fly(progress, rate, view.attach if view else lambda *_: None)
         summary = summarize(flown, log)
         result = FlightResult(scenario, summary, log, lambda: flight.closed_loop, flown)
         weakref.finalize(result, stack.pop_all().close)  # Removes the copies of its files.
     return result
-
-
-def _no_observer(flight: FlightSimulation, simulator: object) -> None:
-    """Observes nothing."""

@@ -21,8 +21,8 @@ MONITOR_PERIOD_S = 0.1
 LOST_TILT_RAD = math.radians(60)
 """Tilt of the base beyond which the vehicle is lost."""
 LOST_ERROR_M = 1.0
-"""Distance from the reference, in safe modes from the setpoint, beyond which it is lost. By as much
-as resets have moved the estimated position, the vehicle may be farther away."""
+"""Distance from the reference, in safe modes from the setpoint, beyond which it is lost; the
+distance by which resets have moved the estimated position is added."""
 
 REFUSALS = (BadInput, OSError, MemoryError)
 """Errors of the machine or of the remote coordinator, which never mean a lost vehicle."""

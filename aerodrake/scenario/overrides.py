@@ -7,11 +7,8 @@ from typing import Any, NamedTuple
 from aerodrake.scenario.plain_yaml import parse
 from aerodrake.scenario.renamed import successor
 from aerodrake.scenario.scenario import Scenario
-from aerodrake.scenario.schema import as_mapping, convert_field
+from aerodrake.scenario.schema import as_mapping, convert_field, union_fields
 from aerodrake.support.errors import BadInput, ScenarioError, nearest, show
-
-UNIONS = ("reference", "orientation", "faults")
-"""Sections whose key `kind` selects their class."""
 
 
 class Override(NamedTuple):
@@ -100,7 +97,7 @@ def _assign(sections: Mapping[str, Any], override: Override) -> tuple[str, Any]:
             raise ScenarioError(source, section, advice)
         node = children[name]
     field = re.split(r"[.\[]", key, maxsplit=1)[0]
-    if field in UNIONS and leaf == "kind" and node.get("kind") != value:
+    if field in union_fields(Scenario) and leaf == "kind" and node.get("kind") != value:
         node.clear()  # Each kind has its own keys.
     element = re.fullmatch(r"(\w+)\[([0-9]{1,4})\]", leaf)
     if element and isinstance(node.get(element[1]), list):

@@ -92,12 +92,17 @@ class Kind(Section):
 def assign_keys(root: type[Section]) -> None:
     """Sets the dotted key of each class of sections in `root`; items of a list have `[]`."""
     for name, (hint, _) in _declared(root).items():
-        is_list = typing.get_origin(hint) is tuple
-        element = typing.get_args(hint)[0] if is_list else hint
+        element = _element(hint)
         for section in typing.get_args(element) or (element,):
             if issubclass(section, Section):
-                section.key = _join(root.key, name) + "[]" * is_list
+                section.key = _join(root.key, name) + "[]" * (element is not hint)
                 assign_keys(section)
+
+
+def union_fields(cls: type) -> set[str]:
+    """Returns the names of the fields whose key `kind` selects their class."""
+    fields = _declared(cls).items()
+    return {name for name, (hint, _) in fields if isinstance(_element(hint), types.UnionType)}
 
 
 def build(cls: type, data: object, source: object, key: str = "") -> Any:
@@ -198,6 +203,11 @@ def _declared(cls: type) -> dict[str, _Declared]:
     hints = typing.get_type_hints(cls)
     fields = [f for f in dataclasses.fields(cls) if "provenance" not in f.metadata]
     return {f.name: _Declared(hints[f.name], f.metadata) for f in fields}
+
+
+def _element(hint: Any) -> Any:
+    """Returns the type of the items of a list; that of another field itself."""
+    return typing.get_args(hint)[0] if typing.get_origin(hint) is tuple else hint
 
 
 def _check_name(cls: type, name: object, source: object, key: str) -> None:

@@ -5,12 +5,12 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 
-def render_template(package: str, name: str, **variables: Any) -> str:
+def render_template(package: str, file: str, /, **variables: Any) -> str:
     """Renders a Jinja template and escapes all text.
 
     Args:
         package: Dotted name of the package.
-        name: Name of the file in its folder `templates`.
+        file: Name of the file in its folder `templates`.
         **variables: Variables of the template, all of them.
     """
     environment = Environment(
@@ -20,4 +20,4 @@ def render_template(package: str, name: str, **variables: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(name).render(**variables)
+    return environment.get_template(file).render(**variables)

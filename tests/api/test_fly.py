@@ -106,7 +106,7 @@ def test_a_damaged_run_is_refused(result, name, content, message, tmp_path):
 
 
 def test_a_truncated_log_is_refused(result, tmp_path):
-    """Also one whose directory is intact and one of whose arrays is not."""
+    """Its directory may be intact, and one of its arrays not."""
     path = result.save(tmp_path / "run") / "log.npz"
     content = path.read_bytes()
     middle = len(content) // 2

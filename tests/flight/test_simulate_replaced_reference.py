@@ -45,7 +45,7 @@ def test_a_replaced_guidance_is_the_one_that_errors_are_relative_to(vehicle):
 
 
 def test_a_guidance_may_lack_the_requested_reference(vehicle):
-    """As those of earlier versions; errors are then of the followed reference."""
+    """Errors are then of the followed reference."""
     short = replace(HOVER, settle_s=0.0, duration=0.1)
 
     def bare(ours):

@@ -16,8 +16,7 @@ from hypothesis import given, settings
 
 from aerodrake.scenario import AnyFault, Hover, Orientation, Reference, Scenario
 from aerodrake.scenario.load import load_scenario, load_with_options, override
-from aerodrake.scenario.overrides import UNIONS
-from aerodrake.scenario.schema import Kind, Section, as_mapping
+from aerodrake.scenario.schema import Kind, Section, as_mapping, union_fields
 from aerodrake.support.errors import ScenarioError
 
 BASE = Scenario(name="base", faults=[{"kind": "push"}, {"kind": "push"}])
@@ -124,7 +123,7 @@ def value_at(scenario: Scenario, parents: list[str], leaf: str) -> object:
 
 def mapping(scenario: Scenario, parents: list[str], leaf: str, value: object) -> dict:
     """Returns a mapping of the kinds of a scenario, and of a value at a key."""
-    data = node = {name: as_mapping(getattr(scenario, name)) for name in UNIONS}
+    data = node = {name: as_mapping(getattr(scenario, name)) for name in union_fields(Scenario)}
     for name in parents:
         node = node["faults"][1] if name == "faults[1]" else node.setdefault(name, {})
     node[leaf] = value

@@ -53,7 +53,7 @@ class Flight:
 @settings(max_examples=15)
 @given(along=unit, size=st.floats(0.06, 1.0), noise_m=st.sampled_from([0.0, NOISE_M]))
 def test_a_lasting_jump_moves_the_estimate_and_the_offset_alike(along, size, noise_m):
-    """And so does a jump back: the offset is then the sum of both."""
+    """A jump back does too: the offset is then the sum of both."""
     flight, bound = Flight(noise_m=noise_m), 10 * noise_m + 1e-9
     for position in (size * along, np.zeros(3)):
         verdicts = flight.verdicts(position, LIMITS.reset_after_s + 0.05)

@@ -162,7 +162,7 @@ def test_a_repeated_sample_is_frozen_once_it_should_have_moved(g, along, speed, 
 @each
 @given(along=unit, size=st.floats(0.15, 3.0))
 def test_a_step_is_rejected_until_the_prediction_can_be_as_wrong(g, along, size):
-    """So is a later step back. A step of the position resets the filter."""
+    """A later step back is too. A step of the position resets the filter."""
     stream, still, away = Stream(), moved(g, along), moved(g, along, size)
     growth = np.array([0.5, 1 / 6])
     for k in range(1, 1000):
