@@ -138,6 +138,12 @@ def test_one_noun_per_file(path):
     assert lines <= MOST_LINES
 
 
+def test_files_of_tests_are_as_short():
+    paths = Path(__file__).parent.rglob("*.py")
+    lengths = {path.name: len(path.read_text().splitlines()) for path in paths}
+    assert [name for name, length in lengths.items() if length > MOST_LINES] == []
+
+
 def definitions(path: Path) -> Iterator[ast.ClassDef | ast.FunctionDef]:
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.ClassDef | ast.FunctionDef):
