@@ -127,11 +127,12 @@ def load_run(folder: str | os.PathLike[str]) -> FlightResult:
     """
     folder = Path(folder)
     path = folder / "summary.json"
-    try:
-        summary = json.loads(read_bounded(path, MAX_SUMMARY_BYTES))
-        {key: summary[key] for key in ("exit_reason", "exit_cause", "wall_s", "error")}
-    except (ValueError, KeyError, TypeError, RecursionError):
-        raise BadInput(path, "", "expected the summary of a flight") from None
+    content = read_bounded(path, MAX_SUMMARY_BYTES)
     scenario = load_scenario(folder / "scenario.yaml")
+    try:
+        summary = json.loads(content)
+        table(summary, scenario.reference.kind)  # Needs all figures of a flight.
+    except (ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError):
+        raise BadInput(path, "", "expected the summary of a flight") from None
     log = FlightLog.read(folder / "log.npz", summary, VehicleModel.load(scenario))
     return FlightResult(scenario, summary, log, lambda: make_closed_loop(scenario))

@@ -1,7 +1,7 @@
 """The log of a flight: signals over reference time."""
 
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
@@ -95,8 +95,8 @@ ROWS_PER_WRITE = 4096
 
 
 @dataclass(frozen=True)
-class FlightLog:
-    """Signals and ending of one flight.
+class FlightLog(Mapping[str, np.ndarray]):
+    """Signals and ending of one flight; a mapping of the keys to the arrays.
 
     Attributes:
         signals: Arrays by the keys of `PORTS` and `DERIVED`, in their shapes and units: (T, ...)
@@ -117,6 +117,12 @@ class FlightLog:
 
     def __getitem__(self, key: str) -> np.ndarray:
         return self.signals[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.signals)
+
+    def __len__(self) -> int:
+        return len(self.signals)
 
     @property
     def time_s(self) -> np.ndarray:

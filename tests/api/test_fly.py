@@ -63,6 +63,7 @@ def test_a_saved_run_loads_again(result, path, tmp_path):
     path.write_text(content)
     again = aerodrake.load_run(tmp_path / "a" / "run")
     np.testing.assert_equal(signals(again.log), signals(result.log))
+    assert dict(again.log).keys() == set(result.log) and len(again.log) == len(result.log) > 9
     assert again.summary == json.loads(json.dumps(result.summary))
     assert again.error == result.error and str(again) == str(result)
     assert Path(again.scenario.reference.file).read_text() == content
@@ -81,6 +82,9 @@ def test_a_report_may_be_in_a_new_folder_or_beside_the_results(result, tmp_path)
         assert str(folder / "scenario.yaml") in page.read_text()
 
 
+INCOMPLETE = b'{"exit_reason": "completed", "exit_cause": "", "wall_s": 1, "error": {"mean_m": 0}}'
+
+
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
@@ -92,6 +96,7 @@ def test_a_report_may_be_in_a_new_folder_or_beside_the_results(result, tmp_path)
         ("scenario.yaml", None, "scenario.yaml: expected a readable file"),
         ("scenario.yaml", b"duration: -1", "scenario.yaml: duration: expected a number in"),
         ("log.npz", None, "log.npz: expected a readable file"),
+        ("summary.json", INCOMPLETE, "summary.json: expected the summary of a flight"),
         ("log.npz", b"", "log.npz: expected the log of a flight"),
         ("log.npz", b"PK\x03\x04", "log.npz: expected the log of a flight"),
     ],
