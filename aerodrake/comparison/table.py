@@ -78,7 +78,10 @@ def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None
 
 
 def paper_rows(kind: str, key: str) -> list[list[str]]:
-    """Returns the paper's results for `kind` of reference, without exit reasons; empty for none."""
+    """Returns the paper's results for a kind of reference and a key of `error`.
+
+    They have no exit reasons. Rows without a number are left out.
+    """
     paper = PAPER.get(kind)
     if not paper:
         return []

@@ -24,7 +24,7 @@ def test_files_and_output_are_reproducible(tmp_path, monkeypatch, capfd):
     assert "note: residual.checkpoint names no network" in output
     assert re.search(r"^integral +\d", output, re.MULTILINE)
     assert re.search(r"^modified\+online +\d.* -?\+?\d+\.\d %.* completed$", output, re.MULTILINE)
-    assert re.search(r"^paper: proposed +12.20|^paper: proposed", output, re.MULTILINE)
+    assert "paper: " not in output  # Its results are of whole laps.
     assert "2/2" in progress
     written = sorted(path.name for path in (tmp_path / "a").iterdir())
     assert written == [

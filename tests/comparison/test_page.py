@@ -66,8 +66,7 @@ def test_the_page_has_the_rows_of_the_table(desktop, comparison):
     assert shown[:flown] == [
         row + [""] * (len(shown[0]) - len(row)) for row in comparison_rows(comparison.summaries)
     ]
-    papers = paper_rows("clover", "mean_m")
-    assert [row[: len(papers[0])] for row in shown[flown:]] == papers
+    assert shown[flown:] == paper_rows("clover", "mean_m") == []  # The flights have no lap.
 
 
 def test_names_and_causes_are_escaped(desktop, path):
