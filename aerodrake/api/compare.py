@@ -27,13 +27,14 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.inputs import frozen
 from aerodrake.scenario.load import resolve
+from aerodrake.support.arguments import checked
 from aerodrake.support.scratch import temporary_folder
 
 
+@checked
 def compare(
     scenario: Scenario | str | os.PathLike[str],
     overrides: Mapping[str, Any] | None = None,
-    /,
     *,
     variants: str | Sequence[str] = (),
     baseline: str | os.PathLike[str] | None = None,

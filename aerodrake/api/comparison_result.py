@@ -18,6 +18,7 @@ from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import save_scenario
 from aerodrake.scenario.plain_yaml import dump
 from aerodrake.scenario.schema import as_mapping
+from aerodrake.support.arguments import checked
 from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.run_folder import existing_folder, run_folder
 
@@ -59,6 +60,7 @@ class ComparisonResult:
         lacks_logs = len(self.comparison.logs) < len(self.comparison.variants)
         return lacks_logs or margins is not None and margins.failed
 
+    @checked
     def flight(self, variant: str) -> FlightResult:
         """Returns the results of one variant.
 
@@ -70,6 +72,7 @@ class ComparisonResult:
             raise BadInput("variant", "", f"no flight of '{variant}'; {known}")
         return load_run(self._folder / variant)
 
+    @checked
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Writes `comparison.json`, `scenario.yaml`, and the folder of a run for each variant.
 
@@ -93,6 +96,7 @@ class ComparisonResult:
                 write_margins(self.margins, flown, new)
         return Path(folder)
 
+    @checked
     def report(self, folder: str | os.PathLike[str]) -> Path:
         """Writes `report.html` and `comparison.png`, with margins also `margins.png`.
 

@@ -21,6 +21,7 @@ from aerodrake.scenario.load import load_scenario
 from aerodrake.scenario.plain_yaml import dump
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.station import make_closed_loop
+from aerodrake.support.arguments import checked
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import read_bounded
 from aerodrake.support.run_folder import existing_folder, run_folder
@@ -75,6 +76,7 @@ class FlightResult:
         """`completed`, or the reason for which the flight ended earlier, as in the summary."""
         return self.summary["exit_reason"]
 
+    @checked
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Writes `summary.json`, `log.npz`, `scenario.yaml` and the files that the scenario names.
 
@@ -90,6 +92,7 @@ class FlightResult:
             write_results(new, self._copies, self.summary, self.log)
         return Path(folder)
 
+    @checked
     def report(self, folder: str | os.PathLike[str]) -> Path:
         """Writes `report.html`, and its parts `tracking.png` and `replay.html`, into a folder.
 
@@ -119,6 +122,7 @@ class FlightResult:
         return flight_cell(self.scenario, self.summary, self.log)
 
 
+@checked
 def load_run(folder: str | os.PathLike[str]) -> FlightResult:
     """Loads a saved run: a folder of `FlightResult.save`, `aerodrake run` or `aerodrake compare`.
 

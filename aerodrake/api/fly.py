@@ -15,6 +15,7 @@ from aerodrake.reports.live import LiveView
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.inputs import frozen
 from aerodrake.scenario.load import resolve
+from aerodrake.support.arguments import checked
 from aerodrake.support.garbage import frozen_garbage
 from aerodrake.support.interrupts import deferred_interrupts
 from aerodrake.wire.interface import make_lcm
@@ -22,10 +23,10 @@ from aerodrake.wire.remote_coordinator import make_station_link
 from aerodrake.wiring.replacements import Replacements
 
 
+@checked
 def fly(
     scenario: Scenario | str | os.PathLike[str],
     overrides: Mapping[str, Any] | None = None,
-    /,
     *,
     replacements: Replacements | None = None,
     view: LiveView | None = None,

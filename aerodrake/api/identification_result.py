@@ -14,6 +14,7 @@ from aerodrake.identification.report import (
     write_results,
 )
 from aerodrake.scenario import Scenario
+from aerodrake.support.arguments import checked
 from aerodrake.support.run_folder import existing_folder, run_folder
 
 
@@ -37,6 +38,7 @@ class IdentificationResult:
         """The scenario with the identified K_B."""
         return self.identification.identified_scenario
 
+    @checked
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Writes `identification.json` and `scenario.yaml`, which has the identified K_B.
 
@@ -54,6 +56,7 @@ class IdentificationResult:
             write_results(self.identification, command, new)
         return folder
 
+    @checked
     def report(self, folder: str | os.PathLike[str]) -> Path:
         """Writes the figure `identification.png` into a folder, which is created if missing.
 

@@ -13,12 +13,13 @@ from aerodrake.identification.identify import DURATION_S, FLIGHTS, identify_gain
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.inputs import frozen
 from aerodrake.scenario.load import resolve
+from aerodrake.support.arguments import checked
 
 
+@checked
 def identify(
     scenario: Scenario | str | os.PathLike[str] = "clover_paper",
     overrides: Mapping[str, Any] | None = None,
-    /,
     *,
     jobs: int | None = None,
     quiet: bool = False,

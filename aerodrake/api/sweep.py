@@ -14,6 +14,7 @@ from aerodrake.api.sweep_result import SweepResult
 from aerodrake.flight.notes import scenario_notes
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import resolve
+from aerodrake.support.arguments import checked
 from aerodrake.support.errors import BadInput
 from aerodrake.support.scratch import temporary_folder
 from aerodrake.sweeps.cluster import cluster
@@ -23,10 +24,10 @@ from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.report import write_report
 
 
+@checked
 def sweep(
     scenario: Scenario | str | os.PathLike[str],
     overrides: Mapping[str, Any] | None = None,
-    /,
     *,
     vary: Mapping[str, str],
     trials: int | None = None,
@@ -65,6 +66,8 @@ def sweep(
     """
     if resume and out is None:
         raise BadInput("resume", "", "expected the folder of a sweep as `out`")
+    if executor is not None and scheduler is not None:
+        raise BadInput("executor", "", "expected no scheduler beside it")
     console, jobs = Console(quiet), checked_jobs(jobs)
     scenario = resolve(scenario, overrides, **keys)
     plan = Plan.make(scenario, vary, trials)

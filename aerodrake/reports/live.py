@@ -15,6 +15,7 @@ from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.reports.scene import Scene
+from aerodrake.support.arguments import checked
 from aerodrake.support.errors import BadInput
 from aerodrake.support.limits import RATE
 
@@ -42,6 +43,7 @@ class LiveView:
         BadInput: if the rate is out of range.
     """
 
+    @checked
     def __init__(self, rate: float = 1.0, announce: Callable[[str], None] = print):
         slowest, fastest = RATE
         if not slowest <= rate <= fastest:

@@ -25,7 +25,7 @@ def packaged_scenarios() -> dict[str, Path]:
 
 
 def load_scenario(
-    name_or_path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = None, /, **keys: Any
+    name_or_path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = None, **keys: Any
 ) -> Scenario:
     """Reads and checks a scenario.
 
@@ -69,7 +69,7 @@ def load_with_options(name_or_path: str, options: Iterable[tuple[str, str]]) -> 
 
 
 def override(
-    scenario: Scenario, overrides: Mapping[str, Any] | None = None, /, **keys: Any
+    scenario: Scenario, overrides: Mapping[str, Any] | None = None, **keys: Any
 ) -> Scenario:
     """Returns the scenario with overridden keys.
 
@@ -90,7 +90,6 @@ def override(
 def resolve(
     scenario: Scenario | str | os.PathLike[str],
     overrides: Mapping[str, Any] | None = None,
-    /,
     **keys: Any,
 ) -> Scenario:
     """Returns a scenario, or one read from a name or path, with overridden keys.

@@ -93,7 +93,7 @@ def _assign(sections: Mapping[str, Any], override: Override) -> tuple[str, Any]:
         children = _mappings(node)
         if name not in children:
             section = ".".join(parents[: depth + 1])
-            advice = successor(section) or f"unknown section; {nearest(name, children)}"
+            advice = successor(section) or f"unknown section; {_sections(node, name, children)}"
             raise ScenarioError(source, section, advice)
         node = children[name]
     field = re.split(r"[.\[]", key, maxsplit=1)[0]
@@ -111,6 +111,14 @@ def _assign(sections: Mapping[str, Any], override: Override) -> tuple[str, Any]:
         node[leaf] = value
     name = field if field in sections else key
     return name, data[name]
+
+
+def _sections(node: dict[str, Any], name: str, valid: Iterable[str]) -> str:
+    """Returns a clause on the sections of a mapping that has none of this name."""
+    field = name.partition("[")[0]
+    if isinstance(node.get(field), list):
+        return f"{field} is a list of {len(node[field])}, whose first item is {field}[0]"
+    return f"{name} is a value" if name in node else nearest(name, valid)
 
 
 def _mappings(node: dict[str, Any]) -> dict[str, dict[str, Any]]:

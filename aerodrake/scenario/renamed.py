@@ -6,7 +6,7 @@ RENAMED: dict[str, str] = {"residual.judge_s": "residual.gate_s"}
 """Old dotted key -> new dotted key. A section counts as a key; keys of faults have no index."""
 
 REMOVED: dict[str, str] = {
-    "baseline": "put its keys in a file for `aerodrake compare SCENARIO --baseline FILE`"
+    "baseline": "put its keys in a file, the baseline of `aerodrake compare`"
 }
 """Old dotted key -> what replaces it, as a clause."""
 

@@ -213,7 +213,8 @@ def _element(hint: Any) -> Any:
 def _check_name(cls: type, name: object, source: object, key: str) -> None:
     if name not in _declared(cls):
         dotted = _join(key, str(name))
-        advice = successor(dotted) or f"unknown key; {nearest(name, _declared(cls))}"
+        kind = f" for kind {cls.kind}" if issubclass(cls, Kind) else ""
+        advice = successor(dotted) or f"unknown key; {nearest(name, _declared(cls))}{kind}"
         raise ScenarioError(source, dotted, advice)
 
 

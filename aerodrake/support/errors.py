@@ -75,7 +75,7 @@ def show(value: object) -> str:
 def nearest(name: object, valid: Iterable[str]) -> str:
     """Returns a clause with the valid name closest to `name`, if one is close, and all others."""
     options = sorted(valid)
-    names = f"valid: {', '.join(options)}"
+    names = f"valid: {', '.join(options) or 'none'}"
     close = difflib.get_close_matches(str(name)[:100], options, n=1, cutoff=0.5)
     return f"did you mean '{close[0]}'? ({names})" if close else names
 

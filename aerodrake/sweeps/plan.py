@@ -14,7 +14,7 @@ from aerodrake.scenario.overrides import Override, apply
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.station import make_closed_loop
 from aerodrake.support.arguments import check_whole
-from aerodrake.support.errors import BadInput, ScenarioError
+from aerodrake.support.errors import BadInput, ScenarioError, show
 from aerodrake.support.limits import SEED, TRIALS
 from aerodrake.support.version import __version__
 from aerodrake.sweeps.distributions import VARY, Choice, Distribution, Linspace, make_rng
@@ -61,6 +61,8 @@ class Plan:
             raise BadInput(VARY, "", f"{expected}, got {vary!r:.50}")
         distributions: dict[str, Distribution] = {}
         for key, distribution in vary.items():
+            if not isinstance(key, str):
+                raise BadInput(VARY, "", f"expected dotted keys, got {show(key)}")
             for other in distributions:
                 if _overlap(key, other):
                     raise BadInput(VARY, key, f"expected each key once, but {other} contains it")
@@ -71,7 +73,7 @@ class Plan:
             raise BadInput("trials", "", expected)
         count = math.prod(grid) if trials is None else trials
         check_whole("trials", count, *TRIALS)
-        return cls(scenario, count, distributions, _integer_keys(scenario, distributions))
+        return cls(scenario, int(count), distributions, _integer_keys(scenario, distributions))
 
     def trial(self, index: int) -> Trial:
         """Returns a trial, in which each value depends on seed, index and key alone.

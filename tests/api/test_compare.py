@@ -46,7 +46,9 @@ def test_a_saved_comparison_has_a_run_for_each_variant(result, tmp_path):
     [
         ({"variants": ["clic"]}, "variant: no such variant 'clic'; did you mean 'clik'"),
         ({"jobs": 0}, r"jobs: expected a whole number in \[1, 1000\], got 0"),
-        ({"jobs": 1.5}, "jobs: expected a whole number"),
+        ({"jobs": 1.5}, "compare: jobs: expected int or None, got 1.5"),
+        ({"variants": 3}, "compare: variants: expected str or Sequence, got 3"),
+        ({"baseline": 3}, "compare: baseline: expected str or PathLike or None, got 3"),
         ({"baseline": "none.yaml"}, "none.yaml: expected a readable file"),
         ({"mpc.horizon": 0}, "hover: mpc.horizon: expected a whole number"),
     ],

@@ -127,13 +127,23 @@ def test_a_truncated_log_is_refused(result, tmp_path):
         (("clovr",), {}, "clovr: no such scenario; did you mean 'clover'"),
         (("clover", {"mpc.horizn": 3}), {}, "clover: mpc.horizn: unknown key; did you mean"),
         (("clover",), {"duration": -3}, "clover: duration: expected a number in"),
-        ((3,), {}, "expected the name of a packaged scenario or the path of a .yaml file, got 3"),
+        ((3,), {}, "fly: scenario: expected Scenario or str or PathLike, got 3"),
+        (("hover",), {"view": True}, "fly: view: expected LiveView or None, got True"),
+        (("hover",), {"lcm": 3}, "fly: lcm: expected str or None, got 3"),
+        (("hover",), {"quiet": "no"}, "fly: quiet: expected bool, got 'no'"),
+        (("hover", [3]), {}, r"fly: overrides: expected Mapping or None, got \[3\]"),
     ],
 )
 def test_bad_input_names_what_was_given(arguments, keys, message):
     with pytest.raises(aerodrake.BadInput, match=message) as refused:
         aerodrake.fly(*arguments, **keys)
     assert "--" not in str(refused.value)
+
+
+def test_a_folder_is_named_by_a_string_or_path(result):
+    for function in (result.save, result.report, aerodrake.load_run):
+        with pytest.raises(aerodrake.BadInput, match="folder: expected str or PathLike, got None"):
+            function(None)
 
 
 def test_a_folder_that_cannot_be_written_is_named(result, tmp_path):

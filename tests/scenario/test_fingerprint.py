@@ -50,6 +50,8 @@ def test_the_plant_hash_is_of_the_content_of_the_robots_file(tmp_path, scenario)
 class RecordingScenario:
     """A scenario that records which sections are read."""
 
+    __class__ = Scenario  # For isinstance.
+
     def __init__(self, scenario):
         self._scenario, self.read = scenario, set()
 

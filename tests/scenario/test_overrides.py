@@ -84,6 +84,10 @@ def test_scenarios_and_files_are_paths_or_strings(tmp_path, monkeypatch):
         ({"model.k_b": np.ones(2)}, "model.k_b: expected a list of 3 numbers in 1/s, got 2"),
         ({"model.k_b": np.ones((3, 1))}, "model.k_b[0]: expected a number in [0.01, 50] 1/s"),
         ({"model.k_b[3]": 1}, "model.k_b: expected an index below 3, got [3]"),
+        ({"faults[0].start_s": 3}, "faults[0]: unknown section; faults is a list of 0, whose"),
+        ({"faults.start_s": 3}, "faults: unknown section; faults is a list of 0, whose first item"),
+        ({"duration.x": 3}, "duration: unknown section; duration is a value"),
+        ({"orientation.axis": 3}, "orientation.axis: unknown key; valid: none for kind off"),
         ({"controller": "mcp"}, "controller: unknown value 'mcp'; did you mean 'mpc'?"),
         ({"controller": Path("mpc")}, "controller: expected a string, got PosixPath('mpc')"),
         ({"mpc": Wind()}, "mpc: expected Mpc, got Wind("),
@@ -101,6 +105,12 @@ def test_a_bad_override_is_named_by_scenario_and_key(changes, expected):
     for change in (load_scenario, lambda name, keys: override(load_scenario(name), keys)):
         with pytest.raises(BadInput, match=f"^{re.escape(f'clover: {expected}')}"):
             change("clover", changes)
+
+
+def test_overrides_are_an_argument_of_this_name():
+    expected = load_scenario("clover", {"mpc.horizon": 10})
+    assert load_scenario(name_or_path="clover", overrides={"mpc.horizon": 10}) == expected
+    assert override(load_scenario("clover"), overrides={"mpc.horizon": 10}) == expected
 
 
 @pytest.mark.parametrize("name", [None, 3, Scenario()])
