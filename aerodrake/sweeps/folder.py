@@ -158,6 +158,13 @@ def _append(path: Path, row: dict[str, Any]) -> None:
 
 
 def _drop_torn_line(path: Path) -> None:
-    """Removes the last line if it is incomplete, because its process was killed."""
-    with open(path, "rb+") as file:
-        file.truncate(sum(len(line) for line in file if line.endswith(b"\n")))
+    """Removes the last line if it is incomplete, because its process was killed.
+
+    Raises:
+        BadInput: if there is no such file.
+    """
+    try:
+        with open(path, "rb+") as file:
+            file.truncate(sum(len(line) for line in file if line.endswith(b"\n")))
+    except (FileNotFoundError, IsADirectoryError) as error:
+        raise BadInput(path, "", f"expected a file of the sweep: {error.strerror}") from None

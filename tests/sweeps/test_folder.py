@@ -8,7 +8,7 @@ import pytest
 from aerodrake.scenario.load import load_with_options
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.support.errors import BadInput
-from aerodrake.sweeps.folder import FILES, ROWS, SUMMARY, read_rows, sweep_folder
+from aerodrake.sweeps.folder import FILES, ROWS, SUMMARY, TIMINGS, read_rows, sweep_folder
 from aerodrake.sweeps.plan import Plan
 from tests.plans import by_key
 
@@ -86,6 +86,15 @@ def test_an_invalid_row_is_reported(line, tmp_path):
     with open(tmp_path / "sweep" / ROWS, "a") as rows:
         rows.write(line + "\n")
     assert "trials.jsonl: line 3: expected " in refusal(tmp_path / "sweep", make(), True)
+
+
+@pytest.mark.parametrize("name", [ROWS, TIMINGS])
+def test_a_missing_file_is_named(name, tmp_path):
+    begin(tmp_path / "sweep", make(), 4, 1)
+    (tmp_path / "sweep" / name).unlink()
+    assert f"{name}: expected a file of the sweep: No such" in refusal(
+        tmp_path / "sweep", make(), True
+    )
 
 
 def test_a_sweep_is_resumed_with_more_trials_but_not_with_fewer(tmp_path):
