@@ -1,4 +1,4 @@
-"""Looks at the built site as a reader does: from the disk, offline, on a desktop and a phone.
+"""Checks the built site in Chromium: from the disk, offline, on a desktop and a phone.
 
     python diagrams/site/look.py build/site
 
@@ -19,7 +19,7 @@ SEARCHED = {"Kalman": "theory.html", "joints_outage": "faults.html", "make_stati
 
 
 def main(site: Path) -> int:
-    """Prints what is wrong, and returns 1 if anything is."""
+    """Prints the problems, and returns 1 if there are any."""
     command = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))))
     pages = sorted(site.rglob("*.html"))
     with sync_playwright() as playwright:
@@ -35,23 +35,23 @@ def visit(browser: Browser, files: list[Path], site: Path) -> Iterator[str]:
     """Yields the problems of the pages."""
     for width, height in (DESKTOP, PHONE):
         page = browser.new_page(viewport={"width": width, "height": height})
-        heard = listen(page)
+        problems = listen(page)
         for file in files:
             page.goto(file.as_uri())
-            heard += layout(page, width)
-            yield from (f"{file.relative_to(site)}, {width} px: {text}" for text in heard)
-            heard.clear()
+            problems += layout(page, width)
+            yield from (f"{file.relative_to(site)}, {width} px: {text}" for text in problems)
+            problems.clear()
         page.close()
 
 
 def listen(page: Page) -> list[str]:
     """Returns a list to which errors, missing files and requests to a network are appended."""
-    heard: list[str] = []
-    page.on("console", lambda message: message.type == "error" and heard.append(message.text))
-    page.on("pageerror", lambda error: heard.append(str(error)))
-    page.on("requestfailed", lambda request: heard.append(f"missing {request.url}"))
-    page.on("request", lambda request: is_local(request.url) or heard.append(request.url))
-    return heard
+    problems: list[str] = []
+    page.on("console", lambda message: message.type == "error" and problems.append(message.text))
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.on("requestfailed", lambda request: problems.append(f"missing {request.url}"))
+    page.on("request", lambda request: is_local(request.url) or problems.append(request.url))
+    return problems
 
 
 def is_local(url: str) -> bool:
@@ -59,7 +59,7 @@ def is_local(url: str) -> bool:
 
 
 def layout(page: Page, width: int) -> Iterator[str]:
-    """Yields what does not fit or has no size."""
+    """Yields elements that do not fit, or have no size."""
     wide = page.evaluate("document.documentElement.scrollWidth")
     if wide > width:
         yield f"{wide} px wide"
