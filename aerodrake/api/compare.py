@@ -11,10 +11,10 @@ from aerodrake.api.comparison_result import ComparisonResult
 from aerodrake.api.console import Console
 from aerodrake.api.jobs import checked_jobs
 from aerodrake.comparison.compare import (
+    comparison_notes,
     fly_variants,
     load_baseline,
     make_variants,
-    notes,
     own_variant,
 )
 from aerodrake.comparison.equal import equal_variants, share_margins, share_results
@@ -70,7 +70,7 @@ def compare(
         flown = stack.enter_context(frozen(scenario))
         folder = stack.enter_context(temporary_folder())
         chosen = make_variants(flown, names, load_baseline(flown, file))
-        console.note([*scenario_notes(flown), *notes(flown)])
+        console.note([*scenario_notes(flown), *comparison_notes(flown)])
         equal = equal_variants(chosen)
         distinct = {name: variant for name, variant in chosen.items() if name not in equal}
         with console.bar(flown.name, len(distinct), "variant") as bar:

@@ -10,7 +10,7 @@ from typing import Any
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import Summaries, failure, summarize
 from aerodrake.reports.flight_folder import draw_tracking, write_results
-from aerodrake.reports.flight_table import notes as flight_notes
+from aerodrake.reports.flight_table import summary_notes
 from aerodrake.scenario import OrientationOff, Scenario, Weights
 from aerodrake.scenario.load import MAX_FILE_BYTES
 from aerodrake.scenario.plain_yaml import parse
@@ -174,7 +174,7 @@ def parts(scenario: Scenario) -> list[str]:
     return [name for name in PARTS if is_present[name]]
 
 
-def notes(scenario: Scenario) -> list[str]:
+def comparison_notes(scenario: Scenario) -> list[str]:
     """Returns notes on the comparison of a scenario."""
     if scenario.residual.checkpoint:
         return []
@@ -190,7 +190,7 @@ def result_notes(summaries: Summaries) -> list[str]:
         f"{name}: {note}"
         for name, summary in summaries.items()
         if "residual" in summary
-        for note in flight_notes(summary)
+        for note in summary_notes(summary)
     ]
 
 

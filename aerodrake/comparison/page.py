@@ -32,9 +32,9 @@ class Comparison(NamedTuple):
 
     Attributes:
         scenario: The scenario that was compared.
-        variants: Its variants that were flown, by name.
+        variants: Its variants by name, also those that equal another and were not flown.
         own: Name of the variant that equals the scenario with the paper's method.
-        summaries: Summary of each variant, as from `compare`.
+        summaries: Summary of each variant, as from `share_results`.
         logs: Log of each variant that did not fail.
         margins: As from `find_margins`; None if not computed.
     """

@@ -9,7 +9,7 @@ from pydrake.systems.framework import Diagram
 
 from aerodrake.flight.log import FlightLog
 from aerodrake.reports.flight_pictures import flight_pictures
-from aerodrake.reports.flight_table import highlights, notes, table_rows
+from aerodrake.reports.flight_table import highlights, summary_notes, table_rows
 from aerodrake.reports.page import date_of, render
 from aerodrake.reports.poster import poster
 from aerodrake.scenario import Scenario
@@ -48,7 +48,7 @@ def report_page(
         highlights=highlights(summary, kind),
         most_events=MOST_EVENTS,
         rows=table_rows(summary, kind),
-        notes=notes(summary),
+        notes=summary_notes(summary),
         pictures=list(flight_pictures(log, scenario)),
         resolved=resolved,
         commands=[shlex.join(["aerodrake", "run", str(folder / "scenario.yaml")])],

@@ -107,7 +107,7 @@ def _residual_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
     return rows
 
 
-def notes(summary: dict[str, Any]) -> list[str]:
+def summary_notes(summary: dict[str, Any]) -> list[str]:
     """Returns notes on the results of a flight."""
     rate, bound = (summary["residual"][key] for key in ("learning_rate", "stable_learning_rate"))
     if bound is None or rate < bound:
@@ -145,7 +145,7 @@ def ending(summary: dict[str, Any]) -> str:
 
 
 def table(summary: dict[str, Any], kind: str) -> str:
-    """Returns the ending of a flight, `table_rows`, its first events and `notes`, as text."""
+    """Returns ending, `table_rows`, first events and `summary_notes` of a flight as text."""
     rows = table_rows(summary, kind)
     lines = [
         f"{summary['scenario']}: {ending(summary)}",
@@ -164,7 +164,7 @@ def table(summary: dict[str, Any], kind: str) -> str:
     left = len(summary["events"]) - MOST_EVENTS
     if left > 0:
         lines.append(f"{'':11} and {left} more, in summary.json")
-    lines += [f"\nnote: {note}" for note in notes(summary)]
+    lines += [f"\nnote: {note}" for note in summary_notes(summary)]
     return "\n".join(lines)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 from aerodrake.flight.log import FlightLog
 from aerodrake.reports.drawable import drawable
 from aerodrake.reports.flight_panels import draw_error
-from aerodrake.reports.flight_table import ending, notes, table_rows
+from aerodrake.reports.flight_table import ending, summary_notes, table_rows
 from aerodrake.reports.pictures import MOST_SAMPLES, timeline
 from aerodrake.scenario import Scenario
 from aerodrake.support.templates import render_template
@@ -22,6 +22,6 @@ def flight_cell(scenario: Scenario, summary: Mapping[str, Any], log: FlightLog) 
         name=scenario.name,
         ending=ending(summary),
         rows=table_rows(summary, scenario.reference.kind),
-        notes=notes(summary),
+        notes=summary_notes(summary),
         errors=errors,
     )

@@ -10,11 +10,11 @@ import pytest
 from aerodrake.cli import main
 from aerodrake.comparison import compare as module
 from aerodrake.comparison.compare import (
+    comparison_notes,
     fly_variants,
     load_baseline,
     make_variant,
     make_variants,
-    notes,
     own_variant,
     result_notes,
 )
@@ -120,9 +120,9 @@ def test_the_printed_form_is_compared_if_the_scenario_learns_online(paper):
 
 
 def test_a_missing_network_is_noted(paper):
-    assert notes(paper) == []
+    assert comparison_notes(paper) == []
     untrained = replace(paper, residual=replace(paper.residual, checkpoint=""))
-    (note,) = notes(untrained)
+    (note,) = comparison_notes(untrained)
     assert "modified+offline is the same as modified" in note
 
 
