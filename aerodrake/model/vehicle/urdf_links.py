@@ -8,10 +8,12 @@ from pydrake.multibody.tree import RotationalInertia
 
 from aerodrake.model.vehicle.urdf_numbers import MOMENTS, SHAPES
 from aerodrake.support.errors import BadInput, nearest
-from aerodrake.support.urdf_element import children, fault
+from aerodrake.support.urdf_element import attribute, children, fault
 
 COLLISION_MESHES = (".obj", ".vtk", ".gltf")
 """Endings of the meshes whose convex hull Drake can compute."""
+FRICTION = ("static", "dynamic")
+"""Kinds of a coefficient of friction."""
 
 MARKER_KG = 1e-6
 """Largest mass of a link without inertia, as CAD programs export frames."""
@@ -115,3 +117,9 @@ def _check_geometry(element: Element) -> None:
             f"<mesh filename>: expected a mesh for collisions in {', '.join(COLLISION_MESHES)}, "
             f"got '{name}'; convert it, or use a box, cylinder, sphere or capsule",
         )
+    for properties in children(element, "drake:proximity_properties"):
+        friction = (attribute(properties, f"drake:mu_{kind}", "value") for kind in FRICTION)
+        static, dynamic = friction
+        if static and dynamic and float(dynamic) > float(static):
+            problem = f"expected mu_dynamic up to mu_static, {static}, got {dynamic}"
+            raise fault(element, f"<{properties.tagName}>: {problem}")

@@ -82,6 +82,12 @@ MASS = '<mass value="0.08"/>'
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
+        (
+            "</collision>",
+            '<drake:proximity_properties><drake:mu_static value="0.1"/><drake:mu_dynamic '
+            'value="0.5"/></drake:proximity_properties></collision>',
+            "link hand, collision: <drake:proximity_properties>: .* up to mu_static, 0.1, got 0.5",
+        ),
         (MASS, "", "link hand: <inertial>: missing <mass>; a link without mass has no <inertial>"),
         (f"<inertia {HAND}/>", "", "link hand: <inertial>: missing <inertia>"),
         (MASS, MASS + MASS, "link hand: expected one <mass>, got 2"),
