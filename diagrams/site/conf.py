@@ -54,4 +54,5 @@ html_css_files = ["site.css"]
 html_domain_indices = False  # The reference lists the modules.
 html_copy_source = False
 html_show_copyright = html_show_sphinx = False
+html_search_scorer = str(HERE / "search_scores.js")
 html_show_search_summary = False  # It would fetch pages, which a browser refuses for files.

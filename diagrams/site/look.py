@@ -14,8 +14,17 @@ from pathlib import Path
 from playwright.sync_api import Browser, Page, sync_playwright
 
 DESKTOP, PHONE = (1440, 900), (390, 844)
-SEARCHED = {"Kalman": "theory.html", "joints_outage": "faults.html", "make_station": "station.html"}
-"""Words and a page that each must lead to."""
+SEARCHED = {
+    "Kalman": "theory.html",
+    "joints_outage": "faults.html",
+    "make_station": "station.html",
+    "MPC": "mpc.html",
+    "K_B": "paper_comparison.html",
+    "delay": "scenarios.html",
+    "save": "tutorial.html",
+}
+"""Words and a page that each must lead to, among the first `RESULTS`."""
+RESULTS = 6
 
 
 def main(site: Path) -> int:
@@ -77,6 +86,7 @@ def search(browser: Browser, site: Path) -> Iterator[str]:
         page.wait_for_selector("#search-results li a")
         page.wait_for_function("document.querySelector('.search-summary')?.innerText.length > 10")
         links = page.locator("#search-results li a").evaluate_all("all => all.map(a => a.href)")
+        links = links[:RESULTS]
         if not any(target in link for link in links):
             yield f"search for {word}: no {target} in {links}"
         page.close()

@@ -82,7 +82,9 @@ def table(section: type, key: str) -> Iterator[tuple[str, ...]]:
 
 
 def limit(value: float) -> str:
-    return f"{value:g}" if math.isfinite(value) else "any"
+    if not math.isfinite(value):
+        return "any"
+    return f"{value}" if isinstance(value, int) else f"{value:g}"
 
 
 def default(field: dataclasses.Field) -> str:
