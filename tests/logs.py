@@ -10,6 +10,7 @@ from aerodrake.flight.summary import summarize, to_json
 from aerodrake.model.mpc.weight_allocation import Mode
 from aerodrake.model.qp.result import QpStatus
 from aerodrake.model.reference.curves import make_reference
+from aerodrake.model.reference.envelope import ReferenceVerdict
 from aerodrake.model.reference.reference_curve import hover_then_follow
 from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.vehicle.vehicle import VehicleModel
@@ -50,6 +51,7 @@ def made(
         "tool_axis": np.tile([0.0, 0, -1.0], (samples, 1)),
         "tool_axis_d": np.zeros((samples, 3)),
         "mode": mode(t),
+        "reference_verdict": np.full(samples, ReferenceVerdict.OK, float),
         "supervisor_mode": np.zeros(samples),
         "conditions": np.zeros((samples, len(conditions(Supervisor())))),
         "qp_status": np.full(samples, QpStatus.UNCONSTRAINED, float),

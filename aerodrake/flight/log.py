@@ -8,6 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from aerodrake.model.reference.envelope import ReferenceVerdict
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.support.errors import BadInput
 
@@ -142,11 +143,14 @@ class FlightLog(Mapping[str, np.ndarray]):
 
     @property
     def is_followed(self) -> np.ndarray:
-        """(T,) True while the followed reference is the one that was asked for."""
+        """(T,) True while the reference that was asked for is accepted and followed."""
         if "followed_p_Ed_m" not in self.signals:  # The log of an earlier version.
             return np.ones_like(self.time_s, dtype=bool)
         pairs = [("p_Ed_m", "followed_p_Ed_m"), ("v_Ed_m_s", "followed_v_Ed_m_s")]
-        return np.all([(self[a] == self[b]).all(axis=1) for a, b in pairs], axis=0)
+        is_same = np.all([(self[a] == self[b]).all(axis=1) for a, b in pairs], axis=0)
+        # A row has the verdict before the updates of its time. The next row has that of its tick.
+        verdict = np.append(self["reference_verdict"][1:], self["reference_verdict"][-1:])
+        return is_same & np.isin(verdict, (ReferenceVerdict.OK, ReferenceVerdict.JUMPED))
 
     @property
     def followed_error_m(self) -> np.ndarray:

@@ -8,7 +8,7 @@ import pytest
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
 from aerodrake.reports.flight_table import table
-from aerodrake.scenario import MovingTarget, ReferenceJump, Scenario
+from aerodrake.scenario import MovingTarget, ReferenceJump, ReferenceNan, Scenario, Supervisor
 from tests.logs import CLOVER, made
 
 
@@ -69,6 +69,23 @@ def test_a_refused_target_is_far_away(refused):
     assert summary["refused_s"] == pytest.approx(scenario.duration)
     text = table(summary, "moving_target")
     assert "first within d_h                        5.00 s" in text  # The paper's alone.
+
+
+def test_a_refused_reference_is_not_followed_even_where_the_vehicle_is():
+    """The held point is the reference: the vehicle hovers there in HOLD."""
+    scenario = Scenario(duration=0.2, settle_s=0.1, supervisor=Supervisor(lowest_m=1.3))
+    summary = summarize(scenario, FlightSimulation(scenario).fly())
+    assert summary["refused_s"] == pytest.approx(scenario.duration)
+    assert summary["error"]["approach_s"] is None and summary["followed_error"] is not None
+
+
+def test_a_reference_refused_at_time_0_is_not_approached_before_it_is_accepted():
+    """In time with the ticks, since a verdict is of a tick."""
+    fault = ReferenceNan(start_s=-0.1, duration_s=0.2)
+    scenario = Scenario(duration=0.3, settle_s=0.2, faults=(fault,))
+    summary = summarize(scenario, FlightSimulation(scenario).fly())
+    assert summary["refused_s"] == pytest.approx(0.1, abs=scenario.rates.mpc_period_s)
+    assert summary["error"]["approach_s"] == pytest.approx(0.1, abs=scenario.rates.mpc_period_s)
 
 
 def test_a_fault_of_the_reference_is_an_error_of_the_task():
