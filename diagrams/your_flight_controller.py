@@ -21,7 +21,6 @@ class PdController(LeafSystem):
         self._state = self.DeclareVectorInputPort("state", 13 + 2 * vehicle.joints)
         self._setpoint = self.DeclareVectorInputPort("base_setpoint", 9)
         self.DeclareVectorInputPort("joint_setpoint", 3 * vehicle.joints)
-        self.DeclareVectorInputPort("position_offset", 3)  # For observers of the position.
         thrust = self.DeclareDiscreteState(self._mixer @ vehicle.trim_wrench)
         self.DeclareStateOutputPort("thrust_command", thrust)
         specific_thrust = self.DeclareDiscreteState([GRAVITY])
