@@ -139,13 +139,12 @@ def _draw(
     figure: Figure, rows: int, logs: Mapping[str, FlightLog], own: str, scenario: Scenario
 ) -> None:
     grid = figure.add_gridspec(rows + 3, 12, height_ratios=[1.2] * rows + [1.5, 1, 1.2])
-    cells = [
-        grid[i // PANELS, 3 * (i % PANELS) : 3 * (i % PANELS) + 3] for i in range(PANELS * rows)
-    ]
     view = View.of(logs)
-    for cell, (name, log) in zip(cells, logs.items(), strict=False):
+    for i, (name, log) in enumerate(logs.items()):
+        row, column = divmod(i, PANELS)
+        cell = grid[row, 3 * column : 3 * column + 3]
         draw_path(figure.add_subplot(cell), name, log, view)
-    distances = figure.add_subplot(cells[-1])
+    distances = figure.add_subplot(grid[rows - 1, 3 * (len(logs) % PANELS) :])
     draw_distances(distances, logs, scenario)
     distances.set_title("d_o, with d_h and d_edge", fontsize=10, loc="left")
     draw_errors(figure.add_subplot(grid[rows, :]), logs, LEGEND_COLUMNS)

@@ -70,6 +70,8 @@ def table(section: type, key: str) -> Iterator[tuple[str, ...]]:
     """Yields key, default, unit, range and meaning of each field that is a value."""
     meanings = comments(section)
     for field in dataclasses.fields(section):
+        if "provenance" in field.metadata:
+            continue  # No key of a file.
         meta = field.metadata
         if not {"unit", "options", "file"} & {*meta} and not isinstance(field.default, bool | str):
             continue
