@@ -5,7 +5,7 @@ import sys
 
 from aerodrake.commands import options
 from aerodrake.support.errors import BadInput
-from aerodrake.support.interrupts import deferred_interrupts
+from aerodrake.support.interrupts import lasting_deferral
 from aerodrake.support.limits import RATE
 from aerodrake.support.run_folder import check_target
 
@@ -54,8 +54,8 @@ def main(arguments: argparse.Namespace) -> int:
     view = None
     if arguments.live:
         view = LiveView(arguments.rate or 1.0, lambda line: print(line, file=sys.stderr))
-    result = fly(scenario, view=view, lcm=arguments.lcm, quiet=arguments.quiet)
-    with deferred_interrupts():
+    with lasting_deferral():
+        result = fly(scenario, view=view, lcm=arguments.lcm, quiet=arguments.quiet)
         result.save(target)
         result.report(target)
     Console(arguments.quiet).say(f"{result}\n\n{target}: {', '.join((*RESULTS, *DRAWINGS))}")

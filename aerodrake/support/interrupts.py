@@ -4,7 +4,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from typing import Any
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -13,6 +13,35 @@ MAX_INTERRUPTS = 3
 """Number of the interrupt that is not deferred."""
 
 WARNING = b"\naerodrake: saving; another interrupt ends the command at once\n"
+
+
+class _Deferral:
+    """Handler of interrupts that counts them once it has begun; before, it raises them."""
+
+    def __init__(self) -> None:
+        self.has_begun = False
+        self._received = 0
+
+    def handle(self, number: int, frame: Any) -> None:
+        if not self.has_begun:
+            raise KeyboardInterrupt
+        if number == signal.SIGHUP:
+            self._received = max(self._received, 1)
+            return
+        self._received += 1
+        if self._received == MAX_INTERRUPTS:
+            raise KeyboardInterrupt
+        if self._received == MAX_INTERRUPTS - 1:
+            with suppress(OSError):  # Standard error may be closed or full.
+                os.write(2, WARNING)  # `print` is not reentrant, and may be interrupted itself.
+
+    def check(self) -> None:
+        if self._received:
+            raise KeyboardInterrupt
+
+
+_lasting: _Deferral | None = None
+"""The deferral of `lasting_deferral`, if one is active."""
 
 
 @contextmanager
@@ -24,26 +53,25 @@ def deferred_interrupts() -> Iterator[Callable[[], None]]:
         never calls it runs to its end. The third interrupt is not deferred, except by a
         terminal that vanishes: the kernel and the shell send SIGHUP once each.
     """
-    received = 0
+    deferral = _lasting or _Deferral()
+    deferral.has_begun = True
+    with nullcontext() if _lasting else _handler(deferral.handle):
+        yield deferral.check
 
-    def defer(number: int, frame: Any) -> None:
-        nonlocal received
-        if number == signal.SIGHUP:
-            received = max(received, 1)
-            return
-        received += 1
-        if received == MAX_INTERRUPTS:
-            raise KeyboardInterrupt
-        if received == MAX_INTERRUPTS - 1:
-            with suppress(OSError):  # Standard error may be closed or full.
-                os.write(2, WARNING)  # `print` is not reentrant, and may be interrupted itself.
 
-    def check() -> None:
-        if received:
-            raise KeyboardInterrupt
+@contextmanager
+def lasting_deferral() -> Iterator[None]:
+    """Makes a deferral that begins in its body last until its end.
 
-    with _handler(defer):
-        yield check
+    An interrupt that comes after a flight, before its results are written, is then deferred too.
+    """
+    global _lasting
+    before, _lasting = _lasting, _Deferral()
+    try:
+        with _handler(_lasting.handle):
+            yield
+    finally:
+        _lasting = before
 
 
 @contextmanager

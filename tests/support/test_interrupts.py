@@ -6,7 +6,12 @@ import threading
 
 import pytest
 
-from aerodrake.support.interrupts import SIGNALS, deferred_interrupts, termination_as_interrupt
+from aerodrake.support.interrupts import (
+    SIGNALS,
+    deferred_interrupts,
+    lasting_deferral,
+    termination_as_interrupt,
+)
 
 
 def send(number: int = signal.SIGINT, times: int = 1) -> None:
@@ -44,6 +49,22 @@ def test_the_third_interrupt_is_not_deferred():
         with pytest.raises(KeyboardInterrupt):
             send()
         raise KeyboardInterrupt
+
+
+def test_a_deferral_can_last_beyond_its_block():
+    """Before it begins, interrupts are raised."""
+    with lasting_deferral():
+        with pytest.raises(KeyboardInterrupt):
+            send()
+        with deferred_interrupts() as check:
+            send()
+            with pytest.raises(KeyboardInterrupt):
+                check()
+        send()
+        with pytest.raises(KeyboardInterrupt):
+            send()
+    with deferred_interrupts() as check:
+        check()
 
 
 def test_sigterm_raises_keyboard_interrupt():
