@@ -147,7 +147,7 @@ def make_variants(
     """
     for name in names:
         if name not in VARIANTS:
-            raise BadInput("variant", "", f"no such variant '{name}'; {nearest(name, VARIANTS)}")
+            raise BadInput("variants", "", f"no such variant '{name}'; {nearest(name, VARIANTS)}")
     baseline = baseline or load_baseline(scenario)
     absent = PARTS.keys() - parts(_proposed(scenario))
     if scenario.residual.mode != "online":

@@ -44,7 +44,7 @@ def test_a_saved_comparison_has_a_run_for_each_variant(result, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"variants": ["clic"]}, "variant: no such variant 'clic'; did you mean 'clik'"),
+        ({"variants": ["clic"]}, "variants: no such variant 'clic'; did you mean 'clik'"),
         ({"jobs": 0}, r"jobs: expected a whole number in \[1, 1000\], got 0"),
         ({"jobs": 1.5}, "compare: jobs: expected int or None, got 1.5"),
         ({"variants": 3}, "compare: variants: expected str or Sequence, got 3"),

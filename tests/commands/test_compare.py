@@ -108,7 +108,7 @@ def test_a_failed_variant_is_a_failure(tmp_path, monkeypatch, capsys):
     ("options", "expected"),
     [
         (["clovr"], "did you mean 'clover'?"),
-        (["hover", "--variant", "clic"], "--variant: no such variant 'clic'; did you mean 'clik'?"),
+        (["hover", "--variant", "clic"], "variants: no such variant 'clic'; did you mean 'clik'?"),
         (["hover", "--margins", "--variant", "clic"], "did you mean 'clik'?"),
         (["hover", "--set", "controler=clik"], "--set: controler: unknown key"),
         (["hover", "--set", "controller=pid"], "controller: unknown value 'pid'"),
