@@ -36,6 +36,7 @@ from aerodrake.support.arguments import check_whole
 from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.files import write_atomically
 from aerodrake.support.limits import DEPTH
+from aerodrake.support.run_folder import existing_folder
 from aerodrake.wire.remote_coordinator import make_remote_coordinator, make_station_link
 
 DOT_TIMEOUT_S = 60.0
@@ -68,16 +69,12 @@ def graph(
     """
     check_whole("depth", depth, *DEPTH)
     chosen = _chosen(systems)
-    folder = Path(out)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        return [
-            path
-            for name, system in chosen.items()
-            for path in export(name, system, folder, depth, chosen)
-        ]
-    except OSError as error:
-        raise BadInput(folder, "", f"cannot be written: {error.strerror}") from None
+    folder = existing_folder(out)
+    return [
+        path
+        for name, system in chosen.items()
+        for path in export(name, system, folder, depth, chosen)
+    ]
 
 
 def export(

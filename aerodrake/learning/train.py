@@ -21,10 +21,9 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.reports.drawing import drawing
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.fingerprint import plant_hash, scenario_hash
-from aerodrake.support.errors import BadInput, ScenarioError
+from aerodrake.support.errors import BadInput, ScenarioError, writing
 from aerodrake.support.files import write_atomically
 from aerodrake.support.interrupts import deferred_interrupts
-from aerodrake.support.run_folder import writing
 from aerodrake.support.threads import single_thread
 from aerodrake.support.version import __version__
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from aerodrake.scenario.scenario import Scenario
 from aerodrake.scenario.schema import map_files
-from aerodrake.support.errors import BadInput
+from aerodrake.support.errors import BadInput, writing
 from aerodrake.support.files import read_bounded
 from aerodrake.support.scratch import temporary_folder
 from aerodrake.support.urdf import SUFFIX, copy_urdf
@@ -31,10 +31,8 @@ def frozen(scenario: Scenario) -> Iterator[Scenario]:
         return
     with ExitStack() as stack:
         home = stack.enter_context(temporary_folder())
-        try:
+        with writing(home.parent):
             copies = copy_inputs(scenario, home / "inputs")
-        except OSError as error:
-            raise BadInput(home.parent, "", f"cannot be written: {error.strerror}") from None
         originals = dict(zip(named_files(copies), named_files(scenario), strict=True))
         try:
             yield copies

@@ -4,6 +4,7 @@ import difflib
 import reprlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 _REPR = reprlib.Repr()  # Limits the depth and length of values in messages.
 _REPR.maxlevel = 2
@@ -65,6 +66,22 @@ def sourced(source: object) -> Iterator[None]:
         yield
     except ScenarioError as error:
         raise ScenarioError(source, *error.args[1:]) from None
+
+
+@contextmanager
+def writing(target: Path) -> Iterator[None]:
+    """Raises BadInput that names `target` in place of errors of writing to it.
+
+    A broken pipe is not an error of the target, but of a stream that a callback writes to.
+    """
+    if "\0" in str(target):
+        raise BadInput(target, "", "expected a path without a NUL")
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise BadInput(target, "", f"cannot be written: {error.strerror or error}") from None
 
 
 def show(value: object) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from aerodrake.support.errors import BadInput
+from aerodrake.support.errors import BadInput, writing
 from aerodrake.support.scratch import NEW, replace_folder, scratch_folder
 
 MARKERS = ("summary.json", "log.npz", "scenario.yaml")
@@ -68,19 +68,3 @@ def check_target(target: Path, markers: Sequence[str] = MARKERS) -> Path:
             message = "expected a folder that can be replaced, got a mount point or a folder that "
             raise BadInput(target, "", message + "contains the working directory")
     return path
-
-
-@contextmanager
-def writing(target: Path) -> Iterator[None]:
-    """Raises BadInput that names `target` in place of errors of writing to it.
-
-    A broken pipe is not an error of the target, but of a stream that a callback writes to.
-    """
-    if "\0" in str(target):
-        raise BadInput(target, "", "expected a path without a NUL")
-    try:
-        yield
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        raise BadInput(target, "", f"cannot be written: {error.strerror or error}") from None

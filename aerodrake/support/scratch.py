@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from aerodrake.support.errors import BadInput
+from aerodrake.support.errors import writing
 
 PREFIX = ".aerodrake-"
 """Prefix of the folders' names. A folder is locked while its process is running."""
@@ -47,10 +47,8 @@ def temporary_folder() -> Iterator[Path]:
     """
     parent = Path(tempfile.gettempdir())
     with contextlib.ExitStack() as stack:
-        try:
+        with writing(parent):
             folder = stack.enter_context(scratch_folder(parent))
-        except OSError as error:
-            raise BadInput(parent, "", f"cannot be written: {error.strerror}") from None
         yield folder
 
 

@@ -12,9 +12,9 @@ from typing import Any
 
 from aerodrake.flight.summary import to_json
 from aerodrake.scenario.load import load_scenario, save_scenario
-from aerodrake.support.errors import BadInput
+from aerodrake.support.errors import BadInput, writing
 from aerodrake.support.files import write_atomically
-from aerodrake.support.run_folder import run_folder, writing
+from aerodrake.support.run_folder import run_folder
 from aerodrake.sweeps.match import PLAN, SCENARIO, check_same
 from aerodrake.sweeps.plan import Plan
 
