@@ -6,7 +6,8 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 import aerodrake
-from aerodrake.gallery.vehicle_picture import Camera, VehiclePicture
+from aerodrake.gallery.camera import Camera
+from aerodrake.gallery.vehicle_picture import VehiclePicture
 from aerodrake.model.reference.curves import make_reference
 from aerodrake.model.vehicle.robot import TOOL_FRAME
 from aerodrake.model.vehicle.vehicle import VehicleModel

@@ -1,7 +1,6 @@
 """Picture of a scenario's vehicle at the start, with marks at places of the world."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import combinations, product
 from typing import Any
 
@@ -17,11 +16,12 @@ from pydrake.geometry import (
     RenderEngineVtkParams,
     Sphere,
 )
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
+from aerodrake.gallery.camera import Camera
 from aerodrake.model.vehicle.robot import TOOL_FRAME, add_robot
 from aerodrake.model.vehicle.vehicle import VehicleModel
 
@@ -35,38 +35,6 @@ LIGHTS = (((-0.4, -0.7, -1.0), 0.9), ((0.6, -0.9, 0.5), 0.6), ((0.0, 0.3, -1.0),
 INK, TEXT, DPI = "#1f2933", 19, 100
 AXIS_COLORS, AXIS_M = ("#e03131", "#2f9e44", "#1c7ed6"), 0.14
 """Colours and length of the axes x, y, z of a frame."""
-
-
-@dataclass(frozen=True, eq=False)
-class Camera:
-    """A pinhole camera.
-
-    Attributes:
-        eye, target: (3,) m, its place and the point in the middle of the picture, in the world.
-        width, height: Size of the picture in pixels.
-        view_rad: Vertical angle of view.
-    """
-
-    eye: np.ndarray
-    target: np.ndarray
-    width: int
-    height: int
-    view_rad: float
-
-    @property
-    def pose(self) -> RigidTransform:
-        """Pose in the world: x to the right, y down, z forward."""
-        forward = (self.target - self.eye) / np.linalg.norm(self.target - self.eye)
-        right = np.cross(forward, [0.0, 0.0, 1.0])
-        right /= np.linalg.norm(right)
-        axes = np.column_stack([right, np.cross(forward, right), forward])
-        return RigidTransform(RotationMatrix(axes), self.eye)
-
-    def pixel(self, point: np.ndarray) -> np.ndarray:
-        """Returns the place (2,) of a point (3,) of the world in the picture, y down."""
-        x, y, z = self.pose.inverse() @ point
-        focal = self.height / 2 / np.tan(self.view_rad / 2)
-        return np.array([self.width, self.height]) / 2 + focal / z * np.array([x, y])
 
 
 class VehiclePicture:
@@ -90,6 +58,9 @@ class VehiclePicture:
         self._axes.imshow(pixels, extent=(0, camera.width, camera.height, 0))
         self._axes.set_axis_off()
 
+    def _pixel(self, point: np.ndarray) -> np.ndarray:
+        return self._camera.project(point)[0]
+
     def name(self, text: str, point: np.ndarray, place: tuple[float, float], **style: Any) -> None:
         """Writes a text at a place of the picture, with a line to a point of the world.
 
@@ -101,22 +72,22 @@ class VehiclePicture:
         """
         color, start = style.get("color", INK), style.get("start", (0.5, 0.5))
         line = {"arrowstyle": "-", "color": color, "linewidth": 1.4, "shrinkB": 0, "relpos": start}
-        end, look = self._camera.pixel(point), {"fontsize": TEXT, "color": color, "va": "center"}
+        end, look = self._pixel(point), {"fontsize": TEXT, "color": color, "va": "center"}
         self._axes.annotate(text, end, place, arrowprops=line, **look)
         self._axes.plot(*end, marker="o", color=color, markersize=6, markeredgecolor="white")
 
     def write(self, text: str, point: np.ndarray, beside: tuple[float, float]) -> None:
         """Writes a text at a distance in pixels from a point (3,) of the world."""
-        place = self._camera.pixel(point) + beside
+        place = self._pixel(point) + beside
         self._axes.text(*place, text, fontsize=TEXT, ha="center", color=INK)
 
     def frame(self, pose: RigidTransform) -> None:
         """Draws the axes of a frame, x red, y green, z blue."""
-        start = self._camera.pixel(pose.translation())
+        start = self._pixel(pose.translation())
         for axis, color, direction in zip(
             "xyz", AXIS_COLORS, pose.rotation().matrix().T, strict=True
         ):
-            end = self._camera.pixel(pose.translation() + AXIS_M * direction)
+            end = self._pixel(pose.translation() + AXIS_M * direction)
             arrow = {
                 "arrowstyle": "-|>",
                 "color": color,
@@ -132,7 +103,7 @@ class VehiclePicture:
     def box(self, centre: np.ndarray, size: np.ndarray, color: str) -> None:
         """Draws the edges of a box, parallel to the world's axes; centre and size (3,) in m."""
         for low, high in _edges():
-            ends = [self._camera.pixel(centre + corner * size) for corner in (low, high)]
+            ends = [self._pixel(centre + corner * size) for corner in (low, high)]
             self._axes.plot(*np.transpose(ends), color=color, linewidth=2)
 
 

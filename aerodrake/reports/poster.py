@@ -29,6 +29,7 @@ from pydrake.geometry import (
 from scipy.spatial import ConvexHull
 
 from aerodrake.flight.log import FlightLog
+from aerodrake.gallery.camera import NEAREST_M, Camera
 from aerodrake.reports.drawable import drawable
 from aerodrake.reports.figures import ACCENT, INK, STYLE
 from aerodrake.reports.replay import BASE, finite_points, replay_frames
@@ -38,8 +39,6 @@ from aerodrake.scenario import Scenario
 SIZE_PX = (1080, 720)
 FIELD_OF_VIEW_RAD = np.radians(50.0)
 """Vertical angle of the picture."""
-NEAREST_M = 0.05
-"""Smallest distance from the camera at which points are drawn."""
 LIGHT = np.array([0.35, 0.5, 0.8])
 """(3,) direction to the light, in the world."""
 SHADE = 0.45
@@ -56,7 +55,7 @@ def poster(log: FlightLog, scenario: Scenario) -> str:
     log = drawable(log)
     _, positions = replay_frames(log)
     middle = np.median(positions[:, BASE], axis=0)
-    view = _View(middle + VIEW_FROM_M, middle)
+    camera = Camera(middle + VIEW_FROM_M, middle, *SIZE_PX, FIELD_OF_VIEW_RAD)
     stride = -(-len(log.time_s) // MOST_POINTS)
     flown = np.flatnonzero(log.is_flown)[::stride]
     with rc_context(STYLE):
@@ -67,11 +66,11 @@ def poster(log: FlightLog, scenario: Scenario) -> str:
             ("p_Ed_m", {"color": INK, "linewidth": 1.2, "linestyle": ":"}),
             ("p_E_m", {"color": ACCENT, "linewidth": 2.0}),
         ):
-            points, depth = view.project(finite_points(log[key][flown]))
+            points, depth = camera.project(finite_points(log[key][flown]))
             axes.plot(*points[depth > NEAREST_M].T, **style)
         with posed_scene(scenario, log.vehicle, positions[0]) as query:
             triangles, colors = _surfaces(query)
-        points, depth = view.project(triangles)
+        points, depth = camera.project(triangles)
         is_shown = depth.min(axis=1) > NEAREST_M
         order = np.argsort(-depth[is_shown].mean(axis=1), kind="stable")
         faces = colors[is_shown][order]
@@ -81,29 +80,12 @@ def poster(log: FlightLog, scenario: Scenario) -> str:
             points[is_shown][order], facecolors=faces, edgecolors=faces, linewidths=edges, zorder=3
         )
         axes.add_collection(shapes, autolim=False)
-        axes.set(xlim=(-1.5, 1.5), ylim=(-1, 1))
+        axes.set(xlim=(0, camera.width), ylim=(camera.height, 0))
         file = io.BytesIO()
         FigureCanvasAgg(figure).print_png(
             file, metadata={"Software": None}, pil_kwargs={"optimize": True}
         )
     return base64.b64encode(file.getvalue()).decode()
-
-
-class _View:
-    """Perspective view from a camera at `eye` (3,) m to `middle` (3,) m, with z upward."""
-
-    def __init__(self, eye: np.ndarray, middle: np.ndarray):
-        forward = (middle - eye) / np.linalg.norm(middle - eye)
-        right = np.cross(forward, [0.0, 0.0, 1.0])
-        right /= np.linalg.norm(right)
-        self._eye, self._axes = eye, np.array([right, np.cross(right, forward), forward])
-
-    def project(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns (..., 2) places of points (..., 3) m, from -1 to 1 upward; and depths (...) m."""
-        local = (points - self._eye) @ self._axes.T
-        depth = local[..., 2]
-        scale = np.maximum(depth, NEAREST_M) * np.tan(FIELD_OF_VIEW_RAD / 2)
-        return local[..., :2] / scale[..., None], depth
 
 
 def _surfaces(query: QueryObject) -> tuple[np.ndarray, np.ndarray]:
