@@ -1,27 +1,14 @@
 """`aerodrake.identify` and its result."""
 
-import numpy as np
 import pytest
 
 import aerodrake
-from aerodrake.identification import identify as module
-from aerodrake.identification.identify import Manoeuvre, Record
-from tests.in_this_process import in_this_process
-
-K_B = (1.5, 2.0, 2.5)
+from tests.ideal_base import K_B, replace_flights
 
 
 @pytest.fixture
 def _ideal(monkeypatch):
-    """Replaces the flights by samples of a first-order base with `K_B`."""
-
-    def fly(manoeuvre: Manoeuvre) -> Record:
-        t = 0.02 * np.arange(1000)
-        error = 0.1 * np.cos(t)
-        return Record(t, error, 0 * t, K_B[manoeuvre.axis] * error)
-
-    monkeypatch.setattr(module, "fly", fly)
-    monkeypatch.setattr(module, "run_parallel", in_this_process)
+    replace_flights(monkeypatch)
 
 
 @pytest.mark.usefixtures("_ideal")

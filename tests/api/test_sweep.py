@@ -7,6 +7,7 @@ import pytest
 import aerodrake
 from aerodrake.sweeps import loop
 from aerodrake.sweeps.folder import FILES
+from tests.in_this_process import call_in_this_process
 
 SHORT = {"duration": 0.04, "settle_s": 0.0}
 VARY = {"payload.mass_kg": "uniform(0, 0.5)"}
@@ -15,13 +16,13 @@ VARY = {"payload.mass_kg": "uniform(0, 0.5)"}
 @pytest.fixture(autouse=True)
 def _here(monkeypatch):
     """Flies trials in this process instead of child processes."""
-    monkeypatch.setattr(loop, "call_in_child", lambda function, *arguments: function(*arguments))
+    monkeypatch.setattr(loop, "call_in_child", call_in_this_process)
 
 
 @pytest.fixture(scope="module")
 def result():
     with pytest.MonkeyPatch.context() as patch, ThreadPoolExecutor(1) as executor:
-        patch.setattr(loop, "call_in_child", lambda function, *arguments: function(*arguments))
+        patch.setattr(loop, "call_in_child", call_in_this_process)
         return aerodrake.sweep(
             "hover", SHORT, vary=VARY, trials=2, executor=executor, quiet=True, seed=4
         )

@@ -10,26 +10,17 @@ import pytest
 
 import aerodrake.identification.identify
 from aerodrake.cli import main
-from aerodrake.identification.identify import Manoeuvre, Record
+from aerodrake.identification.identify import Record
 from aerodrake.scenario.load import load_scenario, packaged_scenarios
 from aerodrake.support.errors import ProcessDied
-from tests.in_this_process import in_this_process
+from tests.ideal_base import K_B, replace_flights
 
 FILES = ["identification.json", "identification.png", "scenario.yaml"]
-K_B = [1.5, 2.0, 2.5]
 
 
 @pytest.fixture
 def ideal(monkeypatch):
-    """Replaces the flights by samples of a first-order base with `K_B`."""
-
-    def fly(manoeuvre: Manoeuvre) -> Record:
-        t = 0.02 * np.arange(1000)
-        error = 0.1 * np.cos(t)
-        return Record(t, error, 0 * t, K_B[manoeuvre.axis] * error)
-
-    monkeypatch.setattr(aerodrake.identification.identify, "fly", fly)
-    monkeypatch.setattr(aerodrake.identification.identify, "run_parallel", in_this_process)
+    replace_flights(monkeypatch)
 
 
 @pytest.fixture
@@ -50,11 +41,11 @@ def test_files_of_an_identification(ideal, tmp_path):
     assert sorted(files(out)) == FILES
     figures = json.loads((out / "identification.json").read_text())
     assert figures["command"] == f"aerodrake identify {out / 'scenario.yaml'}"
-    assert figures["k_b"] == K_B and figures["scenario_k_b"] == [2.46, 2.46, 2.47]
+    assert figures["k_b"] == list(K_B) and figures["scenario_k_b"] == [2.46, 2.46, 2.47]
     assert figures["scenario"] == "other"
     own = load_scenario("clover_paper", seed=3, name="other")
     again = load_scenario(str(out / "scenario.yaml"))
-    assert again.model == replace(own.model, k_b=tuple(K_B))
+    assert again.model == replace(own.model, k_b=K_B)
     assert replace(again, model=own.model, source=own.source) == own
 
 
@@ -67,7 +58,7 @@ def test_default_folder_and_output(ideal, tmp_path, monkeypatch, capfd):
     assert f"{out}: identification.json, scenario.yaml, identification.png" in output
     assert output.rstrip().splitlines()[-1] == "--set 'model.k_b=[1.5,2,2.5]'"
     assert "360.0/360.0 s" in progress
-    assert load_scenario(str(out / "scenario.yaml")).model.k_b == tuple(K_B)
+    assert load_scenario(str(out / "scenario.yaml")).model.k_b == K_B
 
 
 def test_an_earlier_identification_is_replaced_as_a_whole(ideal, tmp_path):
@@ -96,7 +87,7 @@ def test_write_changes_only_k_b_in_the_file(ideal, scenario, tmp_path, capsys):
     assert scenario.read_text() == before.replace("[2.46, 2.46, 2.47]", "[1.5, 2.0, 2.5]") != before
     assert list(scenario.parent.iterdir()) == [scenario]
     assert f"{scenario}: model.k_b replaced" in capsys.readouterr().out
-    assert load_scenario(str(scenario)).model.k_b == tuple(K_B)
+    assert load_scenario(str(scenario)).model.k_b == K_B
 
 
 def test_without_write_the_file_is_unchanged(ideal, scenario, tmp_path):
@@ -109,7 +100,7 @@ def test_write_to_a_packaged_scenario(ideal, scenario, tmp_path, monkeypatch):
     monkeypatch.setattr("aerodrake.scenario.load.packaged_scenarios", lambda: {"own": scenario})
     argv = ["identify", "own", "--write", "--quiet", "--out", str(tmp_path / "out")]
     assert main(argv) == 0
-    assert load_scenario("own").model.k_b == tuple(K_B)
+    assert load_scenario("own").model.k_b == K_B
 
 
 @pytest.mark.parametrize(

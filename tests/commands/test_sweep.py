@@ -7,12 +7,13 @@ import pytest
 from aerodrake.cli import main
 from aerodrake.sweeps import loop as module
 from aerodrake.sweeps.folder import ROWS, SUMMARY, read_rows
+from tests.in_this_process import call_in_this_process
 
 
 @pytest.fixture
 def _here(monkeypatch):
     """Flies trials in this process instead of child processes."""
-    monkeypatch.setattr(module, "call_in_child", lambda function, *arguments: function(*arguments))
+    monkeypatch.setattr(module, "call_in_child", call_in_this_process)
 
 
 @pytest.mark.usefixtures("_here")

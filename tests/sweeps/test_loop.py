@@ -20,6 +20,7 @@ from aerodrake.sweeps.folder import ROWS, SUMMARY, TIMINGS, read_rows, sweep_fol
 from aerodrake.sweeps.loop import fly_trials, processes
 from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.trial import fly_trial
+from tests.in_this_process import call_in_this_process
 from tests.plans import by_key
 
 TRIALS = 6
@@ -47,7 +48,7 @@ def flown(plan) -> dict[int, str]:
 @pytest.fixture
 def _without_children(monkeypatch):
     """Flies trials in this process, for tests that do not depend on children."""
-    monkeypatch.setattr(module, "call_in_child", lambda function, *arguments: function(*arguments))
+    monkeypatch.setattr(module, "call_in_child", call_in_this_process)
 
 
 def rows(folder: Path) -> dict[int, str]:

@@ -14,6 +14,7 @@ from aerodrake.sweeps.folder import FIGURE, SUMMARY, read_rows, sweep_folder
 from aerodrake.sweeps.outcomes import Outcomes
 from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.report import sweep_table, write_report
+from tests.in_this_process import call_in_this_process
 from tests.plans import by_key
 
 VARY = ["wind.gust_m_s[0]=uniform(0, 2)", "residual.mode=choice(off, online)"]
@@ -127,9 +128,7 @@ def test_outcomes_are_in_the_order_of_trials(tmp_path):
 
 @pytest.mark.usefixtures("undrawn")
 def test_the_command_of_the_worst_trial_repeats_its_error(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(
-        "aerodrake.sweeps.loop.call_in_child", lambda function, *trial: function(*trial)
-    )
+    monkeypatch.setattr("aerodrake.sweeps.loop.call_in_child", call_in_this_process)
     out, short = tmp_path / "my sweep", ["--set", "settle_s=0.02", "--set", "duration=0.06"]
     options = ["--trials", "2", "--vary", VARY[0], *short, "--jobs", "1", "--out", str(out)]
     assert main(["sweep", "hover", *options]) == 0
