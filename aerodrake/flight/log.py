@@ -149,8 +149,9 @@ class FlightLog(Mapping[str, np.ndarray]):
         pairs = [("p_Ed_m", "followed_p_Ed_m"), ("v_Ed_m_s", "followed_v_Ed_m_s")]
         is_same = np.all([(self[a] == self[b]).all(axis=1) for a, b in pairs], axis=0)
         # A row has the verdict before the updates of its time. The next row has that of its tick.
-        verdict = np.append(self["reference_verdict"][1:], self["reference_verdict"][-1:])
-        return is_same & np.isin(verdict, (ReferenceVerdict.OK, ReferenceVerdict.JUMPED))
+        verdicts = self["reference_verdict"]
+        verdicts = np.append(verdicts[1:], verdicts[-1:])
+        return is_same & np.isin(verdicts, (ReferenceVerdict.OK, ReferenceVerdict.JUMPED))
 
     @property
     def followed_error_m(self) -> np.ndarray:

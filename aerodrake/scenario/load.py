@@ -48,7 +48,8 @@ def load_scenario(
         raise ScenarioError("name_or_path", "", f"{expected}, got {show(name_or_path)}")
     name = os.fspath(name_or_path)
     changes = from_keys(name, overrides, keys)
-    return _load(name, changes, name if changes else "")
+    path = _find(name)
+    return _load(path, changes, name if changes else str(path))
 
 
 def load_with_options(name_or_path: str, options: Iterable[tuple[str, str]]) -> Scenario:
@@ -64,8 +65,9 @@ def load_with_options(name_or_path: str, options: Iterable[tuple[str, str]]) -> 
     """
     options = list(options)
     overrides = [from_option(*pair) for pair in options]
-    typed = " ".join([str(_find(name_or_path)), *(_words(*pair) for pair in options)])
-    return _load(name_or_path, overrides, typed)
+    path = _find(name_or_path)
+    typed = " ".join([str(path), *(_words(*pair) for pair in options)])
+    return _load(path, overrides, typed)
 
 
 def override(
@@ -127,9 +129,8 @@ def save_scenario(scenario: Scenario, folder: Path) -> Path:
     return path
 
 
-def _load(name_or_path: str, overrides: Iterable[Override], source: str) -> Scenario:
-    """Reads a scenario; `source` names it with its overrides in errors, empty for its path."""
-    path = _find(name_or_path)
+def _load(path: Path, overrides: Iterable[Override], source: str) -> Scenario:
+    """Reads a scenario; `source` names it with its overrides in errors."""
     data = parse(_read(path), path)
     if not isinstance(data, Mapping) or not data:
         got = "" if data else ", got an empty file"
@@ -138,7 +139,7 @@ def _load(name_or_path: str, overrides: Iterable[Override], source: str) -> Scen
     folder = path.parent.resolve()
     fields = map_files(fields, lambda file: folder / file)
     name = fields.get("name") or _name(path)
-    return _changed({**vars(Scenario()), **fields}, overrides, name, source or str(path))
+    return _changed({**vars(Scenario()), **fields}, overrides, name, source)
 
 
 def _changed(

@@ -9,15 +9,12 @@ from aerodrake.scenario.sections import Allocation
 def value_notes(scenario: Scenario) -> list[str]:
     """Returns notes on values that are valid but may degrade the flight."""
     notes = []
-    half_height = scenario.allocation.learning_space_m[2] / 2
-    as_in_the_paper = Allocation()
-    if scenario.allocation.d_h_m > half_height and not (
-        scenario.allocation.d_h_m == as_in_the_paper.d_h_m
-        and scenario.allocation.learning_space_m == as_in_the_paper.learning_space_m
-    ):
+    d_h, space = scenario.allocation.d_h_m, scenario.allocation.learning_space_m
+    is_the_papers = (d_h, space) == (Allocation.d_h_m, Allocation.learning_space_m)
+    if d_h > space[2] / 2 and not is_the_papers:
         notes.append(
-            f"allocation.d_h_m ({scenario.allocation.d_h_m:g} m) exceeds half the height of the "
-            f"learning space ({half_height:g} m)"
+            f"allocation.d_h_m ({d_h:g} m) exceeds half the height of the learning space "
+            f"({space[2] / 2:g} m)"
         )
     if scenario.model.kind in ("paper", "exact") and scenario.flight.interface == "trajectory":
         notes.append(
