@@ -23,7 +23,6 @@ ROOMS = (
     "gallery",
     "flight",
     "reports",
-    "analysis",
     "identification",
     "learning",
     "comparison",

@@ -127,16 +127,21 @@ class Flight(Section):
     attitude_eso_rad_s: float = quantity(15.0, "rad/s", 0.1, 100.0)
     # Time constant of the low-pass filter of omega_d, the desired attitude's angular velocity.
     rate_filter_s: float = quantity(0.03, "s", 0.0, 1.0)
-    # Feedforward of the arm's reaction: inverse dynamics of the whole body, or none. With none the
-    # observers estimate the reaction: more robust to delay and noise, less accurate.
-    feedforward: str = choice("whole_body", "none")
+    # Inverse dynamics of the arm's commanded motion: its torque, torque and force (whole_body), or
+    # none. The observers estimate the rest. The force tilts the base, which closes a loop through
+    # the MPC: whole_body is unstable for long or heavy arms, and with noise and unknown delay.
+    feedforward: str = choice("torque", "whole_body", "none")
     # Largest tilt of the desired attitude.
     max_tilt_rad: float = quantity(0.6, "rad", 0.05, 1.2)
 
 
 @dataclass(frozen=True)
 class Arm(Section):
-    """Joint PID controller; its gains are computed from each joint's inertia."""
+    """Joint PID controller; its gains are computed from the joints' inertia."""
+
+    # Inertia that turns accelerations of the joints into torques: the arm's inertia matrix with a
+    # free base, or its diagonal as in the paper, unstable for arms with light distal links.
+    inertia: str = choice("coupled", "diagonal")
 
     # Natural frequency and damping ratio of each joint's closed loop.
     bandwidth_rad_s: float = quantity(40.0, "rad/s", 1.0, 200.0)

@@ -30,7 +30,8 @@ class FlightController(LeafSystem):
             angular, rad/s^2 in the base frame.
         out `specific_thrust` (1): m/s^2, modelled collective thrust over mass at the next
             sample.
-        out `reaction` (3): m/s^2, by which the arm's motion reduces the base's acceleration.
+        out `reaction` (3): m/s^2, by which the arm's motion reduces the base's acceleration; zero
+            unless `feedforward` is whole_body.
         out `disturbance` (6): estimated acceleration by other forces than thrust and gravity,
             m/s^2 in the world: h of the position ESO, less `reaction`. And h of the
             attitude ESO, rad/s^2 in the base frame.
@@ -53,9 +54,10 @@ class FlightController(LeafSystem):
     receives the commanded thrust: rotors that rise faster than they fall give more on average,
     which it estimates as a disturbance.
 
-    With `feedforward` whole_body, the inverse dynamics of base and arm give the force and
-    torque of the arm's commanded motion. Without it the controller's model is a rigid body
-    with its mass at the origin, and the observers estimate the rest.
+    With `feedforward` torque, the inverse dynamics of base and arm give the torque of the arm's
+    commanded motion, and with whole_body the force as well, which tilts the base. Without them
+    the controller's model is a rigid body with its mass at the origin, and the observers estimate
+    the rest.
 
     Attributes:
         trim_acceleration: (6,) `acceleration` in trim. Without feedforward it is not
@@ -76,7 +78,8 @@ class FlightController(LeafSystem):
         super().__init__()
         self._outer = OuterLoop.make(config, rotor, vehicle, period)
         self._inner = InnerLoop.make(config, rotor, vehicle, period)
-        has_feedforward = config.feedforward == "whole_body"
+        self._feedforward = config.feedforward
+        has_feedforward = config.feedforward != "none"
         self._whole_body = WholeBody(vehicle.plant) if has_feedforward else None
 
         trim = allocate(self._inner.rotors, vehicle.trim_wrench)
@@ -115,8 +118,11 @@ class FlightController(LeafSystem):
 
     def _effort(self, context: Context, state: np.ndarray, a_B: np.ndarray) -> np.ndarray:
         """Returns the effort (6,) or more that gives the base a_B and no angular acceleration."""
+        rigid_body = rigid_body_effort(self._inner.mass, self._inner.inertia, state, a_B)
         if self._whole_body is None:
-            return rigid_body_effort(self._inner.mass, self._inner.inertia, state, a_B)
-        return self._whole_body.effort(
-            *commanded_motion(state, self._joint_setpoint.Eval(context), a_B)
-        )
+            return rigid_body
+        setpoint = self._joint_setpoint.Eval(context)
+        effort = self._whole_body.effort(*commanded_motion(state, setpoint, a_B))
+        if self._feedforward == "torque":
+            effort[3:6] = rigid_body[3:6]
+        return effort

@@ -46,7 +46,7 @@ class Bench:
 
     def move(self, torque: np.ndarray) -> None:
         """Moves the joints by one tick under the torques beyond those of trim."""
-        acceleration = (torque - self.vehicle.trim_torque) / self.vehicle.joint_inertia
+        acceleration = np.linalg.solve(self.vehicle.arm_inertia, torque - self.vehicle.trim_torque)
         self.q = self.q + self.qdot * DT + acceleration * DT**2 / 2
         self.qdot = self.qdot + acceleration * DT
 
@@ -88,11 +88,11 @@ def test_torque_is_constant_between_ticks(controller, vehicle):
 
 
 def test_gains_are_per_inertia(bench, vehicle):
-    """By hand: J (w^2 e + 2 z w e') beyond trim, and J w^2 i e dt more at the next tick."""
+    """By hand: M (w^2 e + 2 z w e') beyond trim, and M w^2 i e dt more at the next tick."""
     e, e_dot = 1e-3 * np.array([1, -2, 3, -1, 2, -3]), 1e-2 * np.array([2, 1, -1, -2, 1, 3])
-    expected = vehicle.trim_torque + vehicle.joint_inertia * (40**2 * e + 2 * 0.9 * 40 * e_dot)
+    expected = vehicle.trim_torque + vehicle.arm_inertia @ (40**2 * e + 2 * 0.9 * 40 * e_dot)
     np.testing.assert_allclose(bench.tick(vehicle.working + e, e_dot), expected, rtol=1e-12)
-    expected += vehicle.joint_inertia * 40**2 * 5 * e * DT
+    expected += vehicle.arm_inertia @ (40**2 * 5 * e * DT)
     np.testing.assert_allclose(bench.tick(vehicle.working + e, e_dot), expected, rtol=1e-12)
 
 
@@ -121,7 +121,7 @@ def test_blocked_joints_do_not_wind_up(bench, vehicle):
 
 def test_torques_are_within_their_limits(bench, vehicle):
     """A limited desired rate bounds the torque below its own limit."""
-    most = vehicle.joint_inertia * 2 * 0.9 * 40 * vehicle.velocity
+    most = vehicle.arm_inertia @ (2 * 0.9 * 40 * vehicle.velocity)
     for side in (1, -1):
         wild = bench.tick(vehicle.working + side * 100, np.full(6, side * 100.0))
         assert np.all(np.abs(wild) <= vehicle.effort)

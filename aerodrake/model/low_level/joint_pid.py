@@ -12,26 +12,28 @@ from aerodrake.support.compiled import compiled
 
 
 class JointPid(NamedTuple):
-    """Gains and limits of torque = k_p e + k_d e' + integral, without windup.
+    """Gains and limits of torque = M (k_p e + k_d e') + integral, without windup.
 
-    The first two terms are k_d times the error between the joint's rate and the desired rate
-    q_d' + e k_p / k_d. As in a cascade, the desired rate is limited: by the joint's velocity
-    limit, and by k_p / k_d times the distance to its stop. Hence no position error drives a
-    joint faster than its limit or into a stop.
+    The inertia M decouples the joints. The first two terms are k_d times the error between the
+    joint's rate and the desired rate q_d' + e k_p / k_d. As in a cascade, the desired rate is
+    limited: by the joint's velocity limit, and by k_p / k_d times the distance to its stop. Hence
+    no position error drives a joint faster than its limit or into a stop.
 
     Attributes:
-        k_p: (n,) N m/rad.
-        k_d: (n,) N m s/rad.
-        k_i: (n,) N m/(rad s).
+        inertia: (n, n) kg m^2, M.
+        k_p: 1/s^2.
+        k_d: 1/s.
+        k_i: 1/s^3.
         effort: (n,) N m, torque limits.
         velocity: (n,) rad/s, velocity limits.
         lower, upper: (n,) rad, stops.
         dt: s, period.
     """
 
-    k_p: np.ndarray
-    k_d: np.ndarray
-    k_i: np.ndarray
+    inertia: np.ndarray
+    k_p: float
+    k_d: float
+    k_i: float
     effort: np.ndarray
     velocity: np.ndarray
     lower: np.ndarray
@@ -42,11 +44,13 @@ class JointPid(NamedTuple):
     @checked
     def make(cls, arm: Arm, vehicle: VehicleModel, dt: Period) -> Self:
         """Returns gains that give each joint the bandwidth and damping of `arm`; dt in s."""
-        k_p = vehicle.joint_inertia * arm.bandwidth_rad_s**2
-        k_d = vehicle.joint_inertia * 2 * arm.damping * arm.bandwidth_rad_s
-        k_i = k_p * arm.integral_rad_s
+        inertia = np.ascontiguousarray(vehicle.arm_inertia)
+        if arm.inertia == "diagonal":
+            inertia = np.diag(np.diag(inertia))
+        k_p = arm.bandwidth_rad_s**2
+        k_d = 2 * arm.damping * arm.bandwidth_rad_s
         limits = vehicle.effort, vehicle.velocity, vehicle.lower, vehicle.upper
-        return cls(k_p, k_d, k_i, *limits, dt)
+        return cls(inertia, k_p, k_d, k_p * arm.integral_rad_s, *limits, dt)
 
 
 @compiled
@@ -56,8 +60,8 @@ def control(
     """Returns the torques, and the integral one period later.
 
     The integral is that of the position error or, while the desired rate is limited, of the
-    error of the rate over k_p / k_d. It is constant while the torque is at its limit and the
-    error would drive it further. By itself it never exceeds the torque limit.
+    error of the rate over k_p / k_d. It neither drives the torque beyond its limit, nor exceeds
+    that limit by itself.
 
     Args:
         pid: Gains and limits.
@@ -70,20 +74,24 @@ def control(
     """
     _, _, q, _, _, qdot = split_state(state)
     n = len(q)
-    torque, new_integral = np.empty(n), np.empty(n)
+    acceleration, drive = np.empty(n), np.empty(n)
+    stiffness = pid.k_p / pid.k_d
     for i in range(n):
         error, rate_error = setpoint[i] - q[i], setpoint[n + i] - qdot[i]
-        stiffness = pid.k_p[i] / pid.k_d[i]
         rate = setpoint[n + i] + stiffness * error
         highest = min(pid.velocity[i], stiffness * (pid.upper[i] - q[i]))
         lowest = max(-pid.velocity[i], stiffness * (pid.lower[i] - q[i]))
         excess = rate - min(max(rate, lowest), highest)
-        desired = pid.k_p[i] * error + pid.k_d[i] * (rate_error - excess) + integral[i]
-        torque[i] = _clipped(desired, pid.effort[i])
-        drive = error if excess == 0 else error + (rate_error - excess) / stiffness
-        is_winding = abs(desired) > pid.effort[i] and desired * drive > 0
-        step = 0.0 if is_winding else pid.k_i[i] * drive * pid.dt
-        new_integral[i] = _clipped(integral[i] + step, pid.effort[i])
+        acceleration[i] = pid.k_p * error + pid.k_d * (rate_error - excess)
+        drive[i] = error if excess == 0 else error + (rate_error - excess) / stiffness
+    desired = pid.inertia @ acceleration + integral
+    step = pid.k_i * pid.dt * (pid.inertia @ drive)
+    torque, new_integral = np.empty(n), np.empty(n)
+    for i in range(n):
+        torque[i] = _clipped(desired[i], pid.effort[i])
+        room = max(pid.effort[i] - desired[i], 0.0), max(pid.effort[i] + desired[i], 0.0)
+        winding = min(max(step[i], -room[1]), room[0])
+        new_integral[i] = _clipped(integral[i] + winding, pid.effort[i])
     return torque, new_integral
 
 

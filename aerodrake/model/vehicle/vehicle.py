@@ -58,7 +58,8 @@ class VehicleModel:
         mass: kg, base and arm.
         inertia: (3, 3) kg m^2, of base and arm in the working configuration,
             about their common centre of mass, in the base frame.
-        joint_inertia: (n,) kg m^2, effective inertia of each joint there, with a free base.
+        arm_inertia: (n, n) kg m^2, inertia of the joints there, with a free base:
+            M_qq - M_qb M_bb^-1 M_bq.
         trim_wrench: (4,) [N, N m, N m, N m], wrench of the rotors in hover there.
         trim_torque: (n,) N m, joint torques in hover there.
     """
@@ -80,7 +81,7 @@ class VehicleModel:
     tool_axis: np.ndarray
     mass: float
     inertia: np.ndarray
-    joint_inertia: np.ndarray
+    arm_inertia: np.ndarray
     trim_wrench: np.ndarray
     trim_torque: np.ndarray
 
@@ -173,7 +174,7 @@ class VehicleModel:
             tool_axis=X_BE.rotation().multiply(TOOL_AXIS),
             mass=inertia.get_mass(),
             inertia=inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3(),
-            joint_inertia=_joint_inertia(plant.CalcMassMatrix(context)),
+            arm_inertia=_arm_inertia(plant.CalcMassMatrix(context)),
             trim_wrench=-gravity[[5, 0, 1, 2]],  # Generalized forces are [torque, force].
             trim_torque=-gravity[BASE_VELOCITIES:],
         )
@@ -201,10 +202,10 @@ class VehicleModel:
                 )
 
 
-def _joint_inertia(M: np.ndarray) -> np.ndarray:
-    """Returns the effective inertia (n,) of each joint with a free base, from the mass matrix."""
+def _arm_inertia(M: np.ndarray) -> np.ndarray:
+    """Returns the inertia (n, n) of the joints with a free base, from the mass matrix."""
     b, a = slice(BASE_VELOCITIES), slice(BASE_VELOCITIES, None)
-    return np.diag(M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])).copy()
+    return M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])
 
 
 def _check_inertia(M: np.ndarray, names: Sequence[str], robot: str) -> None:
@@ -215,7 +216,7 @@ def _check_inertia(M: np.ndarray, names: Sequence[str], robot: str) -> None:
             problem = "expected links with masses and inertias that can be moved"
             got = f"got {inertia:.4g} kg or kg m^2 at {place}"
             raise BadInput(robot, "", f"{problem}, {got}")
-    for name, inertia in zip(names, _joint_inertia(M), strict=True):
+    for name, inertia in zip(names, np.diag(_arm_inertia(M)), strict=True):
         if not inertia > LIGHTEST:
             problem = "expected links beyond it with a moment of inertia about its axis"
             raise BadInput(robot, f"joint {name}", f"{problem}, got {inertia:.4g} kg m^2")

@@ -1,5 +1,7 @@
 """Joint PID: closed loop, limits, and recovery from saturation."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,14 +17,14 @@ DT = 0.005
 @pytest.fixture
 def pid() -> JointPid:
     """A joint of 0.03 kg m^2 with its stops out of reach."""
-    I, w = 0.03, 40.0
-    k_p = np.array([I * w**2])
-    return make_pid(k_p, np.array([I * 2 * w]), 5 * k_p, np.array([4.0]))
+    return make_pid([[0.03]], 40.0**2, 2 * 40.0, 5 * 40.0**2)
 
 
-def make_pid(k_p, k_d, k_i, effort, velocity=3.0, stop=9.0) -> JointPid:
-    same = np.ones(len(k_p))
-    return JointPid(k_p, k_d, k_i, effort, velocity * same, -stop * same, stop * same, DT)
+def make_pid(inertia, k_p, k_d, k_i, velocity=3.0, stop=9.0) -> JointPid:
+    """Returns joints with a torque limit of 4 N m each."""
+    same = np.ones(len(inertia))
+    limits = 4 * same, velocity * same, -stop * same, stop * same
+    return JointPid(np.array(inertia), k_p, k_d, k_i, *limits, DT)
 
 
 def tick(pid: JointPid, error, rate_error, integral) -> tuple[np.ndarray, np.ndarray]:
@@ -52,19 +54,20 @@ def simulate(pid: JointPid, steps: int, *, disturbance=0.0, blocked=0, goal=0.5)
 def test_gains_place_each_joints_poles(vehicle):
     arm = Arm(bandwidth_rad_s=30.0, damping=0.7, integral_rad_s=4.0)
     pid = JointPid.make(arm, vehicle, DT)
-    for inertia, k_p, k_d in zip(vehicle.joint_inertia, pid.k_p, pid.k_d, strict=True):
-        poles = np.roots([inertia, k_d, k_p])
-        np.testing.assert_allclose(np.abs(poles), 30.0)
-        np.testing.assert_allclose(-poles.real / 30.0, 0.7)
+    poles = np.roots([1.0, pid.k_d, pid.k_p])
+    np.testing.assert_allclose(np.abs(poles), 30.0)
+    np.testing.assert_allclose(-poles.real / 30.0, 0.7)
     np.testing.assert_allclose(pid.k_i / pid.k_p, 4.0)
+    np.testing.assert_array_equal(pid.inertia, vehicle.arm_inertia)
+    diagonal = JointPid.make(replace(arm, inertia="diagonal"), vehicle, DT).inertia
+    np.testing.assert_array_equal(diagonal, np.diag(np.diag(vehicle.arm_inertia)))
     for limit in ("effort", "velocity", "lower", "upper"):
         np.testing.assert_array_equal(getattr(pid, limit), getattr(vehicle, limit))
     assert pid.dt == DT
 
 
 def test_torque_is_linear_within_its_limits_and_clipped_beyond():
-    one = np.ones(4)
-    pid = make_pid(10 * one, 2 * one, 30 * one, 4 * one, velocity=9.0)
+    pid = make_pid(np.eye(4), 10.0, 2.0, 30.0, velocity=9.0)
     error, rate_error = np.array([0.1, -0.1, 1.0, -1.0]), np.array([0.2, 0.3, 0.0, 0.0])
     torque, _ = tick(pid, error, rate_error, np.array([0.5, 0.0, 0.0, 0.0]))
     np.testing.assert_allclose(torque, [1.9, -0.4, 4.0, -4.0])
@@ -75,15 +78,15 @@ def test_the_integral_is_that_of_the_error_within_limits(pid):
     integral = np.zeros(1)
     for error in errors:
         _, integral = tick(pid, error, 0.0, integral)
-    assert integral[0] == pytest.approx(pid.k_i[0] * errors.sum() * DT)
+    assert integral[0] == pytest.approx(0.03 * pid.k_i * errors.sum() * DT)
 
 
 def test_a_constant_torque_is_compensated(pid):
     path = simulate(pid, 800, disturbance=-1.5, goal=0.02)
     assert abs(path[-1] - 0.02) < 1e-4
-    without_integral = pid._replace(k_i=np.zeros(1))
+    without_integral = pid._replace(k_i=0.0)
     droop = 0.02 - simulate(without_integral, 800, disturbance=-1.5, goal=0.02)[-1]
-    assert droop == pytest.approx(1.5 / pid.k_p[0], rel=1e-3)
+    assert droop == pytest.approx(1.5 / (0.03 * pid.k_p), rel=1e-3)
 
 
 def test_no_windup_while_the_joint_is_blocked(pid):
@@ -99,7 +102,7 @@ def test_a_full_integral_unwinds_at_once(pid):
     """In saturation it still integrates an error of the opposite sign."""
     full = pid.effort.copy()
     _, back = tick(pid, -0.001, 0.1, full)
-    assert back[0] == pytest.approx(full[0] - pid.k_i[0] * 0.001 * DT)
+    assert back[0] == pytest.approx(full[0] - 0.03 * pid.k_i * 0.001 * DT)
 
 
 def test_the_integral_never_exceeds_the_effort(pid):
@@ -117,16 +120,14 @@ def test_far_setpoints_are_approached_at_the_velocity_limit(pid, goal, load):
     """After any time of blocking; an unknown load changes the rate by load / k_d."""
     path = simulate(pid, 1500, goal=goal, disturbance=load, blocked=500)
     rate, limit = np.abs(np.diff(path)) / DT, pid.velocity[0]
-    assert rate.max() < 1.02 * limit + abs(load) / pid.k_d[0]
+    assert rate.max() < 1.02 * limit + abs(load) / (0.03 * pid.k_d)
     assert np.median(rate[600:650]) == pytest.approx(limit, rel=0.03)
     assert path[-1] == pytest.approx(goal, abs=1e-3)
 
 
 @pytest.mark.parametrize("goal", [1.1, 1.5, 40.0])
 def test_no_setpoint_drives_a_joint_beyond_its_stop(goal):
-    I, w = 0.03, 40.0
-    k_p = np.array([I * w**2])
-    pid = make_pid(k_p, np.array([I * 2 * w]), 5 * k_p, np.array([4.0]), stop=1.0)
+    pid = make_pid([[0.03]], 40.0**2, 2 * 40.0, 5 * 40.0**2, stop=1.0)
     for load in (0.0, 1.0):
         path = simulate(pid, 1500, goal=goal, disturbance=load)
         assert path.max() < 1.0 + np.radians(0.5)
@@ -135,7 +136,7 @@ def test_no_setpoint_drives_a_joint_beyond_its_stop(goal):
 
 @given(st.floats(-2, 2), st.floats(-5, 5), st.floats(-1.5, 1.5), st.floats(-3, 3))
 def test_torque_is_that_of_a_cascade_with_a_limited_rate(error, rate_error, angle, integral):
-    pid = make_pid(*np.array([[48.0], [2.4], [240.0], [4.0]]), stop=1.0)
+    pid = make_pid([[0.03]], 40.0**2, 2 * 40.0, 5 * 40.0**2, stop=1.0)
     state, setpoint = np.zeros(VehicleState.size(1)), np.array([angle + error, rate_error, 0.0])
     state[7] = angle
     torque, new_integral = control(pid, state, setpoint, np.array([integral]))

@@ -1,1 +1,0 @@
-"""Analysis of the sampled closed loop as a linear system."""
