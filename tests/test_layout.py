@@ -23,6 +23,7 @@ ROOMS = (
     "gallery",
     "flight",
     "reports",
+    "analysis",
     "identification",
     "learning",
     "comparison",

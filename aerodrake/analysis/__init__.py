@@ -1,0 +1,1 @@
+"""Analysis of the sampled closed loop as a linear system."""
