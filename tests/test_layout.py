@@ -26,6 +26,7 @@ ROOMS = (
     "analysis",
     "identification",
     "learning",
+    "mounting",
     "comparison",
     "sweeps",
     "bench",

@@ -25,9 +25,29 @@ def read_urdf(path: Path) -> Document:
     """Reads a URDF and makes the URIs of local meshes and textures absolute.
 
     Raises:
+        BadInput: as for `read_document`, or if a mesh or texture does not exist.
+    """
+    document = read_document(path)
+    for element in _with_files(document):
+        uri = element.getAttribute("filename")
+        if _is_local(uri):
+            element.setAttribute("filename", f"{FILE}{_file(path.absolute().parent, uri)}")
+        elif not is_packaged(uri) or leaves_package(uri):
+            raise _no_file(path, element, uri, "is of another package or scheme")
+        file = _file(Path(), element.getAttribute("filename"))
+        if not os.path.isfile(file):
+            reason = "is no file" if os.path.exists(file) else "does not exist"
+            raise _no_file(path, element, uri, reason)
+    return document
+
+
+def read_document(path: Path) -> Document:
+    """Reads a URDF as XML.
+
+    Raises:
         BadInput: if the file cannot be read or does not end in `.urdf`; if its content is not a
-            URDF, has xacro macros, declares a document type (and so can have entities), is nested
-            too deep, or names a mesh or texture that does not exist.
+            URDF, has xacro macros, declares a document type (and so can have entities), or is
+            nested too deep.
     """
     if path.suffix != SUFFIX:
         raise BadInput(path, "", f"expected a URDF, whose name ends in {SUFFIX}{_advice(path)}")
@@ -39,16 +59,6 @@ def read_urdf(path: Path) -> Document:
     if root.tagName != "robot":
         problem = f"cannot be parsed: expected a URDF, whose root is <robot>, got <{root.tagName}>"
         raise BadInput(path, "", problem)
-    for element in _with_files(document):
-        uri = element.getAttribute("filename")
-        if _is_local(uri):
-            element.setAttribute("filename", f"{FILE}{_file(path.absolute().parent, uri)}")
-        elif not is_packaged(uri) or leaves_package(uri):
-            raise _no_file(path, element, uri, "is of another package or scheme")
-        file = _file(Path(), element.getAttribute("filename"))
-        if not os.path.isfile(file):
-            reason = "is no file" if os.path.exists(file) else "does not exist"
-            raise _no_file(path, element, uri, reason)
     return document
 
 

@@ -1,0 +1,1 @@
+"""Conversion of an arm's own URDF into one that flies below a multirotor."""

@@ -1,0 +1,99 @@
+"""Masses and inertias that a simulation needs, for links that lack them."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from pydrake.multibody.tree import RotationalInertia
+
+from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Inertial, Pose
+from aerodrake.mounting.listed import listed, shown
+from aerodrake.support.errors import BadInput
+
+DENSITY_KG_M3 = 1000.0
+"""Density of the solid spheres whose inertia replaces a missing one."""
+LEAST_SHARE = 0.01
+"""Mass of a moving part that has none, as a share of the arm's mass."""
+LEAST_RATIO = 1e-6
+"""Smallest principal moment of inertia that is kept, as a share of the largest."""
+MARGIN = 1e-9
+"""Relative margin to the triangle inequality of the principal moments."""
+
+
+def correct_inertias(arm: ArmTree) -> Converted:
+    """Completes missing masses and inertias, and corrects those that no body can have.
+
+    Raises:
+        BadInput: if no link has a mass.
+    """
+    if not arm.mass:
+        raise BadInput("", "", "expected masses, got no link with a <mass> in its <inertial>")
+    links = {link.name: _corrected(link) for link in arm.links}
+    by_change: dict[str, list[str]] = {}
+    for link, change in links.values():
+        if change:
+            by_change.setdefault(change, []).append(link.name)
+    changes = [f"{change}: {listed(names)}" for change, names in by_change.items()]
+    arm = arm.with_links({name: link for name, (link, _) in links.items()})
+    mass = LEAST_SHARE * arm.mass
+    light = [
+        joint.child
+        for joint in arm.joints
+        if joint.is_moving and not sum(arm.link(n).mass for n in arm.below(joint.child, True))
+    ]
+    if light:
+        parts = {name: replace(arm.link(name), inertial=_sphere(Pose(), mass)) for name in light}
+        arm = arm.with_links(parts)
+        kg = f"{shown(mass)} kg, {LEAST_SHARE:.0%} of the arm's mass"
+        changes.append(f"moving links without mass get {kg}: {listed(light)}")
+    return Converted(arm, tuple(changes))
+
+
+def _corrected(link: ArmLink) -> tuple[ArmLink, str]:
+    """Returns a link with a valid inertia or without any, and the change."""
+    inertial = link.inertial
+    if inertial is None:
+        return link, ""
+    if not inertial.mass:
+        return replace(link, inertial=None), "an <inertial> of zero mass is removed"
+    if not any(inertial.moments):
+        sphere = _sphere(inertial.origin, inertial.mass)
+        name = f"a solid sphere of {DENSITY_KG_M3:g} kg/m^3"
+        return replace(link, inertial=sphere), f"a zero inertia becomes that of {name}"
+    moments = physical(inertial.moments)
+    if moments == inertial.moments:
+        return link, ""
+    change = "principal moments of inertia that no body has are raised to the nearest ones"
+    return replace(link, inertial=replace(inertial, moments=moments)), change
+
+
+def physical(moments: tuple[float, ...]) -> tuple[float, ...]:
+    """Returns moments of inertia that a body can have: the same ones, if it can.
+
+    Otherwise the principal moments are raised until all are positive and each is at most the sum
+    of the others.
+
+    Args:
+        moments: kg m^2, ixx, iyy, izz, ixy, ixz, iyz.
+    """
+    ixx, iyy, izz, ixy, ixz, iyz = moments
+    matrix = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+    principal, axes = np.linalg.eigh(matrix)
+    largest = max(abs(principal))
+    is_positive = min(principal) > LEAST_RATIO * largest
+    if is_positive and RotationalInertia(*moments).CouldBePhysicallyValid():
+        return moments
+    raised = np.maximum(np.abs(principal), 2 * LEAST_RATIO * largest)
+    raised.sort()
+    lacking = raised[2] * (1 + MARGIN) - raised[0] - raised[1]
+    raised[:2] += max(lacking, 0.0) / 2
+    I = axes[:, np.argsort(np.abs(principal))] @ np.diag(raised)
+    I = I @ axes[:, np.argsort(np.abs(principal))].T
+    return tuple(float(I[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+
+
+def _sphere(origin: Pose, mass: float) -> Inertial:
+    """Returns the inertia of a solid sphere of the default density."""
+    radius = (3 * mass / (4 * math.pi * DENSITY_KG_M3)) ** (1 / 3)
+    moment = 0.4 * mass * radius**2
+    return Inertial(origin, mass, (moment, moment, moment, 0.0, 0.0, 0.0))

@@ -1,0 +1,177 @@
+"""Meshes of other formats, written as the Wavefront files that Drake and the replay draw."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Geometry
+from aerodrake.mounting.listed import listed
+from aerodrake.mounting.names import UNREADABLE
+from aerodrake.support.files import read_bounded
+from aerodrake.support.urdf import MAX_BYTES
+
+if TYPE_CHECKING:
+    import trimesh
+
+Y_UP = (".gltf", ".glb")
+"""Endings of formats whose y axis is up by definition; Drake turns them like this."""
+GREY = (0.7, 0.7, 0.7, 1.0)
+"""Colour of meshes without one."""
+DIGITS = 6
+"""Decimal digits of coordinates in m."""
+
+
+class Part(NamedTuple):
+    """Part of a mesh with one colour.
+
+    Attributes:
+        vertices: (N, 3) m.
+        faces: (K, 3) indices of vertices.
+        rgba: Colour; None if the file has none.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    rgba: tuple[float, ...] | None
+
+
+@cache
+def load_parts(file: Path) -> tuple[Part, ...]:
+    """Reads a mesh in m, in the frame that a URDF refers to.
+
+    Units of a COLLADA file count, its up axis does not, as in RViz: files that say `Y_UP` are in
+    use with z up. Of a texture the mean colour is read.
+
+    Returns:
+        One part for each colour; none if the file cannot be read.
+    """
+    import trimesh
+
+    try:
+        read_bounded(file, 10 * MAX_BYTES)
+        scene = trimesh.load_scene(file, process=False)
+        if scene.units and scene.units != "meters":
+            scene = scene.convert_units("meters")
+        meshes = [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh)]
+    except Exception:  # The exceptions of the formats' libraries are not documented.
+        return ()
+    by_color: dict[tuple[float, ...] | None, list[trimesh.Trimesh]] = {}
+    for mesh in meshes:
+        if len(mesh.faces):
+            by_color.setdefault(_color(mesh), []).append(mesh)
+    turn = (
+        np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]) if file.suffix.lower() in Y_UP else np.eye(3)
+    )
+    parts = []
+    for rgba, same in by_color.items():
+        whole = trimesh.util.concatenate(same)
+        parts.append(Part(np.asarray(whole.vertices) @ turn.T, np.asarray(whole.faces), rgba))
+    return tuple(parts)
+
+
+def bounds(file: Path) -> np.ndarray:
+    """Returns the corners (2, 3) m of a mesh's bounding box; empty (0, 3) without a mesh."""
+    parts = load_parts(file)
+    if not parts:
+        return np.empty((0, 3))
+    points = np.concatenate([part.vertices[np.unique(part.faces)] for part in parts])
+    return np.array([points.min(axis=0), points.max(axis=0)])
+
+
+def write_meshes(arm: ArmTree, folder: Path) -> Converted:
+    """Writes the visual meshes of an arm into a folder, in their final size.
+
+    A mesh with several colours becomes several files. The meshes of the result are named relative
+    to the folder's parent, where the URDF belongs.
+
+    Raises:
+        OSError: if a file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    writer = _MeshWriter(folder)
+    links = tuple(writer.write(link) for link in arm.links)
+    changes = []
+    if writer.count:
+        megabytes = sum(file.stat().st_size for file in folder.iterdir()) / 1e6
+        endings = ", ".join(sorted(writer.endings))
+        text = f"{writer.count} meshes ({endings}) are written as .obj, one for each colour"
+        changes.append(f"{text}: {megabytes:.1f} MB")
+    if writer.unreadable:
+        changes.append(f"meshes that cannot be read are left out: {listed(writer.unreadable)}")
+    return Converted(replace(arm, links=links), tuple(changes))
+
+
+class _MeshWriter:
+    """Writer of meshes, each once for a size.
+
+    Attributes:
+        count: Number of meshes that were read.
+        endings: Endings of their files.
+        unreadable: Names of files that cannot be read.
+    """
+
+    def __init__(self, folder: Path):
+        self._folder = folder
+        self._written: dict[tuple[Path, tuple[float, ...]], list[tuple[Path, Part]]] = {}
+        self._taken: set[str] = set()
+        self.count, self.endings, self.unreadable = 0, set[str](), dict[str, None]()
+
+    def write(self, link: ArmLink) -> ArmLink:
+        """Writes the meshes of a link, and returns it with them."""
+        visuals = [part for visual in link.visuals for part in self._parts(visual)]
+        return replace(link, visuals=tuple(visuals))
+
+    def _parts(self, visual: Geometry) -> Iterator[Geometry]:
+        if visual.file is None:
+            yield visual
+            return
+        key = visual.file, visual.numbers
+        if key not in self._written:
+            self._written[key] = [
+                (self._write(visual.file, part, visual.numbers), part)
+                for part in load_parts(visual.file)
+            ]
+            self.count += bool(self._written[key])
+            self.endings.add(visual.file.suffix)
+        if not self._written[key]:
+            self.unreadable[visual.file.name] = None
+        for path, part in self._written[key]:
+            rgba = part.rgba or visual.rgba or GREY
+            yield replace(visual, numbers=(1.0, 1.0, 1.0), file=path, rgba=rgba)
+
+    def _write(self, file: Path, part: Part, scale: tuple[float, ...]) -> Path:
+        """Writes a part in its size, and returns its path relative to the folder's parent."""
+        import trimesh
+
+        stem, number = UNREADABLE.sub("_", file.stem), 1
+        name = f"{stem}.obj"
+        while name in self._taken:
+            number += 1
+            name = f"{stem}_{number}.obj"
+        self._taken.add(name)
+        # A mirrored mesh would be inside out.
+        faces = part.faces[:, ::-1] if np.prod(scale) < 0 else part.faces
+        mesh = trimesh.Trimesh(part.vertices * scale, faces, process=False)
+        mesh.merge_vertices(digits_vertex=DIGITS)
+        mesh.remove_unreferenced_vertices()
+        text = mesh.export(file_type="obj", digits=DIGITS, header=None, include_normals=False)
+        (self._folder / name).write_text(text)
+        return Path(self._folder.name) / name
+
+
+def _color(mesh: "trimesh.Trimesh") -> tuple[float, ...] | None:
+    """Returns the colour of a mesh as fractions, that of a texture averaged; None without one."""
+    if not mesh.visual.defined:
+        return None
+    image = getattr(getattr(mesh.visual, "material", None), "image", None)
+    if image is not None:
+        mean = np.asarray(image.convert("RGB")).reshape(-1, 3).mean(axis=0)
+        rgba = np.append(mean, 255)
+    else:
+        visual = mesh.visual
+        rgba = visual.material.main_color if hasattr(visual, "material") else visual.main_color
+    return tuple((np.asarray(rgba)[:4] / 255).round(3).tolist())
