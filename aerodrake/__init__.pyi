@@ -1,3 +1,5 @@
+from .api.analysis_result import AnalysisResult
+from .api.analyze import analyze
 from .api.compare import compare
 from .api.flight_result import FlightResult, load_run
 from .api.fly import fly
@@ -15,6 +17,7 @@ from .support.version import __version__
 from .wiring.replacements import Replacements
 
 __all__ = [
+    "AnalysisResult",
     "BadInput",
     "FlightResult",
     "LiveView",
@@ -24,6 +27,7 @@ __all__ = [
     "ScenarioError",
     "VehicleState",
     "__version__",
+    "analyze",
     "compare",
     "fly",
     "graph",

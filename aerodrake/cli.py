@@ -4,19 +4,30 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from aerodrake.commands import bench, compare, coordinator, graph, identify, run, sweep, train
+from aerodrake.commands import (
+    analyze,
+    bench,
+    compare,
+    coordinator,
+    graph,
+    identify,
+    run,
+    sweep,
+    train,
+)
 from aerodrake.support.errors import BadInput, ProcessDied
 from aerodrake.support.interrupts import termination_as_interrupt
 from aerodrake.support.streams import output_streams
 from aerodrake.support.version import __version__
 
-_MODULES = (run, coordinator, compare, identify, train, sweep, graph, bench)
+_MODULES = (run, coordinator, analyze, compare, identify, train, sweep, graph, bench)
 COMMANDS = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
 """Commands by name, in the order of `aerodrake --help`."""
 
-EXIT_CODES = """Exit codes: 0 success; 1 a flight did not complete, a variant failed, a process
-died or standard output cannot be written; 2 bad input; 130 interrupted; 141 standard output
-has no reader. Results are written even if standard output or standard error cannot be."""
+EXIT_CODES = """Exit codes: 0 success; 1 a flight did not complete, a closed loop is unstable, a
+variant failed, a process died or standard output cannot be written; 2 bad input; 130
+interrupted; 141 standard output has no reader. Results are written even if standard output or
+standard error cannot be."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:

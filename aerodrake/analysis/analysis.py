@@ -29,9 +29,20 @@ class OperatingPoint:
 
     @property
     def sentence(self) -> str:
-        """One line, such as `unstable in hover: roll and joint_2 at 9.6 Hz grow by 5.0 1/s`, or
-        `stable in hover: the slowest oscillation ...`."""
-        raise NotImplementedError
+        """One line, such as `unstable in hover: roll and joint_2 at 9.6 Hz grow by 5.0 1/s`.
+
+        Of a stable loop it is about the least damped mode.
+        """
+        where = "in hover" if self.time_s is None else f"at {self.time_s:.2f} s"
+        verdict = f"{'stable' if self.is_stable else 'unstable'} {where}"
+        if not self.modes:
+            return verdict
+        mode = min(self.modes, key=lambda mode: (mode.is_stable, mode.damping))
+        names = [participant.name for participant in mode.participants[:2]] or ["a mode"]
+        verb = "decay" if mode.is_stable else "grow"
+        motion = f"{' and '.join(names)} at {mode.frequency_hz:.1f} Hz {verb}"
+        s = "s" * (len(names) == 1)
+        return f"{verdict}: {motion}{s} by {abs(mode.growth_1_s):.1f} 1/s"
 
 
 @dataclass(frozen=True)

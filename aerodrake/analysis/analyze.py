@@ -2,8 +2,17 @@
 
 from collections.abc import Callable, Sequence
 
-from aerodrake.analysis.analysis import Analysis
+from aerodrake.analysis.analysis import Analysis, OperatingPoint
 from aerodrake.scenario import Scenario
+
+
+def analyze_hover(scenario: Scenario) -> OperatingPoint:
+    """Returns the sampled closed loop of a scenario in hover, without margins and responses.
+
+    Raises:
+        BadInput: if the scenario cannot be flown.
+    """
+    raise NotImplementedError
 
 
 def analyze_loop(

@@ -1,1 +1,1 @@
-"""The functions behind `import aerodrake`: one flight, a comparison, a sweep, an identification."""
+"""The functions behind `import aerodrake`: flight, analysis, comparison, sweep, ..."""

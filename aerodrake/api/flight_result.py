@@ -35,6 +35,8 @@ class FlightResult:
     Attributes:
         scenario: The scenario that was flown.
         summary: Content of `summary.json`; `aerodrake.flight.summary.summarize` lists its keys.
+            Of a flight by `aerodrake.fly` also `instability`: if it did not complete and the loop
+            is unstable in hover, the sentence of the analysis, else None.
         log: Signals over time; `aerodrake.flight.log` lists its arrays with units and shapes.
 
     Args:

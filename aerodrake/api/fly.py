@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from contextlib import ExitStack, nullcontext
 from typing import Any
 
+from aerodrake.analysis.instability import hover_instability
 from aerodrake.api.console import FLIGHT_BAR, LIVE_BAR, Console
 from aerodrake.api.flight_result import FlightResult
 from aerodrake.flight.notes import scenario_notes
@@ -81,6 +82,8 @@ def fly(
             rate = view.rate if view else 1.0 if link else 0.0
             log = flight.fly(progress, rate, view.attach if view else lambda *_: None)
         summary = summarize(flown, log)
+        # The analysis is of the packaged systems.
+        summary["instability"] = None if replacements else hover_instability(flown, log)
         result = FlightResult(scenario, summary, log, lambda: flight.closed_loop, flown)
         weakref.finalize(result, stack.pop_all().close)  # Removes the copies of its files.
     return result

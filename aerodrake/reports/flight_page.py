@@ -9,7 +9,7 @@ from pydrake.systems.framework import Diagram
 
 from aerodrake.flight.log import FlightLog
 from aerodrake.reports.flight_pictures import flight_pictures
-from aerodrake.reports.flight_table import highlights, summary_notes, table_rows
+from aerodrake.reports.flight_table import highlights, instability, summary_notes, table_rows
 from aerodrake.reports.page import date_of, render
 from aerodrake.reports.poster import poster
 from aerodrake.scenario import Scenario
@@ -45,6 +45,7 @@ def report_page(
         date=date_of(folder / "summary.json"),
         poster=poster(log, scenario),
         summary=summary,
+        instability=instability(summary),
         highlights=highlights(summary, kind),
         most_events=MOST_EVENTS,
         rows=table_rows(summary, kind),

@@ -144,11 +144,20 @@ def ending(summary: dict[str, Any]) -> str:
     return summary["exit_reason"] + (f" ({cause})" if cause else "")
 
 
+def instability(summary: dict[str, Any]) -> str:
+    """Returns the sentence of an unstable hover, empty if there is none."""
+    return summary.get("instability") or ""  # Of a flight that is not analysed it is missing.
+
+
 def table(summary: dict[str, Any], kind: str) -> str:
-    """Returns ending, `table_rows`, first events and `summary_notes` of a flight as text."""
+    """Returns ending, `table_rows`, first events and `summary_notes` of a flight as text.
+
+    An instability follows the ending.
+    """
     rows = table_rows(summary, kind)
     lines = [
         f"{summary['scenario']}: {ending(summary)}",
+        *filter(None, [instability(summary)]),
         f"{summary['simulated_s']:.1f} s simulated in {summary['wall_s']:.1f} s, "
         f"{summary['real_time_factor']:.1f} x real time",
         "",

@@ -6,7 +6,7 @@ from typing import Any
 from aerodrake.flight.log import FlightLog
 from aerodrake.reports.drawable import drawable
 from aerodrake.reports.flight_panels import draw_error
-from aerodrake.reports.flight_table import ending, summary_notes, table_rows
+from aerodrake.reports.flight_table import ending, instability, summary_notes, table_rows
 from aerodrake.reports.pictures import MOST_SAMPLES, timeline
 from aerodrake.scenario import Scenario
 from aerodrake.support.templates import render_template
@@ -21,6 +21,7 @@ def flight_cell(scenario: Scenario, summary: Mapping[str, Any], log: FlightLog) 
         "flight_cell.html",
         name=scenario.name,
         ending=ending(summary),
+        instability=instability(summary),
         rows=table_rows(summary, scenario.reference.kind),
         notes=summary_notes(summary),
         errors=errors,

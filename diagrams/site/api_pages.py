@@ -22,6 +22,7 @@ STOREYS = {
         "bench",
         "identification",
         "learning",
+        "analysis",
         "reports",
         "flight",
         "wire",

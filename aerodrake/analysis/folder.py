@@ -1,0 +1,64 @@
+"""Figure and page of an analysis, beside its results."""
+
+from pathlib import Path
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from aerodrake.analysis.analysis import Analysis
+from aerodrake.analysis.page import analysis_page
+from aerodrake.analysis.panels import draw_eigenvalues, draw_gains, draw_growth, draw_steps
+from aerodrake.analysis.report import FILE, MATRICES, least_damped
+from aerodrake.reports.drawing import drawing
+from aerodrake.reports.figures import INK, STYLE, write_png
+from aerodrake.reports.page import date_of
+from aerodrake.scenario import Scenario
+from aerodrake.support.files import write_atomically
+
+RESULTS = (FILE, MATRICES, "scenario.yaml")
+"""Files that every analysis has, also if it could not be drawn."""
+
+FIGURE, PAGE = "analysis.png", "report.html"
+DRAWINGS = (FIGURE, PAGE)
+
+
+def draw_analysis(
+    folder: Path, analysis: Analysis, scenario: Scenario, resolved: str, command: str
+) -> None:
+    """Adds `analysis.png` and `report.html` to an existing folder; logs if one of them fails.
+
+    Args:
+        folder: Folder of the results.
+        analysis, scenario, resolved, command: See `analysis_page`.
+    """
+    path = folder / FIGURE
+    with drawing(path):
+        plot_analysis(analysis, path)
+    path = folder / PAGE
+    with drawing(path):
+        date = date_of(folder / FILE)
+        page = analysis_page(analysis, scenario, resolved, command, date)
+        write_atomically(path, page.encode())
+
+
+def plot_analysis(analysis: Analysis, path: Path) -> None:
+    """Writes the figure: eigenvalues, growth and frequency, and responses.
+
+    Args:
+        analysis: The analysis to show.
+        path: PNG file to write.
+    """
+    modes = least_damped(analysis.hover)
+    with rc_context(STYLE):
+        figure = Figure(figsize=(13, 8.5), dpi=110, layout="constrained")
+        title = f"{analysis.scenario}: {analysis.sentence}"
+        figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
+        (eigenvalues, growth), (steps, gains) = figure.subplots(2, 2)
+        draw_eigenvalues(eigenvalues, analysis.hover, modes)
+        draw_growth(growth, analysis.hover, modes)
+        forces = [r for r in analysis.step_responses if r.input.startswith("force")]
+        draw_steps(steps, forces)
+        steps.set_xlabel("time since a step of the force / s")
+        draw_gains(gains, analysis.frequency_responses)
+        gains.set_xlabel("frequency / Hz")
+        write_png(figure, path)

@@ -1,0 +1,68 @@
+"""Motion of base, joints and tool in one mode."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from aerodrake.analysis.eigenmode import Eigenmode
+from aerodrake.analysis.sampled_system import SampledSystem
+
+PLANT, RATE, TOOL = "plant.", "_rate", "tool_"
+"""Prefix of states of the plant, suffix of those that are rates, and prefix of outputs."""
+
+POSITIONS = ("x", "y", "z")
+"""Motions that are lengths; the others are angles."""
+
+ITERATIONS = 3
+"""Number of steps of the inverse iteration; its error shrinks by many digits in each."""
+
+
+@dataclass(frozen=True)
+class ModeShape:
+    """Complex amplitudes of a mode: each motion is Re(amplitude exp(j phase)).
+
+    Attributes:
+        lengths: m, of the base (`x`, `y`, `z`) and of the tool (`tool_x`, ...).
+        angles: rad, of the base (`roll`, `pitch`, `yaw`) and of the joints, by name.
+    """
+
+    lengths: dict[str, complex]
+    angles: dict[str, complex]
+
+    @classmethod
+    def of(cls, system: SampledSystem, mode: Eigenmode) -> Self:
+        """Returns the shape of a mode, with a tool that moves by 1 m, real where it moves most.
+
+        Motions are 0 if the mode does not move the tool.
+        """
+        vector = eigenvector(system, mode.eigenvalue)
+        outputs = dict(zip(system.outputs, system.C @ vector, strict=True))
+        tool = {name: value for name, value in outputs.items() if name.startswith(TOOL)}
+        largest = max(tool.values(), key=abs, default=0.0)
+        scale = np.linalg.norm(list(tool.values())) * np.exp(1j * np.angle(largest))
+        factor = 1.0 / scale if abs(scale) > 1e-12 * np.linalg.norm(vector) else 0.0
+        motions = {
+            state.removeprefix(PLANT): complex(factor * value)
+            for state, value in zip(system.states, vector, strict=True)
+            if state.startswith(PLANT) and not state.endswith(RATE)
+        }
+        lengths = {name: motions.pop(name) for name in POSITIONS if name in motions}
+        lengths |= {name: complex(factor * value) for name, value in tool.items()}
+        return cls(lengths, motions)
+
+
+def eigenvector(system: SampledSystem, eigenvalue: complex) -> np.ndarray:
+    """Returns the right eigenvector (nx,) of A for one of its eigenvalues, by inverse iteration.
+
+    Each state is in its own unit; the norm after division by `state_scale` is 1.
+    """
+    scaled = system.A / system.state_scale[:, None] * system.state_scale
+    # Beside the eigenvalue, so that the matrix is not singular.
+    shift = eigenvalue + 1e-9 * max(1.0, abs(eigenvalue))
+    matrix = scaled - shift * np.eye(len(scaled))
+    vector = np.ones(len(scaled), dtype=complex)
+    for _ in range(ITERATIONS):
+        vector = np.linalg.solve(matrix, vector)
+        vector /= np.linalg.norm(vector)
+    return vector * system.state_scale
