@@ -55,7 +55,13 @@ def read_pose(element: Element) -> Pose:
 
 def _not_numbers(element: Element, name: str, count: int, given: str) -> BadInput:
     noun = "a number" if count == 1 else f"{count} numbers"
-    is_macro = any(mark in given for mark in MACROS)
-    advice = "; expand the macros with the command `xacro`" if is_macro else ""
-    message = f"<{element.tagName} {name}>: expected {noun}, got {given!r}{advice}"
-    return fault(element, message)
+    return fault(element, f"<{element.tagName} {name}>: expected {noun}, got {given!r}")
+
+
+def refuse_macros(element: Element) -> None:
+    """Raises BadInput if an attribute of an element, or of one inside it, has a macro of xacro."""
+    for inner in (element, *element.getElementsByTagName("*")):
+        for name, value in inner.attributes.items():
+            if any(mark in value for mark in MACROS):
+                problem = f"expected no macro, got '{value}'; expand it with the command `xacro`"
+                raise fault(inner, f"<{inner.tagName} {name}>: {problem}")
