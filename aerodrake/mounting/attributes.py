@@ -48,9 +48,17 @@ def read_limit(element: Element | None, name: str) -> float | None:
 
 
 def read_pose(element: Element) -> Pose:
-    """Returns the `<origin>` of an element, zero without one."""
-    origin = child(element, "origin")
-    return Pose(*(read_numbers(origin, name, 3, (0.0, 0.0, 0.0)) for name in ("xyz", "rpy")))
+    """Returns the `<origin>` of an element, zero without one.
+
+    Raises:
+        BadInput: if an attribute is unknown, or does not have three numbers.
+    """
+    if (origin := child(element, "origin")) is None:
+        return Pose()
+    for name, _ in origin.attributes.items():
+        if name not in Pose._fields:
+            raise fault(origin, f"<origin>: expected the attributes xyz and rpy, got '{name}'")
+    return Pose(*(read_numbers(origin, name, 3, (0.0, 0.0, 0.0)) for name in Pose._fields))
 
 
 def _not_numbers(element: Element, name: str, count: int, given: str) -> BadInput:

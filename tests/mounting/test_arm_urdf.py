@@ -30,6 +30,7 @@ def two(inner: str = "", kind: str = "revolute", **names: str) -> str:
         (two().replace("<axis", "<xacro:axis/><axis"), "expand the macros"),
         (two().replace("0.03 0 0.2", "0,03 0 0.2"), "<origin xyz>: expected 3 numbers"),
         (two().replace("0.2 -0.4 0.6", "0 NaN 0"), "<origin rpy>: expected 3 numbers"),
+        (two().replace("rpy=", "rpz="), "expected the attributes xyz and rpy, got 'rpz'"),
         (two().replace("0 2 1", "0 0 0"), "<axis xyz>: expected a vector other than zero"),
         (two().replace('value="0.5"', 'value="-0.5"'), "expected a non-negative number in kg"),
         (two('<limit effort="strong"/>'), "<limit effort>: expected a number, got 'strong'"),

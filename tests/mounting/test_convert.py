@@ -5,6 +5,7 @@ import pytest
 
 from aerodrake.model.vehicle.robot import RobotDescription, make_nominal_plant
 from aerodrake.mounting.convert import convert
+from aerodrake.mounting.elements import joint_element
 from tests.arm_urdfs import ARM, plant, pose, read, vehicle
 
 FIXED = {"left": 0.01, "right": -2 * 0.01 + 0.005, "other_joint": 0.0}
@@ -89,6 +90,7 @@ def test_a_converted_arm_stays_as_it_is(folder, conversion):
     text = vehicle(conversion).toxml()
     again = convert(read(text, folder), "arm_tool", root="arm_base")
     assert again.joints == conversion.joints
-    *joints, frame = again.arm.joints
-    assert tuple(joints) == conversion.arm.joints and frame.kind == "fixed"
-    assert again.arm.mass == conversion.arm.mass
+    *joints, frame = (joint_element(joint).toxml() for joint in again.arm.joints)
+    assert joints == [joint_element(joint).toxml() for joint in conversion.arm.joints]
+    assert 'name="tool_frame" type="fixed"' in frame
+    assert again.arm.mass == pytest.approx(conversion.arm.mass, rel=1e-11)

@@ -33,6 +33,8 @@ def workspace(tmp_path_factory) -> Path:
         ("package://arm/meshes/link 1.stl", "src/arm/meshes/link 1.stl"),
         ("package:///arm/meshes/link 1.stl", "src/arm/meshes/link 1.stl"),
         ("package://hand/meshes/finger.stl", "src/hand/meshes/finger.stl"),
+        ("package://arm/meshes/Link 1.STL", "src/arm/meshes/link 1.stl"),
+        ("..\\meshes\\link 1.stl", "src/arm/meshes/link 1.stl"),
         ("model://hand/meshes/finger.stl", "src/hand/meshes/finger.stl"),
         ("package://hand2/meshes/thumb.stl", None),
         ("package://arm/meshes/absent.stl", None),
