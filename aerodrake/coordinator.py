@@ -68,6 +68,8 @@ WIRING = Wiring(
         *shared_input("disturbance", "equivalent_state"),
         *shared_input("saturated", "residual_estimator", "supervisor"),
         *shared_input("sample_health", "supervisor"),
+        *shared_input("joint_oscillation", "supervisor"),
+        *shared_input("torque_at_limit", "supervisor"),
         *shared_input("rotor_effectiveness", "supervisor"),
         *shared_input("followed", "setpoint_integrator"),
     ),

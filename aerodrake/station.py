@@ -70,9 +70,9 @@ WIRING = Wiring(
         *shared_input("joint_setpoint", "flight_controller", "arm_controller", "sensors"),
     ),
     outputs=(
-        *outputs("arm_controller", "joint_torque"),
+        *outputs("arm_controller", "joint_torque", "torque_at_limit"),
         *outputs("sensors", "sample", "state", "external_acceleration", "sample_health"),
-        *outputs("sensors", "position_offset"),
+        *outputs("sensors", "joint_oscillation", "position_offset"),
         *outputs("flight_controller", "thrust_command", "specific_thrust"),
         *outputs("flight_controller", "disturbance", "saturated"),
         *outputs("rotor_monitor", "rotor_effectiveness"),
@@ -83,6 +83,8 @@ WIRING = Wiring(
 STATION_INTERFACE = (
     "state",
     "sample_health",
+    "joint_oscillation",
+    "torque_at_limit",
     "position_offset",
     "external_acceleration",
     "specific_thrust",
@@ -111,10 +113,11 @@ def make_station(
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
     Outputs: `sample` and its filtered form `state` (13 + 2 n each), `external_acceleration` (3),
-    `sample_health` (6) and `position_offset` (3); `true_state` (13 + 2 n); `thrust` (k) N and
-    `joint_torque` (n) N m, as they act; `thrust_command` (k) N, `specific_thrust` (1),
-    `disturbance` (6) and `saturated` (1), of the flight controller; `rotor_effectiveness` (k);
-    `wind_force` (3) N, in the world; `query_object`.
+    `sample_health` (6), `joint_oscillation` (n) and `position_offset` (3); `true_state`
+    (13 + 2 n); `thrust` (k) N and `joint_torque` (n) N m, as they act; `torque_at_limit` (n), of
+    the arm controller; `thrust_command` (k) N, `specific_thrust` (1), `disturbance` (6) and
+    `saturated` (1), of the flight controller; `rotor_effectiveness` (k); `wind_force` (3) N, in
+    the world; `query_object`.
     Samples and states are `VehicleState`s, whose parts `split_state` names.
 
     Args:

@@ -52,6 +52,7 @@ def made(
         "tool_axis_d": np.zeros((samples, 3)),
         "mode": mode(t),
         "reference_verdict": np.full(samples, ReferenceVerdict.OK, float),
+        "torque_at_limit": np.zeros((samples, VEHICLE.joints)),
         "supervisor_mode": np.zeros(samples),
         "conditions": np.zeros((samples, len(conditions(Supervisor())))),
         "qp_status": np.full(samples, QpStatus.UNCONSTRAINED, float),

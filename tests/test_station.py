@@ -23,9 +23,11 @@ STATION_OUTPUTS = {
     "thrust": ROTORS,
     "thrust_command": ROTORS,
     "joint_torque": JOINTS,
+    "torque_at_limit": JOINTS,
     "sample": STATE,
     "external_acceleration": 3,
     "sample_health": 6,
+    "joint_oscillation": JOINTS,
     "position_offset": 3,
     "specific_thrust": 1,
     "disturbance": 6,
@@ -80,6 +82,7 @@ def test_ports(station, closed_loop, scenario):
     assert ports(station) == (SETPOINTS, STATION_OUTPUTS)
     inputs = {"state": STATE, "external_acceleration": 3, "specific_thrust": 1}
     inputs |= {"disturbance": 6, "saturated": 1}
+    inputs |= {"joint_oscillation": JOINTS, "torque_at_limit": JOINTS}
     inputs |= {"sample_health": 6, "position_offset": 3, "rotor_effectiveness": ROTORS}
     # Connected only over a wire.
     inputs |= {"followed": 3 * (3 + JOINTS) + 1}

@@ -54,8 +54,9 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         events: Changes of the supervisor's conditions, see `aerodrake.flight.events`.
         arm: m, largest distance of the end-effector from the centre of the
             learning space within the joint limits, d_edge of the scenario, and
-            largest d_o of the flight; s with d_o beyond d_h; and rad, smallest
-            distance of a joint to its limits (negative: beyond one).
+            largest d_o of the flight; s with d_o beyond d_h; rad, smallest
+            distance of a joint to its limits (negative: beyond one); and by joint the
+            share of time with its torque at the limit, from reference time 0 on.
         residual: RMS error in m/s of predicting the base velocity over one
             period, with and without the network. Unless the mode is off: s with the
             Delta of each layer, and without Delta. If the last layer learned: its learning
@@ -154,12 +155,13 @@ def _mpc(scenario: Scenario, log: FlightLog, simulated_s: float) -> dict[str, An
     }
 
 
-def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
+def _arm(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
     vehicle, flown = log.vehicle, log.time_s >= 0
     d_o = log.d_o_m[flown]
     q = log["q_rad"][flown]
     reach = Kinematics(vehicle.plant).farthest_reach(vehicle.p_O, vehicle.lower, vehicle.upper)
     clearance = np.minimum(q - vehicle.lower, vehicle.upper - q)
+    at_limit = log["torque_at_limit"][log.is_flown].mean(axis=0)
     outside = np.count_nonzero(d_o[:-1] > scenario.allocation.d_h_m)
     return {
         "farthest_reach_m": rounded(reach),
@@ -167,6 +169,7 @@ def _arm(scenario: Scenario, log: FlightLog) -> dict[str, float | None]:
         "farthest_d_o_m": rounded(d_o.max()) if len(d_o) else None,
         "outside_s": rounded(outside * scenario.rates.flight_period_s),
         "least_room_rad": rounded(clearance.min()) if len(d_o) else None,
+        "torque_at_limit": dict(zip(vehicle.joint_names, map(rounded, at_limit), strict=True)),
     }
 
 

@@ -19,7 +19,7 @@ from aerodrake.mounting.arm import (
     Motor,
     Pose,
 )
-from aerodrake.mounting.attributes import read_limit, read_numbers, read_pose, refuse_macros
+from aerodrake.mounting.attributes import read_limit, read_numbers, read_pose
 from aerodrake.mounting.listed import listed
 from aerodrake.mounting.packages import find_mesh
 from aerodrake.mounting.shapes import ShapeReader
@@ -57,11 +57,6 @@ def read_arm(path: Path, packages: Sequence[Path] = ()) -> Converted:
     robot = read_document(path).documentElement
     try:
         shapes = ShapeReader(partial(find_mesh, folder=path.parent, packages=tuple(packages)))
-        for element in children(robot):
-            if element.tagName in REFUSED:
-                raise fault(element, f"expected joints of a URDF alone, got <{element.tagName}>")
-            if element.tagName in READ["robot"]:
-                refuse_macros(element)
         for material in robot.getElementsByTagName("material"):
             shapes.define(material)
         motors = dict(_motors(robot))
@@ -70,6 +65,9 @@ def read_arm(path: Path, packages: Sequence[Path] = ()) -> Converted:
         for frame in children(robot, "frame"):
             links.append(ArmLink(frame.getAttribute("name")))
             joints.append(_frame_joint(frame))
+        for element in children(robot):
+            if element.tagName in REFUSED:
+                raise fault(element, f"expected joints of a URDF alone, got <{element.tagName}>")
         arm = ArmTree(robot.getAttribute("name") or path.stem, tuple(links), tuple(joints))
         check_tree(arm)
     except BadInput as error:

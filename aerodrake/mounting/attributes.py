@@ -48,28 +48,14 @@ def read_limit(element: Element | None, name: str) -> float | None:
 
 
 def read_pose(element: Element) -> Pose:
-    """Returns the `<origin>` of an element, zero without one.
-
-    Raises:
-        BadInput: if an attribute is unknown, or does not have three numbers.
-    """
-    if (origin := child(element, "origin")) is None:
-        return Pose()
-    for name, _ in origin.attributes.items():
-        if name not in Pose._fields:
-            raise fault(origin, f"<origin>: expected the attributes xyz and rpy, got '{name}'")
-    return Pose(*(read_numbers(origin, name, 3, (0.0, 0.0, 0.0)) for name in Pose._fields))
+    """Returns the `<origin>` of an element, zero without one."""
+    origin = child(element, "origin")
+    return Pose(*(read_numbers(origin, name, 3, (0.0, 0.0, 0.0)) for name in ("xyz", "rpy")))
 
 
 def _not_numbers(element: Element, name: str, count: int, given: str) -> BadInput:
     noun = "a number" if count == 1 else f"{count} numbers"
-    return fault(element, f"<{element.tagName} {name}>: expected {noun}, got {given!r}")
-
-
-def refuse_macros(element: Element) -> None:
-    """Raises BadInput if an attribute of an element, or of one inside it, has a macro of xacro."""
-    for inner in (element, *element.getElementsByTagName("*")):
-        for name, value in inner.attributes.items():
-            if any(mark in value for mark in MACROS):
-                problem = f"expected no macro, got '{value}'; expand it with the command `xacro`"
-                raise fault(inner, f"<{inner.tagName} {name}>: {problem}")
+    is_macro = any(mark in given for mark in MACROS)
+    advice = "; expand the macros with the command `xacro`" if is_macro else ""
+    message = f"<{element.tagName} {name}>: expected {noun}, got {given!r}{advice}"
+    return fault(element, message)

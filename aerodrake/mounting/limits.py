@@ -12,22 +12,12 @@ TURN_RAD = 2 * math.pi
 """Limit of a continuous joint, to both sides."""
 HALF_TURN_RAD = math.pi
 """Limit of a revolute joint without limits, to both sides."""
-MANY_RAD = 40.0
-"""Position limit above which it could be meant in degrees."""
 VELOCITY_RAD_S = 3.0
 """Velocity limit of a joint without one."""
 ACCELERATION_RAD_S2 = 15.0
 """Acceleration limit of a joint without one, unless its effort gives less."""
 HOLDING = 2.0
 """Effort of a joint without one, as a multiple of the largest torque that holds it."""
-
-LAWS = {
-    "effort": f"{HOLDING:g} times the largest torque that holds the links below, plus the torque "
-    f"of {ACCELERATION_RAD_S2:g} rad/s^2, in N m",
-    "velocity": f"{VELOCITY_RAD_S:g} rad/s",
-    "acceleration": f"{ACCELERATION_RAD_S2:g} rad/s^2, or effort over the largest inertia",
-}
-"""Laws of limits that are missing."""
 
 
 def complete_limits(arm: ArmTree, tool: str) -> Converted:
@@ -40,18 +30,12 @@ def complete_limits(arm: ArmTree, tool: str) -> Converted:
         if change:
             changes.setdefault(change, []).append(joint.name)
     loads = joint_loads(arm, list(ranged.values()))
-    complete = {
-        name: replace(joint, limits=_rated(joint.limits, loads[name]))
-        for name, joint in ranged.items()
-    }
-    for name, law in LAWS.items():
-        values = [
-            f"{joint.name} {shown(getattr(joint.limits, name))}"
-            for joint in complete.values()
-            if getattr(joint.limits, name) != getattr(ranged[joint.name].limits, name)
-        ]
-        if values:
-            changes[f"missing {name} limits are set to {law}"] = values
+    complete: dict[str, ArmJoint] = {}
+    for name, joint in ranged.items():
+        limits = _rated(joint.limits, loads[name])
+        complete[name] = replace(joint, limits=limits)
+        for change in _rating_changes(joint.limits, limits):
+            changes.setdefault(change, []).append(name)
     sentences = (f"{change}: {listed(names)}" for change, names in changes.items())
     return Converted(arm.with_joints(complete), tuple(sentences))
 
@@ -73,8 +57,6 @@ def _range(joint: ArmJoint) -> tuple[Limits, str]:
     elif upper < lower:
         lower, upper = upper, lower
         change = "lower limits above the upper ones are swapped with them"
-    elif max(abs(lower), abs(upper)) > MANY_RAD:
-        return limits, f"limits above {MANY_RAD:g} rad are kept, and could be degrees"
     else:
         return limits, ""
     return replace(limits, lower=lower, upper=upper), change
@@ -99,3 +81,18 @@ def _is_given(limit: float | None) -> bool:
 def _rounded(number: float) -> float:
     """Returns a number with three significant digits."""
     return float(f"{number:.3g}")
+
+
+def _rating_changes(old: Limits, new: Limits) -> list[str]:
+    """Returns a description of each limit that was completed."""
+    changes = []
+    if old.effort != new.effort:
+        law = f"{HOLDING:g} times the torque that holds the links below, and their acceleration"
+        changes.append(f"no effort limit given, set to {shown(new.effort)} N m ({law})")
+    if old.velocity != new.velocity:
+        changes.append(f"no velocity limit given, set to {shown(new.velocity)} rad/s")
+    if old.acceleration != new.acceleration:
+        least = "" if new.acceleration == ACCELERATION_RAD_S2 else " (effort over inertia)"
+        limit = f"{shown(new.acceleration)} rad/s^2{least}"
+        changes.append(f"no acceleration limit given, set to {limit}")
+    return changes

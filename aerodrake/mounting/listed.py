@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-MOST = 12
+MOST = 8
 """Largest count of names in a sentence."""
 
 

@@ -23,6 +23,9 @@ The prefix `integral_` marks those of its integral model; the others are of its 
 SOURCES = ("time with learned Delta", "time with offline Delta", "time without Delta")
 """Labels of the durations in `summary["residual"]["source_s"]`."""
 
+LEAST_SHARE = 0.0005
+"""Least share of the time with its torque at the limit for which a joint is in a table."""
+
 MOST_EVENTS = 20
 """Largest number of events in a table."""
 
@@ -70,6 +73,7 @@ def table_rows(summary: dict[str, Any], kind: str) -> list[tuple[str, str, str]]
         for mode, seconds in summary["modes"].items()
         if seconds
     ]
+    rows += _torque_rows(summary)
     rows += _residual_rows(summary)
     rows += [
         ("largest reachable d_o", f"{summary['arm']['farthest_reach_m']:.2f} m", ""),
@@ -87,6 +91,17 @@ def _followed_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
         ("reference not followed", _unit(summary["refused_s"], "s"), ""),
         ("  error from followed", _mm(followed["mean_m"]), ""),
     ]
+
+
+def _torque_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Returns the joints with their torque at the limit, and for which share of the time."""
+    shares = summary["arm"].get("torque_at_limit", {})  # A summary of an earlier version has none.
+    rows = [
+        (f"  {joint}", f"{100 * share:.1f} %", "")
+        for joint, share in shares.items()
+        if share >= LEAST_SHARE
+    ]
+    return [("torque at limit", "of the time", ""), *rows] if rows else []
 
 
 def _residual_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
@@ -166,7 +181,9 @@ def table(summary: dict[str, Any], kind: str) -> str:
     ]
     lines += [""] * bool(summary["events"])
     lines += [
-        f"{event['time_s']:8.2f} s  {event['cause']} {event['event']}"
+        f"{event['time_s']:8.2f} s  {event['cause']}"
+        + (f" ({event['joint']})" if event.get("joint") else "")
+        + f" {event['event']}"
         + (f": {event['mode']}" if event["event"] == "triggered" else "")
         for event in summary["events"][:MOST_EVENTS]
     ]

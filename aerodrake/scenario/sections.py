@@ -93,6 +93,10 @@ class Supervisor(Section):
     attitude_lost_s: float = quantity(0.4, "s", 0.02, 60.0)
     joints_outage_s: float = quantity(0.15, "s", 0.02, 60.0)
     joints_lost_s: float = quantity(1.0, "s", 0.02, 60.0)
+    # Amplitude of the rate with which a joint oscillates about its setpoint, at 2 Hz or more, from
+    # which the vehicle holds; and the time after which it lands if that does not end it.
+    joint_oscillation_rad_s: float = quantity(0.5, "rad/s", 0.05, 100.0)
+    joints_unstable_s: float = quantity(1.0, "s", 0.02, 60.0)
     # Time for which the cause of a mode must be absent before the mode is left.
     clear_s: float = quantity(0.5, "s", 0.0, 60.0)
     # Tilt of the base at which the rotors stop.

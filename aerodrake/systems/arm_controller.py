@@ -3,7 +3,7 @@
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.low_level.joint_pid import JointPid, control
 from aerodrake.model.vehicle.state import VehicleState
@@ -31,6 +31,7 @@ class ArmController(LeafSystem):
         in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2; q_d'' is
             ignored.
         out `joint_torque` (n): N m, constant between ticks.
+        out `torque_at_limit` (n): 1 for each joint whose torque is at its limit.
     State:
         `integral` (n) N m, `joint_torque` (n) N m.
     Rate:
@@ -54,7 +55,14 @@ class ArmController(LeafSystem):
         self._setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * n)
         self._last = NamedState(self, ArmState(vehicle.trim_torque, vehicle.trim_torque))
         self.DeclareStateOutputPort("joint_torque", self._last.groups["joint_torque"])
+        self.DeclareVectorOutputPort(
+            "torque_at_limit", n, self._calc_at_limit, prerequisites_of_calc={self.xd_ticket()}
+        )
         self.DeclarePeriodicDiscreteUpdateEvent(pid.dt, offset, self._update)
+
+    def _calc_at_limit(self, context: Context, output: BasicVector) -> None:
+        torque = self._last.read(context).joint_torque
+        output.SetFromVector(np.abs(torque) >= self._pid.effort)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         torque, integral = control(

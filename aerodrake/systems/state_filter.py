@@ -1,8 +1,7 @@
 """State filter as a system."""
 
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
-import numpy as np
 from pydrake.systems.framework import Context, LeafSystem, State
 
 from aerodrake.model.sensing.sample import Sample
@@ -10,14 +9,6 @@ from aerodrake.model.sensing.state_filter import FilterState, StateFilter, repla
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.support.arguments import StateVector, Timed, Vector6, checked
 from aerodrake.systems.named_state import NamedState
-
-
-class FilterOutputs(NamedTuple):
-    """Outputs of the state filter beside its `FilterState`: state (13 + 2 n,), and
-    external_acceleration (3,) m/s^2."""
-
-    state: np.ndarray
-    external_acceleration: np.ndarray
 
 
 class StateFilterSystem(LeafSystem):
@@ -39,13 +30,14 @@ class StateFilterSystem(LeafSystem):
             other forces than thrust and gravity, the arm's reaction included.
         out `sample_health` (6): by group, s since the last accepted sample (0 if this one is
             accepted), and the `Verdict`.
+        out `joint_oscillation` (n): rad/s, amplitude with which each joint oscillates.
         out `position_offset` (3): m, sum of the steps by which resets have moved the estimated
             position. Setpoints move by the same steps, so that the vehicle does not.
     State:
         a group for each field of `FilterState`: of the sample check the previous sample,
         time stamps, accepted values, travel, health and jump; of the estimate disturbance and
-        state; the accelerations since the base's last sample; the position offset. And the
-        other two outputs.
+        state; the accelerations since the base's last sample; the position offset; of the joints'
+        oscillation half-waves and amplitude. And the other two outputs.
     Rate:
         `state_filter.dt`, by an *unrestricted* update: these run before the discrete updates of
         the same instant, so that a controller that ticks with the sensors sees the new state.
@@ -75,11 +67,18 @@ class StateFilterSystem(LeafSystem):
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * joints)
         first = FilterState.before_samples(state_filter, initial, trim_acceleration)
         self._state = NamedState(self, first)
-        self._outputs = NamedState(self, FilterOutputs(initial, np.zeros(3)))
-        for name, group in self._outputs.groups.items():
+        self._outputs = {
+            "state": self.DeclareDiscreteState(initial),
+            "external_acceleration": self.DeclareDiscreteState(3),
+        }
+        for name, group in self._outputs.items():
             self.DeclareStateOutputPort(name, group)
-        self.DeclareStateOutputPort("sample_health", self._state.groups["check.health"])
-        self.DeclareStateOutputPort("position_offset", self._state.groups["position_offset"])
+        for name, part in (
+            ("sample_health", "check.health"),
+            ("joint_oscillation", "oscillation.amplitude"),
+            ("position_offset", "position_offset"),
+        ):
+            self.DeclareStateOutputPort(name, self._state.groups[part])
         self.DeclarePeriodicUnrestrictedUpdateEvent(state_filter.dt, 0.0, self._update)
 
     def _update(self, context: Context, state: State) -> None:
@@ -93,4 +92,5 @@ class StateFilterSystem(LeafSystem):
             output = replace_rejected(sample.state, estimate.state, now.check.health)
         external = estimate.disturbance[:3] - self._reaction.Eval(context)
         self._state.write(discrete, now)
-        self._outputs.write(discrete, FilterOutputs(output, external))
+        discrete.set_value(self._outputs["state"], output)
+        discrete.set_value(self._outputs["external_acceleration"], external)

@@ -3,12 +3,12 @@
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, EventStatus, InputPort, LeafSystem
 
-from aerodrake.model.sensing.sample import POSITION
 from aerodrake.model.sensing.sample_health import split_health
 from aerodrake.model.supervision.conditions import (
     Condition,
     ConditionTable,
     FlightStatus,
+    Signal,
     SupervisorState,
     compute_signals,
     supervise,
@@ -19,7 +19,7 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.support.arguments import Period, checked
 from aerodrake.systems.named_state import NamedState
 
-HEALTHY, EFFECTIVE, GATE_OPEN = np.zeros(6), np.ones(1), np.zeros(2)
+HEALTHY, EFFECTIVE, GATE_OPEN, NO_JOINT = np.zeros(6), np.ones(1), np.zeros(2), np.zeros(1)
 """Values of ports that are not connected."""
 
 
@@ -32,12 +32,14 @@ class SupervisorSystem(LeafSystem):
         in `status` (3): of the MPC: a `QpStatus`, iterations, ticks since its last solution.
         in `sample_health` (6): s since the last accepted sample of position, attitude, and
             joints; and the verdict on each.
+        in `joint_oscillation` (n): rad/s, amplitude with which each joint oscillates.
+        in `torque_at_limit` (n): 1 for each joint whose torque is at its limit.
         in `rotor_effectiveness` (k): fraction of its thrust that each rotor gives.
         in `saturated` (1): 1 while the flight controller is saturated.
         in `reference_verdict` (1): a `ReferenceVerdict`.
         in `learner_health` (2): the `GateCause` for which Delta is gated off, or OK; s since then.
-        `sample_health`, `rotor_effectiveness` and `learner_health` may be left unconnected,
-        which means healthy.
+        `sample_health`, `joint_oscillation`, `torque_at_limit`, `rotor_effectiveness` and
+        `learner_health` may be left unconnected, which means healthy.
         out `mode` (1): a `SafeMode`.
         out `cause` (1): the index of the condition that requests it, -1 for none.
         out `conditions` (K): 1 for active conditions.
@@ -64,6 +66,8 @@ class SupervisorSystem(LeafSystem):
     ):
         super().__init__()
         self._conditions, self._table = conditions, ConditionTable.make(conditions)
+        swings = [c.trigger for c in conditions if c.signal == Signal.JOINT_OSCILLATION]
+        self._oscillation = min(swings, default=np.inf)
         self._feet, self._period, self._mpc_period = vehicle.feet_m, period, mpc_period
         self._vehicle_state = self.DeclareVectorInputPort(
             "state", VehicleState.size(vehicle.joints)
@@ -71,6 +75,8 @@ class SupervisorSystem(LeafSystem):
         self._thrust = self.DeclareVectorInputPort("specific_thrust", 1)
         self._status = self.DeclareVectorInputPort("status", 3)
         self._sample_health = self.DeclareVectorInputPort("sample_health", 6)
+        self._joint_oscillation = self.DeclareVectorInputPort("joint_oscillation", vehicle.joints)
+        self._torque_at_limit = self.DeclareVectorInputPort("torque_at_limit", vehicle.joints)
         self._effectiveness = self.DeclareVectorInputPort(
             "rotor_effectiveness", len(vehicle.rotors.names)
         )
@@ -94,13 +100,15 @@ class SupervisorSystem(LeafSystem):
             specific_thrust=self._thrust.Eval(context)[0],
             plan_age=plan_age,
             outage_s=health.ages,
-            position_verdict=health.verdicts[POSITION],
+            verdicts=health.verdicts,
+            joint_oscillation=self._value(context, self._joint_oscillation, NO_JOINT),
+            torque_at_limit=self._value(context, self._torque_at_limit, NO_JOINT),
             rotor_effectiveness=self._value(context, self._effectiveness, EFFECTIVE),
             saturated=self._saturated.Eval(context)[0],
             reference_verdict=self._verdict.Eval(context)[0],
             learner_cause=learner_cause,
         )
-        signals = compute_signals(status, self._feet, self._mpc_period)
+        signals = compute_signals(status, self._feet, self._mpc_period, self._oscillation)
         self._state.write(discrete, supervise(self._table, last, signals, self._period))
 
     def _end(self, context: Context) -> EventStatus:

@@ -12,6 +12,8 @@ class WireSender(LeafSystem):
     Ports:
         in `state` (13 + 2 n): measured state.
         in `sample_health` (6): s since the last accepted sample of each group, and the verdicts.
+        in `joint_oscillation` (n): rad/s, amplitude with which each joint oscillates.
+        in `torque_at_limit` (n): 1 for each joint whose torque is at its limit.
         in `external_acceleration` (3): m/s^2 in the world, of the state filter.
         in `specific_thrust` (1): m/s^2, of the flight controller.
         in `disturbance` (6): estimated disturbance, of the flight controller.

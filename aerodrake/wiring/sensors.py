@@ -31,7 +31,7 @@ WIRING = Wiring(
     outputs=(
         ("sampler", "state", "sample"),
         *outputs("state_filter", "state", "external_acceleration", "sample_health"),
-        *outputs("state_filter", "position_offset"),
+        *outputs("state_filter", "joint_oscillation", "position_offset"),
     ),
 )
 PROMPT = Wiring(inputs=(("true_state", "sampler", "late_state"),))
@@ -62,8 +62,8 @@ def make_sensors(
     Inputs: `true_state` (13 + 2 n), a `VehicleState`; `acceleration` (6), `reaction` (3) and
     `joint_setpoint` (3 n) of the state filter.
     Outputs: `sample` (13 + 2 n), the last one as it arrives; `state` (13 + 2 n), `trim_state`
-    before the first sample, `external_acceleration` (3), `sample_health` (6) and `position_offset`
-    (3) of the filter.
+    before the first sample, `external_acceleration` (3), `sample_health` (6), `joint_oscillation`
+    (n) and `position_offset` (3) of the filter.
 
     Args:
         scenario: Noise, delay, filter and rates; faults of samples, applied in the listed order.

@@ -20,6 +20,10 @@ OPTIONAL = frozenset(
     {
         *((name, "position_offset") for name in ("state_filter", "sensors", "station")),
         *((name, "position_offset") for name in ("setpoint_integrator", "coordinator")),
+        *((name, "joint_oscillation") for name in ("state_filter", "sensors", "station")),
+        *((name, "joint_oscillation") for name in ("supervisor", "coordinator")),
+        *((name, "torque_at_limit") for name in ("arm_controller", "station")),
+        *((name, "torque_at_limit") for name in ("supervisor", "coordinator")),
         ("setpoint_integrator", "state"),
         *((name, "requested_reference") for name in ("guidance", "coordinator")),
     }

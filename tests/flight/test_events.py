@@ -41,6 +41,22 @@ def test_events_are_in_order_and_named(log):
     ]
 
 
+def test_events_name_the_joint(log):
+    """That with the largest share of the time for which the condition triggers."""
+    rows = np.zeros((len(TIME_S), len(log.vehicle.joint_names)))
+    rows[50:100, 1] = rows[90:120, 2] = 1
+    oscillation = np.zeros_like(rows)
+    oscillation[120:, 4] = 0.6
+    log.signals.update(torque_at_limit=rows, joint_oscillation_rad_s=oscillation)
+    log["conditions"][121:, NAMES.index("torque_at_limit")] = 1
+    log["conditions"][130:160, NAMES.index("joint_oscillation")] = 1
+    named = [(e["cause"], e["event"], e["joint"]) for e in events(SCENARIO, log) if e["joint"]]
+    assert named == [
+        ("torque_at_limit", "triggered", "elbow_pitch"),
+        ("joint_oscillation", "triggered", "wrist_pitch"),
+    ]
+
+
 def test_a_condition_active_at_the_first_sample_is_an_event(log):
     log["conditions"][0, 0] = 1
     assert events(SCENARIO, log)[0]["time_s"] == -1.0
@@ -58,6 +74,7 @@ def test_a_delta_that_is_never_used_is_an_event(log, mode, used_m_s):
     scenario = replace(SCENARIO, residual=Residual(mode=mode))
     last = events(scenario, log)[-1]
     unused = {"time_s": 2.99, "cause": "delta_unused", "mode": "nominal", "event": "triggered"}
+    unused["joint"] = None
     assert (last == unused) == (mode != "off" and used_m_s == 0)
 
 

@@ -23,7 +23,7 @@ DIMENSIONLESS = {"estimated_quaternion",
     "qp_status", "qp_iterations", "saturated", "tool_axis", "tool_axis_d",
     "supervisor_mode", "supervisor_cause", "conditions", "sample_verdict",
     "rotor_effectiveness", "reference_verdict", "learner_cause", "delta_source",
-    "stable_learning_rate",
+    "stable_learning_rate", "torque_at_limit",
 }  # fmt: skip
 
 

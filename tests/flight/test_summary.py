@@ -163,6 +163,18 @@ def test_workspace_use_of_the_arm(vehicle):
     assert figures(made(until_s=5.0, q_rad=q))["arm"]["least_room_rad"] == pytest.approx(-0.01)
 
 
+def test_share_of_time_with_torque_at_its_limit():
+    """From reference time 0 on, by joint."""
+    log = made(until_s=5.0)
+    at_limit = np.zeros_like(log["q_rad"])
+    at_limit[log.time_s < 0, 0] = 1
+    at_limit[(log.time_s >= 1) & (log.time_s < 3), 2] = 1
+    shares = figures(made(until_s=5.0, torque_at_limit=at_limit))["arm"]["torque_at_limit"]
+    assert list(shares) == list(log.vehicle.joint_names)
+    assert shares.pop("elbow_pitch") == pytest.approx(0.4, rel=1e-2)
+    assert not any(shares.values())
+
+
 def test_modes_and_events_of_the_supervisor():
     t = made().time_s
     names = [condition.name for condition in conditions(Supervisor())]

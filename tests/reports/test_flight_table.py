@@ -51,6 +51,18 @@ def test_undefined_figures_are_left_out_or_empty(summary):
     assert all(line == line.rstrip() for line in text.splitlines())
 
 
+def test_torques_at_their_limit_are_shown_with_the_joint(summary):
+    assert "torque at limit" not in table(summary, "clover")
+    summary["arm"]["torque_at_limit"] |= {"elbow_pitch": 0.6812, "arm_yaw": 0.0001}
+    event = {"time_s": 1.0, "cause": "torque_at_limit", "mode": "nominal", "event": "triggered"}
+    summary["events"].append(event | {"joint": "elbow_pitch"})
+    text = table(summary, "clover")
+    assert cell(text, "torque at limit") == ["of the time"]
+    assert cell(text, "elbow_pitch") == ["68.1 %"]
+    assert "1.00 s  torque_at_limit (elbow_pitch) triggered: nominal" in text
+    assert "arm_yaw" not in text
+
+
 def test_the_ending_of_the_flight_is_shown(summary):
     assert table(summary, "clover").startswith("short: completed\n")
     summary |= {"exit_reason": "lost", "exit_cause": "tilt of 61 deg at 2.00 s"}

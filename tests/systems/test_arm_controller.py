@@ -44,6 +44,10 @@ class Bench:
     def torque(self) -> np.ndarray:
         return self.controller.GetOutputPort("joint_torque").Eval(self.context)
 
+    @property
+    def at_limit(self) -> np.ndarray:
+        return self.controller.GetOutputPort("torque_at_limit").Eval(self.context)
+
     def move(self, torque: np.ndarray) -> None:
         """Moves the joints by one tick under the torques beyond those of trim."""
         acceleration = np.linalg.solve(self.vehicle.arm_inertia, torque - self.vehicle.trim_torque)
@@ -107,9 +111,11 @@ def test_a_constant_load_is_compensated(bench, vehicle):
 def test_blocked_joints_do_not_wind_up(bench, vehicle):
     """After 5 s at the torque limit, the joints stay close to trim and return to it."""
     away = np.where(np.arange(vehicle.joints) % 2, -1.0, 1.0)
+    assert not bench.at_limit.any()
     for _ in range(1000):
         torque = bench.tick(vehicle.working + away)
     np.testing.assert_array_equal(torque, away * vehicle.effort)
+    assert bench.at_limit.all()
 
     farthest = np.zeros(vehicle.joints)
     for _ in range(400):
@@ -125,5 +131,6 @@ def test_torques_are_within_their_limits(bench, vehicle):
     for side in (1, -1):
         wild = bench.tick(vehicle.working + side * 100, np.full(6, side * 100.0))
         assert np.all(np.abs(wild) <= vehicle.effort)
+        np.testing.assert_array_equal(bench.at_limit, np.abs(wild) == vehicle.effort)
         expected = np.clip(side * most + vehicle.trim_torque, -vehicle.effort, vehicle.effort)
         np.testing.assert_allclose(wild, expected, atol=0.05)

@@ -26,6 +26,8 @@ class SupervisedFlight:
             specific_thrust=[9.8],
             status=[0, 0, 0],
             sample_health=np.zeros(6),
+            joint_oscillation=np.zeros(6),
+            torque_at_limit=np.zeros(6),
             rotor_effectiveness=np.ones(len(vehicle.rotors.names)),
             saturated=[0],
             reference_verdict=[0],
@@ -67,6 +69,8 @@ def test_nominal_while_all_inputs_are_healthy(flight):
         ({"reference_verdict": [4]}, SafeMode.NOMINAL, "reference_jump"),
         ({"learner_health": [2, 0.02]}, SafeMode.NOMINAL, "learner_shut_out"),
         ({"saturated": [1]}, SafeMode.NOMINAL, "saturated"),
+        ({"joint_oscillation": [0, 0, 0, 0.5, 0, 0]}, SafeMode.HOLD, "joint_oscillation"),
+        ({"torque_at_limit": [0, 1, 0, 0, 0, 0]}, SafeMode.NOMINAL, "torque_at_limit"),
         ({"rotor_effectiveness": [1, 1, 0.8, 1]}, SafeMode.NOMINAL, "rotor_degraded"),
     ],
 )

@@ -13,6 +13,7 @@ from aerodrake.model.sensing.estimate import (
     predict_arm,
     predict_base,
 )
+from aerodrake.model.sensing.joint_oscillation import JointOscillation, track
 from aerodrake.model.sensing.sample import ATTITUDE, JOINTS, POSITION, Sample, group_of
 from aerodrake.model.sensing.sample_check import (
     CheckState,
@@ -22,6 +23,7 @@ from aerodrake.model.sensing.sample_check import (
     is_outage,
 )
 from aerodrake.model.sensing.sample_health import Verdict, is_accepted, split_health
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Filter, Sensors
 from aerodrake.support.arguments import Period, checked
 from aerodrake.support.compiled import compiled
@@ -90,12 +92,14 @@ class FilterState(NamedTuple):
             last tick.
         accelerations: (steps, 6) modelled since the base's last sample, oldest first.
         position_offset: (3,) m, sum of the steps by which resets have moved the position.
+        oscillation: Of the joints.
     """
 
     check: CheckState
     estimate: Estimate
     accelerations: np.ndarray
     position_offset: np.ndarray
+    oscillation: JointOscillation
 
     @classmethod
     def at_rest(cls, gains: StateFilter, state: np.ndarray, trim_acceleration: np.ndarray) -> Self:
@@ -111,6 +115,7 @@ class FilterState(NamedTuple):
             Estimate(-trim_acceleration, state),
             np.tile(trim_acceleration, (gains.steps, 1)),
             np.zeros(3),
+            JointOscillation.none(len(split_state(state).q)),
         )
 
     @classmethod
@@ -179,7 +184,16 @@ def update(
     now = at_sample
     for k in range(1, len(accelerations)):
         now = predict_base(now, accelerations[k], gains.dt)
-    return FilterState(check_state, at_sample, accelerations[1:], position_offset), now
+    oscillation = track(
+        last.oscillation,
+        last.check.sample,
+        sample.state,
+        verdicts[JOINTS],
+        joint_setpoint,
+        gains.dt,
+    )
+    new = FilterState(check_state, at_sample, accelerations[1:], position_offset, oscillation)
+    return new, now
 
 
 @compiled

@@ -7,6 +7,7 @@ import numpy as np
 
 from aerodrake.model.reference.envelope import ReferenceVerdict
 from aerodrake.model.residual.layer_gate import GateCause
+from aerodrake.model.sensing.sample import ATTITUDE, JOINTS, POSITION
 from aerodrake.model.sensing.sample_health import Verdict
 from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.rotation import rotation_matrix
@@ -34,7 +35,7 @@ class Signal(IntEnum):
     PLAN_AGE_S = 1  # The same time in s.
     POSITION_OUTAGE = 2  # s since the last accepted sample of each group.
     ATTITUDE_OUTAGE = 3
-    JOINTS_OUTAGE = 4
+    JOINTS_OUTAGE = 4  # 0 if samples are rejected because the joints oscillate.
     TILT = 5  # rad, of the base.
     ROTOR_LOSS = 6  # Largest fraction of its thrust that a rotor has lost.
     SATURATED = 7  # The flight controller is saturated.
@@ -48,6 +49,8 @@ class Signal(IntEnum):
     GROUND_EXPECTED = 15  # In DESCEND, without position samples, the feet are predicted on it.
     NOT_FINITE = 16  # The state contains NaN or infinite values.
     POSITION_RESET = 17  # The filter starts again from a position that has jumped.
+    JOINT_OSCILLATION = 18  # rad/s, largest amplitude of a joint.
+    TORQUE_AT_LIMIT = 19  # The torque of a joint is at its limit.
 
 
 SIGNALS = len(Signal)
@@ -85,6 +88,7 @@ def conditions(config: Supervisor) -> tuple[Condition, ...]:
     report, hold, descend, stop = SafeMode  # NOMINAL only reports.
     fresh = min(1, c.plan_ticks - 1)  # A single missed tick does not count as an outage.
     lost = float(np.nextafter(1 - c.rotor_lost, 2))  # Strictly less thrust than `rotor_lost`.
+    swing, unstable_s = c.joint_oscillation_rad_s, c.joints_unstable_s
     # name, signal, mode, triggers at or above, for s, clears at or below, for s
     return (
         Condition("not_finite", s.NOT_FINITE, stop, 1, 0, 0, NEVER, "lost"),
@@ -109,6 +113,11 @@ def conditions(config: Supervisor) -> tuple[Condition, ...]:
         Condition("rotor_degraded", s.ROTOR_LOSS, report, 0.1, 0.5, 0.05, clear_s),
         Condition("saturated", s.SATURATED, report, 1, 0.3, 0, clear_s),
         Condition("position_reset", s.POSITION_RESET, report, 1, 0, 0, clear_s),
+        # Ends an oscillation whose loop includes the MPC, since the setpoints come to rest.
+        Condition("joint_oscillation", s.JOINT_OSCILLATION, hold, swing, 0.1, swing / 2, clear_s),
+        # The joints oscillate about setpoints at rest: no setpoint stops them.
+        Condition("joints_unstable", s.JOINT_OSCILLATION, descend, swing, unstable_s, 0, NEVER),
+        Condition("torque_at_limit", s.TORQUE_AT_LIMIT, report, 1, 0.3, 0, clear_s),
     )
 
 
@@ -198,7 +207,9 @@ class FlightStatus(NamedTuple):
         specific_thrust: m/s^2, estimated thrust of all rotors over the mass.
         plan_age: Ticks since the MPC's last solution.
         outage_s: (3,) s since the last accepted sample of position, attitude, and joints.
-        position_verdict: The `Verdict` on the position.
+        verdicts: (3,) the `Verdict` on each of them.
+        joint_oscillation: (n,) rad/s, amplitude with which each joint oscillates.
+        torque_at_limit: (n,) 1 for each joint whose torque is at its limit.
         rotor_effectiveness: (k,) fraction of its thrust that each rotor gives.
         saturated: 1 while the flight controller is saturated.
         reference_verdict: A `ReferenceVerdict`.
@@ -210,7 +221,9 @@ class FlightStatus(NamedTuple):
     specific_thrust: float
     plan_age: float
     outage_s: np.ndarray
-    position_verdict: float
+    verdicts: np.ndarray
+    joint_oscillation: np.ndarray
+    torque_at_limit: np.ndarray
     rotor_effectiveness: np.ndarray
     saturated: float
     reference_verdict: float
@@ -218,13 +231,17 @@ class FlightStatus(NamedTuple):
 
 
 @compiled
-def compute_signals(status: FlightStatus, feet: float, mpc_period: float) -> np.ndarray:
+def compute_signals(
+    status: FlightStatus, feet: float, mpc_period: float, oscillation: float
+) -> np.ndarray:
     """Returns the values (S,) of all signals, by `Signal`.
 
     Args:
         status: Quantities at this sample.
         feet: m, z of the vehicle's lowest point in the base frame.
         mpc_period: s, between ticks of the MPC.
+        oscillation: rad/s, least amplitude of an oscillation that may be why samples of the
+            joints are rejected.
     """
     quaternion, p_B, _, _, _, _ = split_state(status.state)
     is_finite = np.all(np.isfinite(status.state))
@@ -233,14 +250,17 @@ def compute_signals(status: FlightStatus, feet: float, mpc_period: float) -> np.
     has_landed = height <= LANDED_M and status.specific_thrust <= LANDED_THRUST_M_S2
     is_descending = status.mode >= SafeMode.DESCEND.value
     # A predicted position does not stop at the ground.
-    is_predicted = status.outage_s[0] > 0
+    is_predicted = status.outage_s[POSITION] > 0
+    swing = status.joint_oscillation.max()
+    # Joints that oscillate accelerate beyond what is plausible.
+    is_motion = swing >= oscillation and status.verdicts[JOINTS] == Verdict.JUMP.value
     verdict = status.reference_verdict
     values = np.zeros(SIGNALS)
     values[Signal.PLAN_AGE.value] = status.plan_age
     values[Signal.PLAN_AGE_S.value] = status.plan_age * mpc_period
-    values[Signal.POSITION_OUTAGE.value] = status.outage_s[0]
-    values[Signal.ATTITUDE_OUTAGE.value] = status.outage_s[1]
-    values[Signal.JOINTS_OUTAGE.value] = status.outage_s[2]
+    values[Signal.POSITION_OUTAGE.value] = status.outage_s[POSITION]
+    values[Signal.ATTITUDE_OUTAGE.value] = status.outage_s[ATTITUDE]
+    values[Signal.JOINTS_OUTAGE.value] = 0.0 if is_motion else status.outage_s[JOINTS]
     values[Signal.TILT.value] = tilt if is_finite else 0.0
     values[Signal.ROTOR_LOSS.value] = 1.0 - status.rotor_effectiveness.min()
     values[Signal.SATURATED.value] = status.saturated
@@ -254,5 +274,7 @@ def compute_signals(status: FlightStatus, feet: float, mpc_period: float) -> np.
     values[Signal.LANDED.value] = is_descending and not is_predicted and has_landed
     values[Signal.GROUND_EXPECTED.value] = is_descending and is_predicted and height <= 0
     values[Signal.NOT_FINITE.value] = not is_finite
-    values[Signal.POSITION_RESET.value] = status.position_verdict == Verdict.RESET.value
+    values[Signal.POSITION_RESET.value] = status.verdicts[POSITION] == Verdict.RESET.value
+    values[Signal.JOINT_OSCILLATION.value] = swing
+    values[Signal.TORQUE_AT_LIMIT.value] = status.torque_at_limit.max()
     return values

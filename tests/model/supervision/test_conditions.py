@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aerodrake.model.sensing.sample_health import Verdict
 from aerodrake.model.supervision.conditions import (
     NEVER,
     Condition,
@@ -141,13 +142,15 @@ def signals_with(vehicle, **values) -> np.ndarray:
         specific_thrust=9.8,
         plan_age=0.0,
         outage_s=np.zeros(3),
-        position_verdict=0.0,
+        verdicts=np.zeros(3),
+        joint_oscillation=np.zeros(6),
+        torque_at_limit=np.zeros(6),
         rotor_effectiveness=np.ones(4),
         saturated=0.0,
         reference_verdict=0.0,
         learner_cause=1.0,
     )
-    return compute_signals(trim._replace(**values), -0.38, 0.02)
+    return compute_signals(trim._replace(**values), -0.38, 0.02, 0.5)
 
 
 def test_all_signals_are_zero_in_trim(vehicle):
@@ -168,13 +171,37 @@ def test_each_quantity_is_at_the_index_of_its_signal(vehicle):
         "REFERENCE_TOO_FAST": ({"reference_verdict": 3.0}, 1.0),
         "REFERENCE_JUMPED": ({"reference_verdict": 4.0}, 1.0),
         "LEARNER_GATED": ({"learner_cause": 2.0}, 1.0),
-        "POSITION_RESET": ({"position_verdict": 5.0}, 1.0),
+        "POSITION_RESET": ({"verdicts": np.array([5.0, 0, 0])}, 1.0),
+        "JOINT_OSCILLATION": ({"joint_oscillation": np.array([0, 0, 0.6, 0.2, 0, 0])}, 0.6),
+        "TORQUE_AT_LIMIT": ({"torque_at_limit": np.array([0, 0, 0, 1.0, 0, 0])}, 1.0),
     }
     for name, (values, expected) in cases.items():
         signals = signals_with(vehicle, **values)
         assert signals[Signal[name]] == pytest.approx(expected), name
         others = set(np.flatnonzero(signals)) - {Signal[name]}
         assert others <= {Signal.PLAN_AGE, Signal.PLAN_AGE_S}, name
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "verdict", "outage_s"),
+    [
+        (0.5, Verdict.JUMP, 0.0),
+        (0.49, Verdict.JUMP, 0.4),
+        (3.0, Verdict.STALE, 0.4),
+        (3.0, Verdict.FROZEN, 0.4),
+        (3.0, Verdict.NOT_FINITE, 0.4),
+        (0.0, Verdict.JUMP, 0.4),
+    ],
+)
+def test_samples_of_oscillating_joints_are_not_missing(vehicle, amplitude, verdict, outage_s):
+    signals = signals_with(
+        vehicle,
+        outage_s=np.array([0, 0, 0.4]),
+        verdicts=np.array([0.0, 0.0, verdict]),
+        joint_oscillation=np.array([0, amplitude, 0, 0, 0, 0]),
+    )
+    assert signals[Signal.JOINTS_OUTAGE] == outage_s
+    assert signals[Signal.JOINT_OSCILLATION] == amplitude
 
 
 @pytest.mark.parametrize("angle", [0.3, 1.0, 2.5])
