@@ -191,6 +191,14 @@ class ArmTree:
         return {joint.child: joint for joint in self.joints}
 
     @cached_property
+    def _joints_of(self) -> dict[str, list[ArmJoint]]:
+        """The joints below each link that has some."""
+        joints: dict[str, list[ArmJoint]] = {}
+        for joint in self.joints:
+            joints.setdefault(joint.parent, []).append(joint)
+        return joints
+
+    @cached_property
     def root(self) -> str:
         """Name of the first link without a joint above it."""
         return next(link.name for link in self.links if link.name not in self.above)
@@ -217,11 +225,12 @@ class ArmTree:
         return [joint for joint in self.path(tool) if joint.is_moving]
 
     def below(self, link: str, fixed_only: bool = False) -> Iterator[str]:
-        """Yields a link and all below it, or those that are fixed to it."""
-        yield link
-        for joint in self.joints:
-            if joint.parent == link and (joint.kind == "fixed" or not fixed_only):
-                yield from self.below(joint.child, fixed_only)
+        """Yields a link and all below it, or those that are fixed to it; parents come first."""
+        waiting = [link]
+        while waiting:
+            yield (link := waiting.pop())
+            joints = self._joints_of.get(link, ())
+            waiting += [j.child for j in joints[::-1] if j.kind == "fixed" or not fixed_only]
 
     def tips(self) -> list[str]:
         """Returns the links without a joint below them."""

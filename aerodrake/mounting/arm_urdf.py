@@ -19,7 +19,13 @@ from aerodrake.mounting.arm import (
     Motor,
     Pose,
 )
-from aerodrake.mounting.attributes import read_limit, read_numbers, read_pose
+from aerodrake.mounting.attributes import (
+    read_limit,
+    read_magnitude,
+    read_numbers,
+    read_pose,
+    refuse_macros,
+)
 from aerodrake.mounting.listed import listed
 from aerodrake.mounting.packages import find_mesh
 from aerodrake.mounting.shapes import ShapeReader
@@ -57,6 +63,11 @@ def read_arm(path: Path, packages: Sequence[Path] = ()) -> Converted:
     robot = read_document(path).documentElement
     try:
         shapes = ShapeReader(partial(find_mesh, folder=path.parent, packages=tuple(packages)))
+        for element in children(robot):
+            if element.tagName in REFUSED:
+                raise fault(element, f"expected joints of a URDF alone, got <{element.tagName}>")
+            if element.tagName in READ["robot"]:
+                refuse_macros(element)
         for material in robot.getElementsByTagName("material"):
             shapes.define(material)
         motors = dict(_motors(robot))
@@ -65,9 +76,6 @@ def read_arm(path: Path, packages: Sequence[Path] = ()) -> Converted:
         for frame in children(robot, "frame"):
             links.append(ArmLink(frame.getAttribute("name")))
             joints.append(_frame_joint(frame))
-        for element in children(robot):
-            if element.tagName in REFUSED:
-                raise fault(element, f"expected joints of a URDF alone, got <{element.tagName}>")
         arm = ArmTree(robot.getAttribute("name") or path.stem, tuple(links), tuple(joints))
         check_tree(arm)
     except BadInput as error:
@@ -115,11 +123,8 @@ def _read_link(link: Element, shapes: ShapeReader) -> ArmLink:
 
 def _read_inertial(inertial: Element) -> Inertial:
     mass, inertia = child(inertial, "mass"), child(inertial, "inertia")
-    (value,) = read_numbers(mass, "value", 1, None if mass is not None else (0.0,))
-    if value < 0:
-        raise fault(inertial, f"<mass value>: expected a non-negative number in kg, got {value}")
     moments = (read_numbers(inertia, name, 1, (0.0,))[0] for name in MOMENTS)
-    return Inertial(read_pose(inertial), value, tuple(moments))
+    return Inertial(read_pose(inertial), read_magnitude(mass, "value", "kg"), tuple(moments))
 
 
 def _read_joint(joint: Element, motors: dict[str, Motor]) -> ArmJoint:
@@ -130,9 +135,6 @@ def _read_joint(joint: Element, motors: dict[str, Motor]) -> ArmJoint:
     lower, upper, effort, velocity, acceleration = (
         read_limit(limit, key)
         for key in ("lower", "upper", "effort", "velocity", "drake:acceleration")
-    )
-    damping, friction = (
-        read_numbers(dynamics, key, 1, (0.0,))[0] for key in ("damping", "friction")
     )
     axis = read_numbers(child(joint, "axis"), "xyz", 3, (1.0, 0.0, 0.0))
     if kind not in ("fixed", "floating") and not any(axis):
@@ -145,8 +147,8 @@ def _read_joint(joint: Element, motors: dict[str, Motor]) -> ArmJoint:
         origin=read_pose(joint),
         axis=axis,
         limits=Limits(lower, upper, effort, velocity, acceleration),
-        damping=damping,
-        friction=friction,
+        damping=read_magnitude(dynamics, "damping", "N m s/rad"),
+        friction=read_magnitude(dynamics, "friction", "N m"),
         mimic=_read_mimic(joint),
         motor=motors.get(name),
     )
@@ -169,10 +171,10 @@ def _motors(robot: Element) -> Iterable[tuple[str, Motor]]:
             child(actuator, f"drake:{name}") for name in ("gear_ratio", "rotor_inertia")
         )
         if ratio is not None or inertia is not None:
-            motor = Motor(
-                read_numbers(ratio, "value", 1, (1.0,))[0],
-                read_numbers(inertia, "value", 1, (0.0,))[0],
-            )
+            (gear,) = read_numbers(ratio, "value", 1, (1.0,))
+            if not gear:
+                raise fault(ratio, f"<{ratio.tagName} value>: expected a number other than zero")
+            motor = Motor(gear, read_magnitude(inertia, "value", "kg m^2"))
             yield attribute(transmission, "joint", "name"), motor
 
 

@@ -32,6 +32,19 @@ def read_numbers(
     return numbers
 
 
+def read_magnitude(element: Element | None, name: str, unit: str) -> float:
+    """Returns the number of an attribute that is not negative, zero without it.
+
+    Raises:
+        BadInput: if the text is no such number.
+    """
+    (number,) = read_numbers(element, name, 1, (0.0,))
+    if number < 0:
+        problem = f"expected a non-negative number in {unit}, got '{element.getAttribute(name)}'"
+        raise fault(element, f"<{element.tagName} {name}>: {problem}")
+    return number
+
+
 def read_limit(element: Element | None, name: str) -> float | None:
     """Returns the number of an attribute that may be missing, or infinite with the same meaning.
 
@@ -48,14 +61,28 @@ def read_limit(element: Element | None, name: str) -> float | None:
 
 
 def read_pose(element: Element) -> Pose:
-    """Returns the `<origin>` of an element, zero without one."""
-    origin = child(element, "origin")
-    return Pose(*(read_numbers(origin, name, 3, (0.0, 0.0, 0.0)) for name in ("xyz", "rpy")))
+    """Returns the `<origin>` of an element, zero without one.
+
+    Raises:
+        BadInput: if an attribute is unknown, or does not have three numbers.
+    """
+    if (origin := child(element, "origin")) is None:
+        return Pose()
+    for name, _ in origin.attributes.items():
+        if name not in Pose._fields:
+            raise fault(origin, f"<origin>: expected the attributes xyz and rpy, got '{name}'")
+    return Pose(*(read_numbers(origin, name, 3, (0.0, 0.0, 0.0)) for name in Pose._fields))
 
 
 def _not_numbers(element: Element, name: str, count: int, given: str) -> BadInput:
     noun = "a number" if count == 1 else f"{count} numbers"
-    is_macro = any(mark in given for mark in MACROS)
-    advice = "; expand the macros with the command `xacro`" if is_macro else ""
-    message = f"<{element.tagName} {name}>: expected {noun}, got {given!r}{advice}"
-    return fault(element, message)
+    return fault(element, f"<{element.tagName} {name}>: expected {noun}, got {given!r}")
+
+
+def refuse_macros(element: Element) -> None:
+    """Raises BadInput if an attribute of an element, or of one inside it, has a macro of xacro."""
+    for inner in (element, *element.getElementsByTagName("*")):
+        for name, value in inner.attributes.items():
+            if any(mark in value for mark in MACROS):
+                problem = f"expected no macro, got '{value}'; expand it with the command `xacro`"
+                raise fault(inner, f"<{inner.tagName} {name}>: {problem}")

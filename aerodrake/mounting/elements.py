@@ -37,9 +37,8 @@ def element(tag: str, *inner: Element | str, **attributes: str) -> Element:
 
 
 def decimals(numbers: Iterable[float]) -> str:
-    """Returns numbers in the shortest text that reads as the same numbers."""
-    texts = ((f"{number:g}", number) for number in numbers)
-    return " ".join(short if float(short) == number else repr(number) for short, number in texts)
+    """Returns numbers with at most twelve significant digits."""
+    return " ".join(f"{number + 0.0:.12g}" for number in numbers)  # The sum has no -0.
 
 
 def joint_element(joint: ArmJoint) -> Element:

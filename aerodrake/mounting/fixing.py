@@ -2,6 +2,7 @@
 
 from collections.abc import Collection
 
+from aerodrake.model.vehicle.urdf_joints import SMALLEST
 from aerodrake.mounting.arm import ArmJoint, ArmTree, Converted
 from aerodrake.mounting.listed import listed, shown
 from aerodrake.support.errors import BadInput
@@ -64,9 +65,10 @@ def has_room(joint: ArmJoint) -> bool:
     Programs that export a URDF write zeros for all limits that were not filled in.
     """
     limits = joint.limits
-    if limits.lower is None or limits.lower != limits.upper:
+    if limits.lower is None or limits.upper is None:
         return True
-    return limits.lower == 0 and not (limits.effort and limits.velocity)
+    is_empty = limits.lower == 0 and not (limits.effort and limits.velocity)
+    return abs(limits.upper - limits.lower) >= SMALLEST or is_empty
 
 
 def rest(joint: ArmJoint, joints: dict[str, ArmJoint], depth: int = 0) -> float:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from pydrake.multibody.tree import RotationalInertia
 
+from aerodrake.model.vehicle.urdf_links import MARKER_KG, ROUNDING
 from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Inertial, Pose
 from aerodrake.mounting.listed import listed, shown
 from aerodrake.support.errors import BadInput
@@ -15,7 +16,7 @@ DENSITY_KG_M3 = 1000.0
 LEAST_SHARE = 0.01
 """Mass of a moving part that has none, as a share of the arm's mass."""
 LEAST_RATIO = 1e-6
-"""Smallest principal moment of inertia that is kept, as a share of the largest."""
+"""Smallest principal moment of a corrected inertia, as a share of the largest."""
 MARGIN = 1e-9
 """Relative margin to the triangle inequality of the principal moments."""
 
@@ -54,8 +55,8 @@ def _corrected(link: ArmLink) -> tuple[ArmLink, str]:
     inertial = link.inertial
     if inertial is None:
         return link, ""
-    if not inertial.mass:
-        return replace(link, inertial=None), "an <inertial> of zero mass is removed"
+    if inertial.mass <= MARKER_KG:
+        return replace(link, inertial=None), "an <inertial> without mass is removed"
     if not any(inertial.moments):
         sphere = _sphere(inertial.origin, inertial.mass)
         name = f"a solid sphere of {DENSITY_KG_M3:g} kg/m^3"
@@ -80,15 +81,14 @@ def physical(moments: tuple[float, ...]) -> tuple[float, ...]:
     matrix = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
     principal, axes = np.linalg.eigh(matrix)
     largest = max(abs(principal))
-    is_positive = min(principal) > LEAST_RATIO * largest
+    is_positive = min(principal) > ROUNDING * largest
     if is_positive and RotationalInertia(*moments).CouldBePhysicallyValid():
         return moments
-    raised = np.maximum(np.abs(principal), 2 * LEAST_RATIO * largest)
-    raised.sort()
+    order = np.argsort(np.abs(principal))
+    raised = np.maximum(np.abs(principal[order]), LEAST_RATIO * largest)
     lacking = raised[2] * (1 + MARGIN) - raised[0] - raised[1]
     raised[:2] += max(lacking, 0.0) / 2
-    I = axes[:, np.argsort(np.abs(principal))] @ np.diag(raised)
-    I = I @ axes[:, np.argsort(np.abs(principal))].T
+    I = axes[:, order] @ np.diag(raised) @ axes[:, order].T
     return tuple(float(I[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
 
 

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 from aerodrake.model.vehicle.urdf_joints import SMALLEST
+from aerodrake.model.vehicle.urdf_numbers import LARGEST
 from aerodrake.mounting.arm import ArmJoint, ArmTree, Converted, Limits
 from aerodrake.mounting.listed import listed, shown
 from aerodrake.mounting.loads import Load, joint_loads
@@ -12,12 +13,24 @@ TURN_RAD = 2 * math.pi
 """Limit of a continuous joint, to both sides."""
 HALF_TURN_RAD = math.pi
 """Limit of a revolute joint without limits, to both sides."""
+MANY_RAD = 40.0
+"""Position limit above which it could be meant in degrees."""
 VELOCITY_RAD_S = 3.0
 """Velocity limit of a joint without one."""
 ACCELERATION_RAD_S2 = 15.0
 """Acceleration limit of a joint without one, unless its effort gives less."""
+LEAST_RAD_S2 = 0.1
+"""Smallest acceleration limit of a joint without one."""
 HOLDING = 2.0
 """Effort of a joint without one, as a multiple of the largest torque that holds it."""
+
+LAWS = {
+    "effort": f"{HOLDING:g} times the largest torque that holds the links below, plus the torque "
+    f"of {ACCELERATION_RAD_S2:g} rad/s^2, in N m",
+    "velocity": f"{VELOCITY_RAD_S:g} rad/s",
+    "acceleration": f"{ACCELERATION_RAD_S2:g} rad/s^2, or effort over the largest inertia",
+}
+"""Laws of limits that are missing."""
 
 
 def complete_limits(arm: ArmTree, tool: str) -> Converted:
@@ -30,12 +43,18 @@ def complete_limits(arm: ArmTree, tool: str) -> Converted:
         if change:
             changes.setdefault(change, []).append(joint.name)
     loads = joint_loads(arm, list(ranged.values()))
-    complete: dict[str, ArmJoint] = {}
-    for name, joint in ranged.items():
-        limits = _rated(joint.limits, loads[name])
-        complete[name] = replace(joint, limits=limits)
-        for change in _rating_changes(joint.limits, limits):
-            changes.setdefault(change, []).append(name)
+    complete = {
+        name: replace(joint, limits=_rated(joint.limits, loads[name]))
+        for name, joint in ranged.items()
+    }
+    for name, law in LAWS.items():
+        values = [
+            f"{joint.name} {shown(getattr(joint.limits, name))}"
+            for joint in complete.values()
+            if getattr(joint.limits, name) != getattr(ranged[joint.name].limits, name)
+        ]
+        if values:
+            changes[f"missing {name} limits are set to {law}"] = values
     sentences = (f"{change}: {listed(names)}" for change, names in changes.items())
     return Converted(arm.with_joints(complete), tuple(sentences))
 
@@ -45,7 +64,7 @@ def _range(joint: ArmJoint) -> tuple[Limits, str]:
     limits = joint.limits
     lower, upper = limits.lower, limits.upper
     most = TURN_RAD if joint.kind == "continuous" else HALF_TURN_RAD
-    if lower is None or upper is None or upper - lower == 0:
+    if lower is None or upper is None or abs(upper - lower) < SMALLEST:
         if lower is None and upper is not None:
             lower = min(-most, upper - most)
         elif upper is None and lower is not None:
@@ -57,6 +76,8 @@ def _range(joint: ArmJoint) -> tuple[Limits, str]:
     elif upper < lower:
         lower, upper = upper, lower
         change = "lower limits above the upper ones are swapped with them"
+    elif max(abs(lower), abs(upper)) > MANY_RAD:
+        return limits, f"limits above {MANY_RAD:g} rad are kept, and could be degrees"
     else:
         return limits, ""
     return replace(limits, lower=lower, upper=upper), change
@@ -66,11 +87,13 @@ def _rated(limits: Limits, load: Load) -> Limits:
     """Returns the limits with those of effort, velocity and acceleration."""
     effort, velocity, acceleration = limits.effort, limits.velocity, limits.acceleration
     if not _is_given(effort):
-        effort = _rounded(HOLDING * load.torque + ACCELERATION_RAD_S2 * load.inertia)
+        needed = HOLDING * load.torque + ACCELERATION_RAD_S2 * load.inertia
+        effort = min(_rounded(needed), LARGEST)
     if not _is_given(velocity):
         velocity = VELOCITY_RAD_S
     if not _is_given(acceleration):
-        acceleration = min(ACCELERATION_RAD_S2, _rounded(effort / load.inertia))
+        attained = max(LEAST_RAD_S2, _rounded(effort / load.inertia))
+        acceleration = min(ACCELERATION_RAD_S2, attained)
     return replace(limits, effort=effort, velocity=velocity, acceleration=acceleration)
 
 
@@ -81,18 +104,3 @@ def _is_given(limit: float | None) -> bool:
 def _rounded(number: float) -> float:
     """Returns a number with three significant digits."""
     return float(f"{number:.3g}")
-
-
-def _rating_changes(old: Limits, new: Limits) -> list[str]:
-    """Returns a description of each limit that was completed."""
-    changes = []
-    if old.effort != new.effort:
-        law = f"{HOLDING:g} times the torque that holds the links below, and their acceleration"
-        changes.append(f"no effort limit given, set to {shown(new.effort)} N m ({law})")
-    if old.velocity != new.velocity:
-        changes.append(f"no velocity limit given, set to {shown(new.velocity)} rad/s")
-    if old.acceleration != new.acceleration:
-        least = "" if new.acceleration == ACCELERATION_RAD_S2 else " (effort over inertia)"
-        limit = f"{shown(new.acceleration)} rad/s^2{least}"
-        changes.append(f"no acceleration limit given, set to {limit}")
-    return changes

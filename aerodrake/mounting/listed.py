@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-MOST = 8
+MOST = 12
 """Largest count of names in a sentence."""
 
 

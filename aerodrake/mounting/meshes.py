@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,7 +11,6 @@ import numpy as np
 from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Geometry
 from aerodrake.mounting.listed import listed
 from aerodrake.mounting.names import UNREADABLE
-from aerodrake.support.files import read_bounded
 from aerodrake.support.urdf import MAX_BYTES
 
 if TYPE_CHECKING:
@@ -19,10 +18,16 @@ if TYPE_CHECKING:
 
 Y_UP = (".gltf", ".glb")
 """Endings of formats whose y axis is up by definition; Drake turns them like this."""
+Z_UP = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+"""Rotation to z up."""
 GREY = (0.7, 0.7, 0.7, 1.0)
 """Colour of meshes without one."""
-DIGITS = 6
-"""Decimal digits of coordinates in m."""
+DIGITS = (6, 4, 3)
+"""Decimal digits of coordinates in m: fewer, if a mesh has too many faces."""
+MOST_FACES = 20_000
+"""Largest number of faces of a mesh with all digits."""
+MOST_MESHES = 128
+"""Largest number of meshes in memory."""
 
 
 class Part(NamedTuple):
@@ -39,7 +44,6 @@ class Part(NamedTuple):
     rgba: tuple[float, ...] | None
 
 
-@cache
 def load_parts(file: Path) -> tuple[Part, ...]:
     """Reads a mesh in m, in the frame that a URDF refers to.
 
@@ -49,10 +53,18 @@ def load_parts(file: Path) -> tuple[Part, ...]:
     Returns:
         One part for each colour; none if the file cannot be read.
     """
+    status = file.stat()
+    return _load(file, status.st_size, status.st_mtime_ns)
+
+
+@lru_cache(MOST_MESHES)
+def _load(file: Path, size: int, changed: int) -> tuple[Part, ...]:
+    """Reads a mesh, once as long as its size and time of change stay."""
     import trimesh
 
+    if size > 10 * MAX_BYTES:
+        return ()
     try:
-        read_bounded(file, 10 * MAX_BYTES)
         scene = trimesh.load_scene(file, process=False)
         if scene.units and scene.units != "meters":
             scene = scene.convert_units("meters")
@@ -63,11 +75,9 @@ def load_parts(file: Path) -> tuple[Part, ...]:
     for mesh in meshes:
         if len(mesh.faces):
             by_color.setdefault(_color(mesh), []).append(mesh)
-    turn = (
-        np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]) if file.suffix.lower() in Y_UP else np.eye(3)
-    )
+    turn = Z_UP if file.suffix.lower() in Y_UP else np.eye(3)
     parts = []
-    for rgba, same in by_color.items():
+    for rgba, same in sorted(by_color.items(), key=lambda part: part[0] or ()):
         whole = trimesh.util.concatenate(same)
         parts.append(Part(np.asarray(whole.vertices) @ turn.T, np.asarray(whole.faces), rgba))
     return tuple(parts)
@@ -100,6 +110,9 @@ def write_meshes(arm: ArmTree, folder: Path) -> Converted:
         endings = ", ".join(sorted(writer.endings))
         text = f"{writer.count} meshes ({endings}) are written as .obj, one for each colour"
         changes.append(f"{text}: {megabytes:.1f} MB")
+    if writer.coarse:
+        text = f"vertices up to {10.0 ** -DIGITS[-1]:g} m apart are merged in meshes with more than"
+        changes.append(f"{text} {MOST_FACES} faces: {listed(writer.coarse)}")
     if writer.unreadable:
         changes.append(f"meshes that cannot be read are left out: {listed(writer.unreadable)}")
     return Converted(replace(arm, links=links), tuple(changes))
@@ -111,6 +124,7 @@ class _MeshWriter:
     Attributes:
         count: Number of meshes that were read.
         endings: Endings of their files.
+        coarse: Names of files with too many faces.
         unreadable: Names of files that cannot be read.
     """
 
@@ -118,7 +132,8 @@ class _MeshWriter:
         self._folder = folder
         self._written: dict[tuple[Path, tuple[float, ...]], list[tuple[Path, Part]]] = {}
         self._taken: set[str] = set()
-        self.count, self.endings, self.unreadable = 0, set[str](), dict[str, None]()
+        self.count, self.endings = 0, set[str]()
+        self.coarse, self.unreadable = dict[str, None](), dict[str, None]()
 
     def write(self, link: ArmLink) -> ArmLink:
         """Writes the meshes of a link, and returns it with them."""
@@ -156,9 +171,15 @@ class _MeshWriter:
         # A mirrored mesh would be inside out.
         faces = part.faces[:, ::-1] if np.prod(scale) < 0 else part.faces
         mesh = trimesh.Trimesh(part.vertices * scale, faces, process=False)
-        mesh.merge_vertices(digits_vertex=DIGITS)
+        for digits in DIGITS:
+            mesh.merge_vertices(digits_vertex=digits)
+            mesh.update_faces(mesh.nondegenerate_faces())
+            if len(mesh.faces) <= MOST_FACES:
+                break
+        if digits < DIGITS[0]:
+            self.coarse[file.name] = None
         mesh.remove_unreferenced_vertices()
-        text = mesh.export(file_type="obj", digits=DIGITS, header=None, include_normals=False)
+        text = mesh.export(file_type="obj", digits=DIGITS[0], header=None, include_normals=False)
         (self._folder / name).write_text(text)
         return Path(self._folder.name) / name
 

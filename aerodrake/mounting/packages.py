@@ -24,7 +24,18 @@ def find_mesh(uri: str, folder: Path, packages: Sequence[Path]) -> Path | None:
         folder: Folder of the URDF.
         packages: Folders of packages, or folders that contain them.
     """
-    return next((path for path in _candidates(uri, folder, packages) if path.is_file()), None)
+    candidates = list(_candidates(uri.replace("\\", "/"), folder, packages))
+    exact = next((path for path in candidates if path.is_file()), None)
+    return exact or next(filter(None, map(_of_other_case, candidates)), None)
+
+
+def _of_other_case(path: Path) -> Path | None:
+    """Returns a file that other systems take for the same, since its name has other capitals."""
+    if not path.parent.is_dir():
+        return None
+    name = path.name.lower()
+    same = (other for other in sorted(path.parent.iterdir()) if other.name.lower() == name)
+    return next((other for other in same if other.is_file()), None)
 
 
 def _candidates(uri: str, folder: Path, packages: Sequence[Path]) -> Iterator[Path]:

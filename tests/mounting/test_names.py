@@ -1,0 +1,53 @@
+"""Names that are changed."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aerodrake.mounting.arm import ArmJoint, ArmLink, ArmTree
+from aerodrake.mounting.names import rename, renamed_link
+
+
+def chain(*names: str) -> ArmTree:
+    """Returns an arm of links in a row, whose joints have the names of their children."""
+    joints = (
+        ArmJoint(below, "revolute", above, below)
+        for above, below in zip(names, names[1:], strict=False)
+    )
+    return ArmTree("arm", tuple(map(ArmLink, names)), tuple(joints))
+
+
+@pytest.mark.parametrize(
+    ("name", "new"),
+    [
+        ("base", "arm_base"),
+        ("tool", "arm_tool"),
+        ("world", "arm_world"),
+        ("payload", "arm_payload"),
+        ("rotor_1_ccw", "arm_rotor_1_ccw"),
+        ("upper arm", "upper_arm"),
+        ("left/hand", "left_hand"),
+        ("robot::link", "robot_link"),
+        ("tool0", "tool0"),
+        ("base_link", "base_link"),
+        ("bras_à", "bras__"),
+    ],
+)
+def test_names_of_links(name, new):
+    arm = chain("first", name)
+    renamed, changes = rename(arm)
+    assert renamed.links[1].name == renamed.joints[0].child == renamed_link(arm, name) == new
+    assert any(f"{name} to {new}" in change for change in changes) == (name != new)
+
+
+def test_joints_may_have_names_of_frames():
+    assert rename(chain("a", "base")).arm.joints[0].name == "base"
+
+
+@given(st.lists(st.text("ab _/é:", min_size=1, max_size=4), min_size=2, max_size=6, unique=True))
+def test_names_stay_different_and_the_result_is_final(names):
+    arm, _ = rename(chain(*names, "base", "arm_base"))
+    links = [link.name for link in arm.links]
+    assert len(set(links)) == len(links) and len({j.name for j in arm.joints}) == len(links) - 1
+    assert [joint.child for joint in arm.joints] == links[1:]
+    assert rename(arm).arm == arm and not rename(arm).changes
