@@ -1,9 +1,33 @@
 """Analysis of a scenario's closed loop."""
 
+import math
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from aerodrake.analysis.analysis import Analysis, OperatingPoint
+from aerodrake.analysis.linear_loop import LinearLoop
+from aerodrake.analysis.linearization import Linearizer, PeriodJacobian
+from aerodrake.analysis.margin_limits import find_margins_of
+from aerodrake.analysis.modes import find_modes
+from aerodrake.analysis.quiet_loop import QuietLoop
+from aerodrake.analysis.tool_responses import frequency_responses, step_responses
+from aerodrake.flight.monitor import MONITOR_PERIOD_S, Monitor
+from aerodrake.model.supervision.safe_mode import SafeMode
+from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Scenario
+from aerodrake.support.errors import BadInput
+from aerodrake.support.threads import single_thread
+
+SETTLE_S = 1.0
+"""s of hover before it is linearised: observers, filters and gates have settled."""
+
+SHORT_SETTLE_S = 0.1
+"""s of hover before a loop is linearised that `SETTLE_S` take out of hover."""
+
+HOVERS = 0.05
+"""Largest velocities in hover, in m/s and rad/s."""
 
 
 def analyze_hover(scenario: Scenario) -> OperatingPoint:
@@ -12,7 +36,8 @@ def analyze_hover(scenario: Scenario) -> OperatingPoint:
     Raises:
         BadInput: if the scenario cannot be flown.
     """
-    raise NotImplementedError
+    with single_thread():
+        return _point(LinearLoop(_hover(_quiet_loop(scenario))), None)
 
 
 def analyze_loop(
@@ -22,7 +47,8 @@ def analyze_loop(
 ) -> Analysis:
     """Analyses the sampled closed loop of a scenario in hover and along its path.
 
-    The loop is linearised without noise and gusts, and with the unconstrained MPC.
+    The loop is linearised without noise and gusts, and with the unconstrained MPC;
+    `QuietLoop` has all differences from the scenario's flight.
 
     Args:
         scenario: The scenario to analyse.
@@ -32,4 +58,91 @@ def analyze_loop(
     Raises:
         BadInput: if the scenario cannot be flown, or a time is not within the flight.
     """
-    raise NotImplementedError
+    for time in times:
+        if not 0 <= time <= scenario.duration:
+            expected = f"expected times in [0, {scenario.duration:g}] s"
+            raise BadInput("analyze", "times", f"{expected}, got {time:g}")
+    with single_thread():
+        progress("hover")
+        quiet = _quiet_loop(scenario)
+        loop = LinearLoop(_hover(quiet))
+        hover = _point(loop, None)
+        progress("margins")
+        margins = find_margins_of(loop)
+        progress("responses")
+        steps, frequencies = step_responses(loop.system), frequency_responses(loop.system)
+        path, ended = _path(quiet, sorted({*map(float, times)}), progress)
+    return Analysis(scenario.name, hover, margins, steps, frequencies, path, ended)
+
+
+def _quiet_loop(scenario: Scenario) -> QuietLoop:
+    """Returns the loop in trim; the MPC does not foresee the reference's start while it settles."""
+    span_s = scenario.mpc.span_ticks * scenario.rates.mpc_period_s
+    with np.errstate(over="ignore", invalid="ignore"):
+        return QuietLoop(scenario, SETTLE_S + span_s + scenario.rates.mpc_period_s)
+
+
+def _hover(quiet: QuietLoop) -> PeriodJacobian:
+    """Linearises the loop where it hovers, or soon after trim if it does not stay there."""
+    if not _settles(quiet, SETTLE_S):
+        quiet.reset()
+        quiet.advance(quiet.start_s(quiet.multiple(SHORT_SETTLE_S)))
+    return _linearized(quiet)
+
+
+def _settles(quiet: QuietLoop, duration_s: float) -> bool:
+    """Simulates from trim; returns True if the vehicle hovers then."""
+    end_s = quiet.start_s(quiet.multiple(duration_s))
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            quiet.advance(end_s)
+            state = split_state(quiet.output("true_state"))
+    except (Exception, SystemExit):  # Drake raises SystemExit if a check fails.
+        return False
+    velocities = np.concatenate([state.omega_W, state.v_B, state.qdot])
+    is_nominal = quiet.output("mode")[0] == SafeMode.NOMINAL
+    is_complete = math.isclose(quiet.context.get_time(), end_s)
+    return bool(is_complete and is_nominal and np.abs(velocities).max() < HOVERS)
+
+
+def _linearized(quiet: QuietLoop) -> PeriodJacobian:
+    """Linearises the period that begins now, with the unconstrained MPC."""
+    quiet.is_constrained = False
+    try:
+        return Linearizer(quiet, quiet.multiple(quiet.context.get_time())).run()
+    finally:
+        quiet.is_constrained = True
+
+
+def _point(loop: LinearLoop, time_s: float | None) -> OperatingPoint:
+    return OperatingPoint(time_s, loop.system, find_modes(loop.system))
+
+
+def _path(
+    quiet: QuietLoop, times: Sequence[float], progress: Callable[[str], None]
+) -> tuple[tuple[OperatingPoint, ...], str]:
+    """Flies to each time and linearises there; also returns why the flight ended before the last.
+
+    A time is that of the nearest tick of the MPC.
+    """
+    points: list[OperatingPoint] = []
+    kinematics = Kinematics(quiet.vehicle.plant)
+
+    def p_E(state: np.ndarray) -> np.ndarray:
+        return kinematics.end_effector(split_state(state)).p_E
+
+    monitor = Monitor(quiet.scenario, quiet.diagram, quiet.context, p_E)
+    for time in times:
+        progress(f"{time:g} s")
+        end_s = quiet.start_s(quiet.multiple(quiet.scenario.settle_s + time))
+        while quiet.context.get_time() < end_s - 1e-9:
+            try:
+                with np.errstate(over="ignore", invalid="ignore"):
+                    quiet.advance(min(quiet.context.get_time() + MONITOR_PERIOD_S, end_s))
+                reason, cause = monitor.ending()
+            except (Exception, SystemExit) as error:
+                reason, cause = "lost", monitor.cause_of_loss(error)
+            if reason:
+                return tuple(points), f"the flight ended before {time:g} s: {reason}, {cause}"
+        points.append(_point(LinearLoop(_linearized(quiet)), time))
+    return tuple(points), ""

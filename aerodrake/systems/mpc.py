@@ -48,14 +48,15 @@ class MpcSystem(KinematicController):
 
     Args:
         formulation: Forms the program of each tick.
+        solver: Solves it; None for the solver of the formulation's configuration.
     """
 
     @checked
-    def __init__(self, formulation: MpcFormulation):
+    def __init__(self, formulation: MpcFormulation, solver: MpcSolver | None = None):
         super().__init__(formulation.model, formulation.config.horizon)
         self.formulation = formulation
         self._pointing = self.DeclareAbstractInputPort("pointing", AbstractValue.Make(object()))
-        self._solver = MpcSolver.make(formulation, formulation.config)
+        self._solver = solver or MpcSolver.make(formulation, formulation.config)
         self._starts = np.cumsum([0, *formulation.stage_ticks[:-1]])  # Ticks of stage starts.
         plan = np.zeros((sum(formulation.stage_ticks), 3 + formulation.model.joints))
         self._planned = NamedState(self, PlanState(plan))

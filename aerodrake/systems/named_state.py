@@ -4,7 +4,13 @@ from collections.abc import Iterator
 from typing import Any, Generic, TypeVar
 
 import numpy as np
-from pydrake.systems.framework import Context, DiscreteStateIndex, DiscreteValues, LeafSystem
+from pydrake.systems.framework import (
+    Context,
+    DiscreteStateIndex,
+    DiscreteValues,
+    LeafSystem,
+    System,
+)
 
 State = TypeVar("State", bound=tuple)
 
@@ -48,6 +54,22 @@ class NamedState(Generic[State]):
         view_of = discrete.get_mutable_value
         for (index, shape, _), (_, value) in zip(self._fields, _leaves(state), strict=True):
             view_of(index).reshape(shape)[...] = value
+
+
+def group_names(system: System) -> dict[int, str]:
+    """Returns the names of a system's discrete groups that belong to its `NamedState`s, by index.
+
+    Args:
+        system: A leaf system; its attributes are searched, tuples included.
+    """
+    values = vars(system).values() if isinstance(system, LeafSystem) else ()
+    states = (
+        state
+        for value in values
+        for state in (value if isinstance(value, tuple) else (value,))
+        if isinstance(state, NamedState)
+    )
+    return {int(index): name for state in states for name, index in state.groups.items()}
 
 
 def _leaves(state: tuple, prefix: str = "") -> Iterator[tuple[str, Any]]:

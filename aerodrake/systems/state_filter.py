@@ -1,7 +1,8 @@
 """State filter as a system."""
 
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
+import numpy as np
 from pydrake.systems.framework import Context, LeafSystem, State
 
 from aerodrake.model.sensing.sample import Sample
@@ -9,6 +10,14 @@ from aerodrake.model.sensing.state_filter import FilterState, StateFilter, repla
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.support.arguments import StateVector, Timed, Vector6, checked
 from aerodrake.systems.named_state import NamedState
+
+
+class FilterOutputs(NamedTuple):
+    """Outputs of the state filter beside its `FilterState`: state (13 + 2 n,), and
+    external_acceleration (3,) m/s^2."""
+
+    state: np.ndarray
+    external_acceleration: np.ndarray
 
 
 class StateFilterSystem(LeafSystem):
@@ -67,11 +76,8 @@ class StateFilterSystem(LeafSystem):
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * joints)
         first = FilterState.before_samples(state_filter, initial, trim_acceleration)
         self._state = NamedState(self, first)
-        self._outputs = {
-            "state": self.DeclareDiscreteState(initial),
-            "external_acceleration": self.DeclareDiscreteState(3),
-        }
-        for name, group in self._outputs.items():
+        self._outputs = NamedState(self, FilterOutputs(initial, np.zeros(3)))
+        for name, group in self._outputs.groups.items():
             self.DeclareStateOutputPort(name, group)
         for name, part in (
             ("sample_health", "check.health"),
@@ -92,5 +98,4 @@ class StateFilterSystem(LeafSystem):
             output = replace_rejected(sample.state, estimate.state, now.check.health)
         external = estimate.disturbance[:3] - self._reaction.Eval(context)
         self._state.write(discrete, now)
-        discrete.set_value(self._outputs["state"], output)
-        discrete.set_value(self._outputs["external_acceleration"], external)
+        self._outputs.write(discrete, FilterOutputs(output, external))

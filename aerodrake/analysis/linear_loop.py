@@ -1,0 +1,173 @@
+"""Linear system of a loop's period, with delays and gains in its signals."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import matrix_balance
+from scipy.sparse.csgraph import breadth_first_order
+
+from aerodrake.analysis.linearization import InstantJacobian, PeriodJacobian
+from aerodrake.analysis.quiet_loop import QUARTERS
+from aerodrake.analysis.sampled_system import SampledSystem
+
+AXES, TURNS = ("x", "y", "z"), ("roll", "pitch", "yaw")
+
+FORCES = tuple(f"force_{axis}" for axis in AXES)
+TORQUES = tuple(f"torque_{axis}" for axis in AXES)
+TOOL = tuple(f"tool_{axis}" for axis in AXES)
+
+COUPLED = 1e-9
+"""Least entry of A that connects two states; smaller ones are errors of the differences."""
+
+
+class Variation(NamedTuple):
+    """Change of signals in the loop.
+
+    Attributes:
+        delay_steps: Additional delay of the base's samples, in plant steps.
+        rotor_gain: Factor on the deviation of the thrust commands from trim.
+        joint_gain: Factor on the deviation of the joint torques from trim.
+    """
+
+    delay_steps: int = 0
+    rotor_gain: float = 1.0
+    joint_gain: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class LinearLoop:
+    """Linear system of one period, for any variation of the loop.
+
+    The product of the Jacobians of all instants gives the matrices. The state is that of the
+    diagram, and past positions and velocities of the base as far as delayed samples need them.
+
+    Attributes:
+        period: The linearised period.
+    """
+
+    period: PeriodJacobian
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs: torque and force on the base, and noise of the samples."""
+        noise = (
+            *(f"attitude_noise_{turn}" for turn in TURNS),
+            *(f"position_noise_{axis}" for axis in AXES),
+            *(f"joint_noise_{joint}" for joint in self.period.joints),
+            *(f"rate_noise_{axis}" for axis in AXES),
+            *(f"velocity_noise_{axis}" for axis in AXES),
+        )
+        return (*TORQUES, *FORCES, *noise)
+
+    @cached_property
+    def system(self) -> SampledSystem:
+        """The system without variation; its output is the tool's position.
+
+        It has the states on which the plant acts and that act on the plant.
+        """
+        A, B, names = self._matrices(Variation())
+        keep = self._in_loop(A)
+        A, B = A[np.ix_(keep, keep)], B[keep]
+        C = np.zeros((len(TOOL), len(names)))
+        C[:, self._plant[: 6 + len(self.period.joints)]] = self.period.tool
+        _, (scale, _) = matrix_balance(A, permute=False, separate=True)
+        return SampledSystem(
+            A=A,
+            B=B,
+            C=C[:, keep],
+            D=np.zeros((len(TOOL), len(self.inputs))),
+            dt=self.period.dt,
+            states=tuple(names[i] for i in keep),
+            inputs=self.inputs,
+            outputs=TOOL,
+            state_scale=scale,
+        )
+
+    def eigenvalues(self, variation: Variation) -> np.ndarray:
+        """Returns the eigenvalues (nx,) of the loop with a variation."""
+        A, _, _ = self._matrices(variation)
+        keep = self._in_loop(A)
+        return np.linalg.eigvals(A[np.ix_(keep, keep)])
+
+    def _matrices(self, variation: Variation) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
+        """Returns A and B with all states of `period`, and the names of the states.
+
+        Times are in plant steps from the start of the period.
+        """
+        period, base = self.period, self._plant[self._in_base]
+        sample, constant = self._coordinates("sampler", "state"), self._coordinates("disturbance")
+        delay = period.delay_steps + variation.delay_steps
+        names, times = period.coordinates.names, self._history(delay)
+        n, b, noisy = len(names), len(base), 12 + len(period.joints)
+        size = n + b * len(times)
+        # Rows: the state, now. Columns: the state at the start of the period, and the noise.
+        M = np.eye(size, size + noisy)
+        past = {time: M[n + b * i : n + b * (i + 1)].copy() for i, time in enumerate(times)}
+        past[0] = M[base]
+        for instant in period.instants:
+            M[instant.rows] = self._varied(instant, variation) @ M[instant.columns]
+            time, quarters = divmod(instant.instant, QUARTERS)
+            if quarters == 0:
+                past[time + 1] = M[base]
+            if sample[0] in instant.rows:
+                M[sample[self._in_base]] = past[time + 1 - delay]
+                M[sample[:noisy], size:] += np.eye(noisy)
+        if times:
+            M[n:] = np.vstack([past[time + period.steps] for time in times])
+        history = [
+            f"base_delay.{names[i].partition('.')[2]}[{-time}]" for time in times for i in base
+        ]
+        keep = np.setdiff1d(np.arange(size), constant)
+        inputs = np.concatenate([constant, np.arange(size, size + noisy)])
+        names = np.array([*names, *history])[keep]
+        return M[np.ix_(keep, keep)], M[np.ix_(keep, inputs)], tuple(map(str, names))
+
+    def _history(self, delay: int) -> list[int]:
+        """Returns the times before the period at which the base's state is needed."""
+        period, sample = self.period, self._coordinates("sampler", "state")[0]
+        times = {
+            time
+            for instant in period.instants
+            if sample in instant.rows
+            for time in range(instant.instant // QUARTERS + 1 - delay, 0, period.steps)
+        }
+        return sorted(times)
+
+    def _varied(self, instant: InstantJacobian, variation: Variation) -> np.ndarray:
+        """Returns the Jacobian of an instant with the gains of a variation."""
+        J = instant.J.copy()
+        for target, source, gain in (
+            ("rotors", ("flight_controller", "thrust_command"), variation.rotor_gain),
+            ("plant", ("arm_controller", "joint_torque"), variation.joint_gain),
+        ):
+            rows = np.isin(instant.rows, self._coordinates(target))
+            columns = np.isin(instant.columns, self._coordinates(*source))
+            J[np.ix_(rows, columns)] *= gain
+        return J
+
+    def _in_loop(self, A: np.ndarray) -> np.ndarray:
+        """Returns the indices of the states on which the plant acts, and that act on it."""
+        acts = np.abs(A) > COUPLED
+        reached = []
+        for graph in (acts, acts.T):
+            # From a node with edges to all coordinates of the plant.
+            start = np.isin(np.arange(len(A)), self._plant)
+            graph = np.block([[graph, np.zeros((len(A), 1))], [start, np.zeros((1, 1))]])
+            reached.append(breadth_first_order(graph, len(A), return_predecessors=False))
+        return np.setdiff1d(np.intersect1d(*reached), [len(A)])
+
+    def _coordinates(self, system: str, group: str = "") -> np.ndarray:
+        """Returns the coordinates of a group."""
+        part = self.period.coordinates.of_group(system, group)
+        return np.arange(part.start, part.stop)
+
+    @cached_property
+    def _plant(self) -> np.ndarray:
+        return self._coordinates("plant")
+
+    @property
+    def _in_base(self) -> np.ndarray:
+        """(12,) coordinates of the base within those of a `VehicleState`."""
+        return np.add.outer([0, 6 + len(self.period.joints)], np.arange(6)).ravel()
