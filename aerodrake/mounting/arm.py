@@ -224,13 +224,12 @@ class ArmTree:
         """Returns the joints that move a link, from the root."""
         return [joint for joint in self.path(tool) if joint.is_moving]
 
-    def below(self, link: str, fixed_only: bool = False) -> Iterator[str]:
-        """Yields a link and all below it, or those that are fixed to it; parents come first."""
+    def below(self, link: str) -> Iterator[str]:
+        """Yields a link and all below it; parents come first."""
         waiting = [link]
         while waiting:
             yield (link := waiting.pop())
-            joints = self._joints_of.get(link, ())
-            waiting += [j.child for j in joints[::-1] if j.kind == "fixed" or not fixed_only]
+            waiting += [joint.child for joint in reversed(self._joints_of.get(link, ()))]
 
     def tips(self) -> list[str]:
         """Returns the links without a joint below them."""

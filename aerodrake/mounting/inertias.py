@@ -14,7 +14,7 @@ from aerodrake.support.errors import BadInput
 DENSITY_KG_M3 = 1000.0
 """Density of the solid spheres whose inertia replaces a missing one."""
 LEAST_SHARE = 0.01
-"""Mass of a moving part that has none, as a share of the arm's mass."""
+"""Mass of a moving link with no mass from there on, as a share of the arm's mass."""
 LEAST_RATIO = 1e-6
 """Smallest principal moment of a corrected inertia, as a share of the largest."""
 MARGIN = 1e-9
@@ -40,13 +40,13 @@ def correct_inertias(arm: ArmTree) -> Converted:
     light = [
         joint.child
         for joint in arm.joints
-        if joint.is_moving and not sum(arm.link(n).mass for n in arm.below(joint.child, True))
+        if joint.is_moving and not any(arm.link(name).mass for name in arm.below(joint.child))
     ]
     if light:
         parts = {name: replace(arm.link(name), inertial=_sphere(Pose(), mass)) for name in light}
         arm = arm.with_links(parts)
         kg = f"{shown(mass)} kg, {LEAST_SHARE:.0%} of the arm's mass"
-        changes.append(f"moving links without mass get {kg}: {listed(light)}")
+        changes.append(f"moving links with no mass from there on get {kg}: {listed(light)}")
     return Converted(arm, tuple(changes))
 
 

@@ -55,8 +55,15 @@ def test_links_without_mass_or_inertia(tmp_path):
     assert changes == (
         "a zero inertia becomes that of a solid sphere of 1000 kg/m^3: b",
         "an <inertial> without mass is removed: c",
-        "moving links without mass get 0.02 kg, 1% of the arm's mass: c",
+        "moving links with no mass from there on get 0.02 kg, 1% of the arm's mass: c",
     )
+
+
+def test_a_link_without_mass_between_others_stays_so(tmp_path):
+    """Its joint carries the links below, as in a wrist of joints with one centre."""
+    text = robot(link("a"), link("b", 0), link("c"), joint("j", "a", "b"), joint("k", "b", "c"))
+    arm, changes = correct_inertias(read(text, tmp_path).arm)
+    assert arm.link("b").inertial is None and not changes
 
 
 def test_an_arm_without_mass_is_refused(tmp_path):
