@@ -13,7 +13,7 @@ from aerodrake.analysis.panels import (
     draw_shape,
     draw_steps,
 )
-from aerodrake.analysis.report import least_damped, margin_rows, mode_rows, path_rows
+from aerodrake.analysis.report import highlights, least_damped, margin_rows, mode_rows, path_rows
 from aerodrake.reports.page import render
 from aerodrake.reports.pictures import BOTTOM, GAP, ROW, TOP, Picture, sheet
 from aerodrake.scenario import Scenario
@@ -43,6 +43,7 @@ def analysis_page(
         date=date,
         poster="",
         analysis=analysis,
+        highlights=highlights(analysis),
         modes=list(zip(mode_rows(modes), modes, strict=True)),
         most_shares=MOST_SHARES,
         margins=margin_rows(analysis),

@@ -27,6 +27,9 @@ DAMPING_RATIOS = (0.0, 0.1, 0.3, 0.6)
 FREQUENCIES = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Fractions of the Nyquist frequency with a line in the map of eigenvalues."""
 
+FREQUENCY_TICKS = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0)
+"""Hz, labels of the frequency axis; it is linear up to the first above 0."""
+
 FASTEST_DECAY_1_S = 40.0
 """Decay rate from which on modes are left out of the map of growth and frequency."""
 
@@ -94,9 +97,12 @@ def draw_growth(axes: Axes, point: OperatingPoint, named: Sequence[Eigenmode]) -
         if mode in shown
     ]
     axes.axvline(0.0, **REFERENCE)
-    axes.set_yscale("symlog", linthresh=0.5, linscale=0.5)
-    plain_ticks(axes.yaxis)
-    axes.set_ylim(-0.1, 0.5 / point.system.dt)
+    axes.set_yscale("symlog", linthresh=FREQUENCY_TICKS[1], linscale=0.5)
+    nyquist = 0.5 / point.system.dt
+    ticks = [tick for tick in FREQUENCY_TICKS if tick < nyquist]
+    axes.set_yticks([*ticks, nyquist], [f"{tick:g}" for tick in [*ticks, nyquist]])
+    axes.set_yticks([], minor=True)
+    axes.set_ylim(-0.1, 1.1 * nyquist)
     axes.margins(x=0.08)
     axes.set(xlabel="growth / 1/s", ylabel="frequency / Hz")
     for mode, text in labels:
@@ -144,10 +150,10 @@ def draw_steps(axes: Axes, responses: Sequence[StepResponse]) -> None:
     """Draws the distance of the tool after a step of each disturbance, in mm."""
     for response, color in zip(responses, CURVE_COLORS, strict=False):
         distance = 1e3 * np.linalg.norm(response.values, axis=1)
-        axes.plot(response.time_s, distance, color=color, label=response.input)
+        axes.plot(response.time_s, distance, color=color, label=response.input.replace("_", " "))
     if responses:
         axes.set_xlim(0, responses[0].time_s[-1])
-        axes.set_ylabel(f"tool / {_milli(responses[0].unit)}")
+        axes.set_ylabel(f"tool / m{responses[0].unit}")
         legend_above(axes, 3)
     axes.set_ylim(bottom=0)
 
@@ -155,19 +161,15 @@ def draw_steps(axes: Axes, responses: Sequence[StepResponse]) -> None:
 def draw_gains(axes: Axes, responses: Sequence[FrequencyResponse]) -> None:
     """Draws the gain from each input to the tool over the frequency."""
     for response, color in zip(responses, CURVE_COLORS, strict=False):
-        axes.plot(response.hz, 1e3 * response.magnitude, color=color, label=response.input)
+        label = f"{response.input.replace('_', ' ')}, m{response.unit}"
+        axes.plot(response.hz, 1e3 * response.magnitude, color=color, label=label)
     axes.set_xscale("log")
     axes.set_yscale("log")
     plain_ticks(axes.xaxis)
     axes.margins(x=0)
+    axes.set_ylabel("gain to the tool")
     if responses:
-        axes.set_ylabel(f"tool / {' or '.join(dict.fromkeys(_milli(r.unit) for r in responses))}")
-        legend_above(axes, 3)
-
-
-def _milli(unit: str) -> str:
-    """Returns a unit that begins with `m`, for values that are multiplied by 1000."""
-    return f"m{unit}"
+        legend_above(axes, 2)
 
 
 def draw_path(row: Sequence[Axes], analysis: Analysis) -> None:

@@ -164,6 +164,30 @@ def margin_rows(analysis: Analysis) -> list[list[str]]:
     ]
 
 
+def highlights(analysis: Analysis) -> list[tuple[str, str, str]]:
+    """Returns the label, the value and a note of the least damped mode and of each margin."""
+    shown = []
+    if modes := least_damped(analysis.hover):
+        names = ", ".join(name for name, _ in modes[0].participants[:2])
+        note = f"damping ratio {modes[0].damping:.3f}: {names}"
+        shown.append(("least damped", f"{modes[0].frequency_hz:.1f} Hz", note))
+    if not analysis.hover.is_stable:
+        return shown
+    for margin in analysis.margins:
+        sides = zip((margin.lower, margin.upper), margin.end, ("<", ">"), strict=True)
+        limits = [
+            f"{'' if limit else f'{beyond} '}{_number(margin, limit.value if limit else end)}"
+            for limit, end, beyond in sides
+            if end != margin.nominal
+        ]
+        found = [f"{limit.frequency_hz:.1f} Hz" for limit in (margin.lower, margin.upper) if limit]
+        note = f"unstable beyond, at {' and '.join(found)}" if found else "stable throughout"
+        unit = " ms" if margin.kind == "delay" else ""
+        label = MARGINS.get(margin.name, margin.name)
+        shown.append((label, f"{' to '.join(limits)}{unit}", note))
+    return shown
+
+
 def _limit(margin: StabilityMargin, limit: StabilityLimit | None, end: float) -> str:
     """Returns a limit with its frequency; without one, the end of the search in which none is."""
     if limit is not None:
@@ -173,7 +197,13 @@ def _limit(margin: StabilityMargin, limit: StabilityLimit | None, end: float) ->
 
 
 def _value(margin: StabilityMargin, value: float) -> str:
-    return f"{1e3 * value:.3g} ms" if margin.kind == "delay" else f"x {value:.3g}"
+    number = _number(margin, value)
+    return f"{number} ms" if margin.kind == "delay" else f"x {number}"
+
+
+def _number(margin: StabilityMargin, value: float) -> str:
+    """Returns a delay in ms, or a factor, with two or three digits."""
+    return f"{(1e3 if margin.kind == 'delay' else 1.0) * value:.3g}"
 
 
 def path_rows(analysis: Analysis) -> list[list[str]]:

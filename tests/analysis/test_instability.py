@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from aerodrake.analysis import instability
+from aerodrake.analysis import analyze
 from aerodrake.analysis.instability import hover_instability
 from aerodrake.scenario import Push, Scenario
 from tests.analyses import point
@@ -24,7 +24,7 @@ def analysed(monkeypatch):
             raise growth[0]
         return point(growth[0])
 
-    monkeypatch.setattr(instability, "analyze_hover", analyze_hover)
+    monkeypatch.setattr(analyze, "analyze_hover", analyze_hover)
     return growth, scenarios
 
 
