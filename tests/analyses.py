@@ -33,17 +33,27 @@ def mode(growth_1_s: float, frequency_hz: float, *participants: tuple[str, float
 
 
 def point(growth_1_s: float, time_s: float | None = None) -> OperatingPoint:
-    """The loop with a roll that grows at 9.6 Hz, a slow x, and an observer."""
-    A = block_diag(oscillator(growth_1_s, 9.6), oscillator(-3.0, 0.4), np.exp(-10.0 * DT))
-    states = ("plant.roll", "plant.roll_rate", "plant.x", "plant.x_rate", "controller.h")
-    B, C = np.zeros((5, 1)), np.zeros((3, 5))
+    """The loop with a roll that grows at 9.6 Hz, a slow x, an observer, and a stiff joint."""
+    A = block_diag(
+        oscillator(growth_1_s, 9.6), oscillator(-3.0, 0.4), np.exp(-10.0 * DT), np.exp(-200.0 * DT)
+    )
+    states = (
+        "plant.roll",
+        "plant.roll_rate",
+        "plant.x",
+        "plant.x_rate",
+        "controller.h",
+        "plant.joint_2",
+    )
+    B, C = np.zeros((6, 1)), np.zeros((3, 6))
     B[3], C[0, 2], C[1, 0] = DT, 1.0, 0.3
     inputs, outputs = ("force_x",), ("tool_x", "tool_y", "tool_z")
-    system = SampledSystem(A, B, C, np.zeros((3, 1)), DT, states, inputs, outputs, np.ones(5))
+    system = SampledSystem(A, B, C, np.zeros((3, 1)), DT, states, inputs, outputs, np.ones(6))
     modes = (
         mode(growth_1_s, 9.6, ("roll", 0.7), ("joint_2", 0.3)),
         mode(-3.0, 0.4, ("x", 1.0)),
         mode(-10.0, 0.0, ("controller", 1.0)),
+        mode(-200.0, 0.0, ("joint_2", 1.0)),
     )
     return OperatingPoint(time_s, system, modes)
 

@@ -2,10 +2,13 @@
 
 from dataclasses import dataclass
 
-from aerodrake.analysis.eigenmode import Eigenmode
+from aerodrake.analysis.eigenmode import Eigenmode, Participant
 from aerodrake.analysis.margins import StabilityMargin
 from aerodrake.analysis.responses import FrequencyResponse, StepResponse
 from aerodrake.analysis.sampled_system import SampledSystem
+
+PLANT = "plant."
+"""Prefix of the states of the plant."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,19 @@ class OperatingPoint:
         return all(mode.is_stable for mode in self.modes)
 
     @property
+    def least_damped(self) -> tuple[Eigenmode, ...]:
+        """The modes by increasing damping ratio, the unstable ones first.
+
+        Modes that decay by more than half in a period are left out.
+        """
+        slow = (mode for mode in self.modes if abs(mode.eigenvalue) > 0.5)
+        return tuple(sorted(slow, key=_damping))
+
+    def motions(self, mode: Eigenmode) -> list[Participant]:
+        """Returns the motions of the plant that take part in a mode, the largest share first."""
+        return [p for p in mode.participants if f"{PLANT}{p.name}" in self.system.states]
+
+    @property
     def sentence(self) -> str:
         """One line, such as `unstable in hover: roll and joint_2 at 9.6 Hz grow by 5.0 1/s`.
 
@@ -35,14 +51,19 @@ class OperatingPoint:
         """
         where = "in hover" if self.time_s is None else f"at {self.time_s:.2f} s"
         verdict = f"{'stable' if self.is_stable else 'unstable'} {where}"
-        if not self.modes:
+        if not self.least_damped:
             return verdict
-        mode = min(self.modes, key=lambda mode: (mode.is_stable, mode.damping))
-        names = [participant.name for participant in mode.participants[:2]] or ["a mode"]
-        verb = "decay" if mode.is_stable else "grow"
-        motion = f"{' and '.join(names)} at {mode.frequency_hz:.1f} Hz {verb}"
-        s = "s" * (len(names) == 1)
-        return f"{verdict}: {motion}{s} by {abs(mode.growth_1_s):.1f} 1/s"
+        mode = self.least_damped[0]
+        largest = [*self.motions(mode), *mode.participants][:2]
+        names = [p.name for p in largest if p.share > largest[0].share / 2] or ["a mode"]
+        verb = ("decay" if mode.is_stable else "grow") + "s" * (len(names) == 1)
+        rate = f"{verb} by {abs(mode.growth_1_s):.1f} 1/s"
+        return f"{verdict}: {' and '.join(names)} at {mode.frequency_hz:.1f} Hz {rate}"
+
+
+def _damping(mode: Eigenmode) -> tuple[bool, float]:
+    """Returns a key for sorting by damping, which is undefined for constants, at z = 1."""
+    return mode.is_stable, mode.damping if mode.frequency_hz > 0 or not mode.is_stable else 1.0
 
 
 @dataclass(frozen=True)

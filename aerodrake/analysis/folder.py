@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from aerodrake.analysis.analysis import Analysis
 from aerodrake.analysis.page import analysis_page
 from aerodrake.analysis.panels import draw_eigenvalues, draw_gains, draw_growth, draw_steps
-from aerodrake.analysis.report import FILE, MATRICES, least_damped
+from aerodrake.analysis.results import FILE, MATRICES
+from aerodrake.analysis.table import MOST_MODES
 from aerodrake.reports.drawing import drawing
 from aerodrake.reports.figures import INK, STYLE, write_png
 from aerodrake.reports.page import date_of
@@ -48,7 +49,7 @@ def plot_analysis(analysis: Analysis, path: Path) -> None:
         analysis: The analysis to show.
         path: PNG file to write.
     """
-    modes = least_damped(analysis.hover)
+    modes = analysis.hover.least_damped[:MOST_MODES]
     with rc_context(STYLE):
         figure = Figure(figsize=(13, 8.5), dpi=110, layout="constrained")
         title = f"{analysis.scenario}: {analysis.sentence}"

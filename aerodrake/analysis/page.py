@@ -13,13 +13,19 @@ from aerodrake.analysis.panels import (
     draw_shape,
     draw_steps,
 )
-from aerodrake.analysis.report import highlights, least_damped, margin_rows, mode_rows, path_rows
+from aerodrake.analysis.table import (
+    MOST_MODES,
+    highlights,
+    margin_rows,
+    mode_rows,
+    path_rows,
+)
 from aerodrake.reports.page import render
 from aerodrake.reports.pictures import BOTTOM, GAP, ROW, TOP, Picture, sheet
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_closed_loop
 
-MOST_SHARES = 6
+MOST_SHARES = 4
 """Largest number of participants in the bar of a mode."""
 
 
@@ -35,7 +41,7 @@ def analysis_page(
         command: Command that repeats the analysis.
         date: Date and time of the analysis; empty for none.
     """
-    modes = least_damped(analysis.hover)
+    modes = analysis.hover.least_damped[:MOST_MODES]
     return render(
         "analysis.html",
         make_closed_loop(scenario),
@@ -44,10 +50,11 @@ def analysis_page(
         poster="",
         analysis=analysis,
         highlights=highlights(analysis),
-        modes=list(zip(mode_rows(modes), modes, strict=True)),
+        modes=list(zip(mode_rows(analysis.hover), modes, strict=True)),
         most_shares=MOST_SHARES,
         margins=margin_rows(analysis),
-        path=list(zip(path_rows(analysis), analysis.path, strict=True)),
+        motions={p.name for mode in modes for p in analysis.hover.motions(mode)},
+        path=path_rows(analysis),
         pictures=list(_pictures(analysis, modes)),
         resolved=resolved,
         commands=[command],
@@ -64,8 +71,8 @@ def _pictures(analysis: Analysis, modes: Sequence[Eigenmode]) -> Iterator[Pictur
             draw_path(figure.subplots(2, 1, sharex=True), analysis)
             figure.align_ylabels()
         caption = (
-            "Growth and frequency of the fastest growing mode, linearised about the flight at each "
-            "time; negative growth is stable."
+            "Damping ratio and frequency of the least damped mode, linearised about the flight at "
+            "each time; a negative ratio is unstable."
         )
         yield Picture("Along the path", caption, *done)
 

@@ -33,6 +33,9 @@ FREQUENCY_TICKS = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0)
 FASTEST_DECAY_1_S = 40.0
 """Decay rate from which on modes are left out of the map of growth and frequency."""
 
+LEAST_DISTANCE = 0.06
+"""Distance of eigenvalues in the z plane below which only the first has its number."""
+
 LEAST_MOTION = 0.03
 """Fraction of the largest motion of a mode below which a motion is not drawn."""
 
@@ -49,16 +52,22 @@ def draw_eigenvalues(axes: Axes, point: OperatingPoint, numbered: Sequence[Eigen
         color = STABLE if mode.is_stable else UNSTABLE
         z = mode.eigenvalue
         axes.plot(z.real, abs(z.imag), "x", color=color, markersize=4, markeredgewidth=0.9)
+    labelled: list[complex] = []
     for number, mode in enumerate(numbered, start=1):
         z = complex(mode.eigenvalue.real, abs(mode.eigenvalue.imag))
-        outward = z / abs(z) if z else 1.0
+        if any(abs(z - other) < LEAST_DISTANCE for other in labelled):
+            continue
+        labelled.append(z)
+        outward = 9 * z / abs(z)
         axes.annotate(
             str(number),
             (z.real, z.imag),
-            (9 * outward.real, 9 * outward.imag),
+            (outward.real, outward.imag),
             textcoords="offset points",
-            **{"ha": "center", "va": "center", "fontsize": 8, "zorder": 4},
             color=INK if mode.is_stable else UNSTABLE,
+            fontsize=8,
+            ha="center",
+            va="center",
         )
     most = max([1.0, *(abs(mode.eigenvalue) for mode in point.modes)])
     axes.set(xlim=(-1.16 * most, 1.16 * most), ylim=(-0.06, 1.18 * most))
@@ -86,16 +95,11 @@ def _draw_grid(axes: Axes, dt: float) -> None:
 
 
 def draw_growth(axes: Axes, point: OperatingPoint, named: Sequence[Eigenmode]) -> None:
-    """Draws growth and frequency of the modes, with numbers and first participants of some."""
+    """Draws growth and frequency of the modes, with the numbers and first motions of some."""
     shown = [mode for mode in point.modes if mode.growth_1_s > -FASTEST_DECAY_1_S]
     for mode in shown:
         color = STABLE if mode.is_stable else UNSTABLE
         axes.plot(mode.growth_1_s, mode.frequency_hz, "x", color=color, markersize=5)
-    labels = [
-        (mode, f"{number} {'' if not mode.participants else mode.participants[0].name}")
-        for number, mode in enumerate(named, start=1)
-        if mode in shown
-    ]
     axes.axvline(0.0, **REFERENCE)
     axes.set_yscale("symlog", linthresh=FREQUENCY_TICKS[1], linscale=0.5)
     nyquist = 0.5 / point.system.dt
@@ -103,13 +107,19 @@ def draw_growth(axes: Axes, point: OperatingPoint, named: Sequence[Eigenmode]) -
     axes.set_yticks([*ticks, nyquist], [f"{tick:g}" for tick in [*ticks, nyquist]])
     axes.set_yticks([], minor=True)
     axes.set_ylim(-0.1, 1.1 * nyquist)
-    axes.margins(x=0.08)
     axes.set(xlabel="growth / 1/s", ylabel="frequency / Hz")
-    for mode, text in labels:
+    axes.set_xlim(*axes.get_xlim())
+    heights: list[float] = []
+    numbers = {id(mode): number for number, mode in enumerate(named, start=1)}
+    for mode in sorted(named, key=lambda mode: mode.frequency_hz):
+        motions = point.motions(mode) or mode.participants
+        place = mode.growth_1_s, mode.frequency_hz
+        height = axes.transData.transform(place)[1] * 72 / axes.figure.dpi
+        heights.append(max([height, *(other + 9 for other in heights[-1:])]))
         axes.annotate(
-            text,
-            (mode.growth_1_s, mode.frequency_hz),
-            (4, 4),
+            f"{numbers[id(mode)]} {motions[0].name if motions else ''}",
+            place,
+            (5, heights[-1] - height + 3),
             textcoords="offset points",
             fontsize=7.5,
             color=INK if mode.is_stable else UNSTABLE,
@@ -173,20 +183,20 @@ def draw_gains(axes: Axes, responses: Sequence[FrequencyResponse]) -> None:
 
 
 def draw_path(row: Sequence[Axes], analysis: Analysis) -> None:
-    """Draws growth and frequency of the fastest growing mode along the path.
+    """Draws damping ratio and frequency of the least damped mode along the path.
 
     Args:
-        row: Axes of the growth and of the frequency.
+        row: Axes of the damping ratio and of the frequency.
         analysis: An analysis with a path.
     """
-    points = [point for point in analysis.path if point.modes]
+    points = [point for point in analysis.path if point.least_damped]
     times = [point.time_s for point in points]
-    for axes, attribute in zip(row, ("growth_1_s", "frequency_hz"), strict=True):
-        values = [getattr(point.modes[0], attribute) for point in points]
+    for axes, attribute in zip(row, ("damping", "frequency_hz"), strict=True):
+        values = [getattr(point.least_damped[0], attribute) for point in points]
         colors = [STABLE if point.is_stable else UNSTABLE for point in points]
         axes.plot(times, values, color=EDGE)
         axes.scatter(times, values, c=colors, s=14, zorder=3)
     row[0].axhline(0.0, **REFERENCE)
-    row[0].set_ylabel("growth / 1/s")
+    row[0].set_ylabel("damping ratio")
     row[1].set_ylabel("frequency / Hz")
     row[-1].set_xlabel("reference time / s")

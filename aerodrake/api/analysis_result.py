@@ -9,9 +9,10 @@ from aerodrake.analysis.cell import analysis_cell
 from aerodrake.analysis.eigenmode import Eigenmode
 from aerodrake.analysis.folder import PAGE, RESULTS, draw_analysis
 from aerodrake.analysis.margins import StabilityMargin
-from aerodrake.analysis.report import analysis_table, write_results
 from aerodrake.analysis.responses import FrequencyResponse, StepResponse
+from aerodrake.analysis.results import write_results
 from aerodrake.analysis.sampled_system import SampledSystem
+from aerodrake.analysis.table import analysis_table
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import save_scenario
 from aerodrake.scenario.plain_yaml import dump

@@ -29,7 +29,7 @@ def test_the_page_fits_and_is_silent(visited, path):
 def test_the_page_has_modes_margins_and_path(desktop):
     assert desktop.page.locator("h1").text_content() == NAME
     rows = desktop.page.locator("#figures-title + div tbody tr")
-    assert rows.count() == 3 and "roll 70%, joint_2 30%" in rows.first.text_content()
+    assert rows.count() == 3 and "roll 70 %, joint_2 30 %" in rows.first.text_content()
     assert desktop.page.locator("#margins-title ~ div tbody tr").count() == 3
     assert desktop.page.locator("#path-title ~ div tr.unstable").count() == 1
     assert desktop.page.locator("#again-title ~ pre").text_content() == "aerodrake analyze 'a b'\n"

@@ -1,4 +1,4 @@
-"""Table, JSON and arrays of an analysis."""
+"""JSON and arrays of an analysis."""
 
 import json
 
@@ -6,50 +6,9 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace
 
-from aerodrake.analysis.report import (
-    FILE,
-    MATRICES,
-    analysis_table,
-    least_damped,
-    margin_rows,
-    mode_rows,
-    write_results,
-)
+from aerodrake.analysis.results import FILE, MATRICES, write_results
 from aerodrake.scenario import Scenario
-from tests.analyses import made, mode, point
-
-
-def test_the_least_damped_modes_are_the_unstable_ones_first():
-    hover = point(0.5)
-    assert [mode.participants[0].name for mode in least_damped(hover)] == [
-        "roll",
-        "x",
-        "controller",
-    ]
-    assert mode_rows([hover.modes[0]]) == [
-        ["1", "+0.50", "9.60", "-0.008", "roll 70%, joint_2 30%"]
-    ]
-    assert mode_rows([mode(-40.0, 0.0)])[0][3:] == ["1.000", ""]
-
-
-def test_margins_without_a_limit_show_the_end_of_the_search():
-    assert margin_rows(made()) == [
-        ["base delay", "", "22 ms at 5.1 Hz"],
-        ["rotor gain", "x 0.31 at 0.9 Hz", "> x 5"],
-        ["joint gain", "< x 0.1", "x 2.4 at 14.2 Hz"],
-    ]
-
-
-def test_the_table_has_modes_margins_and_path():
-    lines = analysis_table(made(times=(0.5, 4.0))).splitlines()
-    assert lines[0].startswith("made: unstable at 4.00 s")
-    assert any(
-        line.split() == ["joint", "gain", "<", "x", "0.1", "x", "2.4", "at", "14.2", "Hz"]
-        for line in lines
-    )
-    assert lines[-1].split()[:3] == ["4.00", "s", "+1.50"]
-    assert max(map(len, lines)) <= 100
-    assert "stable between" not in analysis_table(made(0.5))
+from tests.analyses import made
 
 
 def test_the_files_have_the_whole_analysis(tmp_path):
