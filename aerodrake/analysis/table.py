@@ -13,7 +13,7 @@ MARGINS = {"base_delay": "base delay", "rotor_gain": "rotor gain", "joint_gain":
 """Labels of the margins."""
 
 TITLES = (("growth", "1/s"), ("freq.", "Hz"), ("damping", ""))
-NAME, CELL, MOTIONS, LIMIT = 20, 9, 24, 20
+NAME, CELL, LIMIT = 20, 9, 20
 """Widths in the table."""
 
 
@@ -88,27 +88,30 @@ def highlights(analysis: Analysis) -> list[tuple[str, str, str]]:
 def analysis_table(analysis: Analysis) -> str:
     """Returns sentence, least damped modes, margins and path of an analysis as text."""
     lines = [f"{analysis.scenario}: {analysis.sentence}", ""]
-    lines += [*_head("least damped modes"), *(_line(*row) for row in mode_rows(analysis.hover))]
+    lines += _mode_lines("least damped modes", mode_rows(analysis.hover))
     if margins := margin_rows(analysis):
         lines += ["", f"{'stable between':<{NAME}}{'lower':>{LIMIT}}{'upper':>{LIMIT}}"]
         lines += [f"  {name:<{NAME - 2}}{low:>{LIMIT}}{up:>{LIMIT}}" for name, low, up in margins]
     if path := path_rows(analysis):
-        lines += ["", *_head("along the path"), *(_line(*row) for row in path)]
+        lines += ["", *_mode_lines("along the path", path)]
     if analysis.ended:
         lines += ["", f"note: {analysis.ended}"]
     return "\n".join(line.rstrip() for line in lines)
 
 
-def _head(label: str) -> list[str]:
-    """Returns the two lines of titles above modes."""
-    names, units = ("".join(f"{cell:>{CELL}}" for cell in row) for row in zip(*TITLES, strict=True))
-    return [f"{label:<{NAME}}{names}  {'motions':<{MOTIONS}}systems", f"{'':<{NAME}}{units}"]
-
-
-def _line(label: str, growth: str, frequency: str, damping: str, *participants: str) -> str:
-    motions, systems = participants
-    numbers = "".join(f"{cell:>{CELL}}" for cell in (growth, frequency, damping))
-    return f"  {label:<{NAME - 2}}{numbers}  {motions:<{MOTIONS}}{systems}"
+def _mode_lines(title: str, rows: list[list[str]]) -> list[str]:
+    """Returns two lines of titles, and a line for each row."""
+    width = max(len(cells[4]) for cells in [*rows, [""] * 6]) + 2
+    names, units = zip(*TITLES, strict=True)
+    rows = [[title, *names, "motions", "systems"], ["", *units, "", ""], *rows]
+    lines = []
+    for label, *numbers, motions, systems in rows:
+        label = label if label == title else f"  {label}"
+        cells = "".join(f"{cell:>{CELL}}" for cell in numbers)
+        lines.append(
+            f"{label:<{NAME}}{cells}  {motions:<{max(width, len('motions') + 2)}}{systems}"
+        )
+    return lines
 
 
 def _limit(margin: StabilityMargin, limit: StabilityLimit | None, end: float) -> str:

@@ -42,8 +42,9 @@ def main(arguments: argparse.Namespace) -> int:
     try:
         result = analyze(scenario, times=arguments.at, quiet=arguments.quiet)
     except BadInput as error:
-        source = "at" if error.source == "times" else error.source
-        raise BadInput(source, *error.args[1:]) from None
+        if error.key != "times":
+            raise
+        raise BadInput("at", "", error.args[-1]) from None
     with deferred_interrupts():
         result.save(target)
         result.report(target)

@@ -18,7 +18,7 @@ def analysed(monkeypatch):
     def analyze_loop(scenario, times, progress):
         calls.append((scenario.mpc.horizon, *times))
         if times and max(times) > scenario.duration:
-            raise BadInput("times", "", "expected times within the flight")
+            raise BadInput("analyze", "times", "expected times within the flight")
         return made(times=tuple(times))
 
     monkeypatch.setattr(module, "analyze_loop", analyze_loop)
