@@ -4,6 +4,8 @@ from .api.compare import compare
 from .api.flight_result import FlightResult, load_run
 from .api.fly import fly
 from .api.identify import identify
+from .api.mount import mount
+from .api.mount_result import MountResult
 from .api.sweep import sweep
 from .coordinator import make_coordinator
 from .gallery.export import graph
@@ -21,6 +23,7 @@ __all__ = [
     "BadInput",
     "FlightResult",
     "LiveView",
+    "MountResult",
     "ProcessDied",
     "Replacements",
     "Scenario",
@@ -38,6 +41,7 @@ __all__ = [
     "make_context",
     "make_coordinator",
     "make_station",
+    "mount",
     "override",
     "split_state",
     "sweep",

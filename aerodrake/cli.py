@@ -11,6 +11,7 @@ from aerodrake.commands import (
     coordinator,
     graph,
     identify,
+    mount,
     run,
     sweep,
     train,
@@ -20,7 +21,7 @@ from aerodrake.support.interrupts import termination_as_interrupt
 from aerodrake.support.streams import output_streams
 from aerodrake.support.version import __version__
 
-_MODULES = (run, coordinator, analyze, compare, identify, train, sweep, graph, bench)
+_MODULES = (run, mount, coordinator, analyze, compare, identify, train, sweep, graph, bench)
 COMMANDS = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
 """Commands by name, in the order of `aerodrake --help`."""
 

@@ -93,7 +93,7 @@ def bounds(file: Path) -> np.ndarray:
 
 
 def write_meshes(arm: ArmTree, folder: Path) -> Converted:
-    """Writes the visual meshes of an arm into a folder, in their final size.
+    """Writes the visual meshes of an arm, if it has any, into a folder, in their final size.
 
     A mesh with several colours becomes several files. The meshes of the result are named relative
     to the folder's parent, where the URDF belongs.
@@ -101,7 +101,6 @@ def write_meshes(arm: ArmTree, folder: Path) -> Converted:
     Raises:
         OSError: if a file cannot be written.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     writer = _MeshWriter(folder)
     links = tuple(writer.write(link) for link in arm.links)
     changes = []
@@ -180,6 +179,7 @@ class _MeshWriter:
             self.coarse[file.name] = None
         mesh.remove_unreferenced_vertices()
         text = mesh.export(file_type="obj", digits=DIGITS[0], header=None, include_normals=False)
+        self._folder.mkdir(parents=True, exist_ok=True)
         (self._folder / name).write_text(text)
         return Path(self._folder.name) / name
 

@@ -17,3 +17,21 @@ SEED = 0, 2**31 - 1
 
 REFERENCE_TIME = -60.0, 3600.0
 """s, time from the start of the reference, negative in the hover before."""
+
+SCALE = 1e-3, 1e3
+"""Factors of an arm's lengths and masses."""
+
+BASE_KG = 0.01, 1000.0
+"""Mass of a multirotor's base."""
+
+ROTORS = 4, 16
+"""Number of a multirotor's rotors."""
+
+ROTOR_RADIUS_M = 0.01, 10.0
+"""Radius of the circle on which a multirotor's rotors are."""
+
+THRUST_N = 0.1, 1000.0
+"""Largest thrust of a rotor."""
+
+POSE = -10.0, 10.0
+"""Coordinates in m, and angles in rad, of the place where an arm is mounted."""

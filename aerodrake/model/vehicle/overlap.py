@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from pydrake.geometry import SceneGraph
+from pydrake.geometry import GeometryId, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 
 
@@ -22,7 +22,15 @@ class Overlap(NamedTuple):
 def deepest_overlap(
     plant: MultibodyPlant, scene_graph: SceneGraph, positions: np.ndarray
 ) -> Overlap | None:
-    """Returns the deepest overlap of links that may collide; None if there is none.
+    """Returns the deepest of the `overlaps` at positions (7 + n,); None if there is none."""
+    found = overlaps(plant, scene_graph, positions)
+    return max(found, key=lambda overlap: overlap.depth, default=None)
+
+
+def overlaps(
+    plant: MultibodyPlant, scene_graph: SceneGraph, positions: np.ndarray
+) -> list[Overlap]:
+    """Returns the overlaps of links that may collide.
 
     Links that are connected by a joint, or are in a collision filter group, cannot collide.
 
@@ -36,13 +44,10 @@ def deepest_overlap(
     poses = plant.get_geometry_pose_output_port().Eval(context)
     scene_graph.get_source_pose_port(plant.get_source_id()).FixValue(scene, poses)
     query = scene_graph.get_query_output_port().Eval(scene)
-    pairs = query.ComputePointPairPenetration()
-    if not pairs:
-        return None
-    pair = max(pairs, key=lambda pair: pair.depth)
     inspector = scene_graph.model_inspector()
-    first, second = (
-        plant.GetBodyFromFrameId(inspector.GetFrameId(geometry)).name()
-        for geometry in (pair.id_A, pair.id_B)
-    )
-    return Overlap((first, second), pair.depth)
+
+    def link(geometry: GeometryId) -> str:
+        return plant.GetBodyFromFrameId(inspector.GetFrameId(geometry)).name()
+
+    pairs = query.ComputePointPairPenetration()
+    return [Overlap((link(pair.id_A), link(pair.id_B)), pair.depth) for pair in pairs]

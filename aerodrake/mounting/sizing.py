@@ -1,0 +1,121 @@
+"""Sizes of a multirotor for an arm: masses, rotors and legs, in proportion to the packaged one."""
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from aerodrake.model.vehicle.vehicle import GRAVITY
+
+BASE_PER_ARM = 2.2
+"""Mass of the base over that of the arm; 2.6 kg and 1.2 kg in the packaged vehicle."""
+MOST_KG = {4: 8.0, 6: 25.0, 8: math.inf}
+"""Mass of the whole vehicle up to which each number of rotors carries it."""
+HOVER_SHARE = 0.47
+"""Thrust in hover over the largest thrust, as in the packaged vehicle."""
+GYRATION = 0.42, 0.57
+"""Radii of gyration of the base about a horizontal axis and about its own, over the radius on which
+the rotors are; those of the packaged vehicle."""
+PACKAGED_N, PACKAGED_DISC_M, PACKAGED_RATIO_M = 20.0, 0.216, 0.020
+"""Largest thrust, radius, and torque over thrust of a rotor of the packaged vehicle."""
+PACKAGED_KG = 2.6
+"""Mass of the packaged vehicle's base."""
+GAP = 1.2
+"""Distance between neighbouring rotors over the diameter of their discs."""
+RADIUS_PER_REACH = 0.5
+"""Smallest radius on which the rotors are over the arm's reach."""
+
+
+@dataclass(frozen=True)
+class Multirotor:
+    """A multirotor whose rotors are evenly spaced on a circle.
+
+    Attributes:
+        mass: kg, of the base, which is all but the arm.
+        rotors: Number of rotors.
+        radius: m, radius of the circle on which they are.
+        disc: m, radius of a rotor's disc.
+        max_thrust: N, largest thrust of a rotor.
+        torque_ratio: m, torque over thrust of a rotor.
+        feet: m, depth of the feet below the base's origin.
+    """
+
+    mass: float
+    rotors: int
+    radius: float
+    disc: float
+    max_thrust: float
+    torque_ratio: float
+    feet: float
+
+    @property
+    def inertia(self) -> np.ndarray:
+        """(3,) kg m^2, moments about the base's axes."""
+        level, upright = (self.mass * (share * self.radius) ** 2 for share in GYRATION)
+        return np.array([level, level, upright])
+
+    @property
+    def scale(self) -> float:
+        """Size of the body over that of the packaged vehicle, at equal density."""
+        return (self.mass / PACKAGED_KG) ** (1 / 3)
+
+    @property
+    def angles(self) -> np.ndarray:
+        """(rotors,) rad, directions of the rotors from the base's x axis; half a gap from y."""
+        return 2 * np.pi / self.rotors * (np.arange(self.rotors) + 0.5)
+
+    @property
+    def rotor_height(self) -> float:
+        """m, height of the rotors above the base's origin."""
+        return 0.05 * self.scale
+
+    @classmethod
+    def for_arm(cls, mass: float, reach: float, given: "Given", feet: float = 0.0) -> Self:
+        """Sizes a multirotor for an arm.
+
+        Args:
+            mass: kg, of the arm.
+            reach: m, largest distance of the tool from where the arm is mounted.
+            given: Sizes that are not to be chosen.
+            feet: m, depth of the feet; 0 for that of the packaged vehicle in proportion.
+        """
+        base = given.base_mass or two_digits(BASE_PER_ARM * mass)
+        total = mass + base
+        rotors = given.rotors or min(n for n, most in MOST_KG.items() if total <= most)
+        thrust = given.max_thrust or two_digits(total * GRAVITY / HOVER_SHARE / rotors)
+        size = (thrust / PACKAGED_N) ** (1 / 3)  # Geometrically similar rotors.
+        disc = PACKAGED_DISC_M * size
+        least = max(GAP * disc / math.sin(math.pi / rotors), RADIUS_PER_REACH * reach)
+        return cls(
+            mass=base,
+            rotors=rotors,
+            radius=given.radius or two_digits(least),
+            disc=disc,
+            max_thrust=thrust,
+            torque_ratio=round(PACKAGED_RATIO_M * size, 4),
+            feet=feet or 0.38 * (base / PACKAGED_KG) ** (1 / 3),
+        )
+
+
+@dataclass(frozen=True)
+class Given:
+    """Sizes of a multirotor that are not to be chosen; None for those that are.
+
+    Attributes:
+        base_mass: kg.
+        rotors: Their number, even.
+        radius: m, of the circle on which they are.
+        max_thrust: N, of each.
+    """
+
+    base_mass: float | None = None
+    rotors: int | None = None
+    radius: float | None = None
+    max_thrust: float | None = None
+
+
+def two_digits(value: float) -> float:
+    """Returns a positive number rounded up to two significant digits."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return round(math.ceil(value / unit - 1e-9) * unit, 9)

@@ -1,0 +1,64 @@
+"""Sizes of multirotors for arms of any mass and reach."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aerodrake.model.vehicle.rotors import Rotors
+from aerodrake.mounting.airframe import feet_positions, rotor_positions
+from aerodrake.mounting.sizing import Given, Multirotor, two_digits
+
+MASSES, REACHES = st.floats(0.02, 60), st.floats(0.05, 3)
+
+
+def test_the_packaged_arm_gets_a_vehicle_like_the_packaged_one():
+    """Base of 2.6 kg and 0.098 kg m^2, rotors of 20 N and 0.216 m at 0.465 m, feet at 0.38 m."""
+    sized = Multirotor.for_arm(1.2, 0.54, Given())
+    assert sized.rotors == 4 and sized.mass == pytest.approx(2.6, rel=0.05)
+    assert sized.max_thrust == pytest.approx(20, rel=0.1)
+    assert sized.disc == pytest.approx(0.216, rel=0.05)
+    assert 0.35 < sized.radius < 0.5 and sized.feet == pytest.approx(0.38, rel=0.05)
+    own = Multirotor(2.6, 4, 0.465, 0.216, 20.0, 0.02, 0.38)
+    assert own.inertia == pytest.approx([0.098, 0.098, 0.185], rel=0.05)
+
+
+@given(MASSES, REACHES)
+def test_laws_of_the_sizes(mass, reach):
+    sized = Multirotor.for_arm(mass, reach, Given())
+    total = mass + sized.mass
+    assert 2.19 < sized.mass / mass < 2.5
+    assert 0.42 < total * 9.81 / (sized.rotors * sized.max_thrust) <= 0.47
+    places = rotor_positions(sized)
+    gap = np.linalg.norm(places[0] - places[1])
+    assert gap > 2.39 * sized.disc and sized.radius >= 0.5 * reach - 1e-9
+    # Moments of inertia of a body, and torques that turn it: yaw is the weakest.
+    level, _, upright = sized.inertia
+    assert level < upright < 2 * level
+    yaw = sized.torque_ratio * sized.rotors * sized.max_thrust / 4
+    assert yaw / upright > 0.5 / max(1.0, (sized.radius / 0.465) ** 2)
+    rotors = Rotors(tuple(map(str, places)), places, np.resize([1.0, -1.0], sized.rotors))
+    assert not rotors.missing_torque()
+    assert rotors.mixer(sized.torque_ratio)[1:] @ np.ones(sized.rotors) == pytest.approx([0, 0, 0])
+    feet = feet_positions(sized)
+    assert np.all(np.linalg.norm(feet[:, :2], axis=1) < sized.radius)
+
+
+def test_heavier_vehicles_have_more_rotors():
+    rotors = [Multirotor.for_arm(mass, 0.5, Given()).rotors for mass in (0.5, 2.0, 4.0, 20.0)]
+    assert rotors == [4, 4, 6, 8]
+
+
+def test_given_sizes_are_kept():
+    sized = Multirotor.for_arm(1.0, 0.5, Given(5.0, 6, 0.9, 33.0))
+    assert (sized.mass, sized.rotors, sized.radius, sized.max_thrust) == (5.0, 6, 0.9, 33.0)
+
+
+@given(st.floats(1e-3, 1e3))
+def test_two_digits_round_up(value):
+    rounded = two_digits(value)
+    assert value * (1 - 1e-9) <= rounded <= value * 1.1 + 1e-12
+    assert float(f"{rounded:.2g}") == pytest.approx(rounded, rel=1e-9)
+    assert math.isclose(two_digits(rounded), rounded)
