@@ -41,6 +41,8 @@ READ = {
     "joint": {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"},
 }
 """Elements that are read, by their parent."""
+WORLD = "world"
+"""Link that a joint may have as its parent without an element, as in Drake."""
 REFUSED = ("drake:joint", "loop_joint")
 """Elements that would connect links in other ways than the joints of a URDF."""
 
@@ -76,6 +78,8 @@ def read_arm(path: Path, packages: Sequence[Path] = ()) -> Converted:
         for frame in children(robot, "frame"):
             links.append(ArmLink(frame.getAttribute("name")))
             joints.append(_frame_joint(frame))
+        if WORLD not in (part.name for part in links) and WORLD in (j.parent for j in joints):
+            links.insert(0, ArmLink(WORLD))
         arm = ArmTree(robot.getAttribute("name") or path.stem, tuple(links), tuple(joints))
         check_tree(arm)
     except BadInput as error:

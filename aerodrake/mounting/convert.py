@@ -6,6 +6,7 @@ from aerodrake.mounting.arm import ArmTree, Converted
 from aerodrake.mounting.chain import select_tree
 from aerodrake.mounting.collision import box_links
 from aerodrake.mounting.fixing import fix_joints
+from aerodrake.mounting.hulls import estimate_masses
 from aerodrake.mounting.inertias import correct_inertias
 from aerodrake.mounting.limits import complete_limits
 from aerodrake.mounting.names import rename, renamed_link
@@ -48,6 +49,7 @@ def convert(
     steps = (
         lambda arm: select_tree(arm, tool, root),
         lambda arm: fix_joints(arm, tool),
+        estimate_masses,
         correct_inertias,
         lambda arm: scale(arm, length, mass),
         lambda arm: complete_limits(arm, tool),

@@ -69,7 +69,8 @@ def _link(link: ArmLink) -> Element:
     inner = []
     if (inertial := link.inertial) is not None:
         moments = dict(zip(MOMENTS, inertial.moments, strict=True))
-        inertia = {name: decimals([moment]) for name, moment in moments.items()}
+        # All digits, since rounded moments of a flat body can be those of none.
+        inertia = {name: repr(moment + 0.0) for name, moment in moments.items()}
         mass = element("mass", value=decimals([inertial.mass]))
         inner.append(
             element("inertial", _origin(inertial.origin), mass, element("inertia", **inertia))

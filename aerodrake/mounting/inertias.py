@@ -28,7 +28,7 @@ def correct_inertias(arm: ArmTree) -> Converted:
         BadInput: if no link has a mass.
     """
     if not arm.mass:
-        raise BadInput("", "", "expected masses, got no link with a <mass> in its <inertial>")
+        raise BadInput("", "", "expected links with a <mass> in their <inertial>, or with geometry")
     links = {link.name: _corrected(link) for link in arm.links}
     by_change: dict[str, list[str]] = {}
     for link, change in links.values():

@@ -97,3 +97,8 @@ def test_a_frame_becomes_a_link_without_mass(tmp_path):
     arm = read(two().replace("</robot>", frame), tmp_path).arm
     assert [joint.name for joint in arm.path("grasp")] == ["j", "grasp_frame"]
     assert arm.link("grasp").mass == 0 and arm.joints[1].origin.xyz == (0, 0, 0.1)
+
+
+def test_a_joint_may_begin_in_the_world_of_drake(tmp_path):
+    arm = read(robot(link("a"), joint("j", "world", "a", "fixed", "")), tmp_path).arm
+    assert arm.root == "world" and arm.above["a"].name == "j"
