@@ -2,6 +2,7 @@
 
 import pytest
 
+from aerodrake.flight.events import events
 from aerodrake.flight.log import FlightLog
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import summarize
@@ -22,6 +23,7 @@ def test_flies_with_the_defaults(name, tmp_path):
     scenario = arm_scenario(DESIGNS[name], tmp_path)
     log, error_m = flown(scenario)
     assert log.exit_reason == "completed" and error_m < 1.5e-4
+    assert log["joint_oscillation_rad_s"].max() < 0.05
     effort = VehicleModel.load(scenario).effort
     assert (abs(log.signals["joint_torque_n_m"]) < 0.9 * effort).all()
 
@@ -36,5 +38,10 @@ def test_flies_with_the_defaults(name, tmp_path):
 def test_diverges_with_settings_that_neglect_coupling(key, value, names, tmp_path):
     """Joint gains of the diagonal inertia, or tilt for the arm's commanded acceleration."""
     for name in names:
-        log, error_m = flown(resolve(arm_scenario(DESIGNS[name], tmp_path), {key: value}))
+        scenario = resolve(arm_scenario(DESIGNS[name], tmp_path), {key: value})
+        log, error_m = flown(scenario)
         assert log.exit_reason != "completed" or error_m > 5e-4, name
+        # It is called what it is, although samples may be rejected.
+        oscillation = log["joint_oscillation_rad_s"].max()
+        assert oscillation > scenario.supervisor.joint_oscillation_rad_s, name
+        assert "joints_outage" not in {event["cause"] for event in events(scenario, log)}, name
