@@ -20,14 +20,20 @@ from aerodrake.scenario import Scenario
 from aerodrake.support.errors import BadInput
 from aerodrake.support.threads import single_thread
 
-SETTLE_S = 1.0
-"""s of hover before it is linearised: observers, filters and gates have settled."""
+SETTLE_S = 4.0
+"""s, longest hover before it is linearised; it ends earlier if the vehicle is at rest."""
+
+CHECK_S = 0.5
+"""s between two checks for rest: observers, filters and gates settle as well."""
 
 SHORT_SETTLE_S = 0.1
-"""s of hover before a loop is linearised that `SETTLE_S` take out of hover."""
+"""s of hover before a loop is linearised that does not come to rest."""
 
-HOVERS = 0.05
-"""Largest velocities in hover, in m/s and rad/s."""
+AT_REST, RUNAWAY = 0.02, 3.0
+"""Largest velocities of base and joints, in m/s and rad/s, at rest, and in hover."""
+
+CHANGES_PER_VELOCITY = 2.0
+"""1/m and 1/rad: rate at which the matrices change along a path, over the largest velocity."""
 
 
 def analyze_hover(scenario: Scenario) -> OperatingPoint:
@@ -83,26 +89,29 @@ def _quiet_loop(scenario: Scenario) -> QuietLoop:
 
 
 def _hover(quiet: QuietLoop) -> PeriodJacobian:
-    """Linearises the loop where it hovers, or soon after trim if it does not stay there."""
-    if not _settles(quiet, SETTLE_S):
+    """Linearises the loop where it comes to rest, or soon after trim if it does not."""
+    if not _comes_to_rest(quiet):
         quiet.reset()
         quiet.advance(quiet.start_s(quiet.multiple(SHORT_SETTLE_S)))
     return _linearized(quiet)
 
 
-def _settles(quiet: QuietLoop, duration_s: float) -> bool:
-    """Simulates from trim; returns True if the vehicle hovers then."""
-    end_s = quiet.start_s(quiet.multiple(duration_s))
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            quiet.advance(end_s)
-            state = split_state(quiet.output("true_state"))
-    except (Exception, SystemExit):  # Drake raises SystemExit if a check fails.
-        return False
-    velocities = np.concatenate([state.omega_W, state.v_B, state.qdot])
-    is_nominal = quiet.output("mode")[0] == SafeMode.NOMINAL
-    is_complete = math.isclose(quiet.context.get_time(), end_s)
-    return bool(is_complete and is_nominal and np.abs(velocities).max() < HOVERS)
+def _comes_to_rest(quiet: QuietLoop) -> bool:
+    """Simulates from trim until the vehicle rests; returns False if it does not."""
+    for end_s in np.arange(CHECK_S, SETTLE_S + CHECK_S / 2, CHECK_S):
+        end_s = quiet.start_s(quiet.multiple(end_s))
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):
+                quiet.advance(end_s)
+                fastest = quiet.fastest()
+        except (Exception, SystemExit):  # Drake raises SystemExit if a check fails.
+            return False
+        is_nominal = quiet.output("mode")[0] == SafeMode.NOMINAL
+        if not (is_nominal and fastest < RUNAWAY and math.isclose(quiet.context.get_time(), end_s)):
+            return False
+        if fastest < AT_REST:
+            return True
+    return False
 
 
 def _linearized(quiet: QuietLoop) -> PeriodJacobian:
@@ -115,7 +124,8 @@ def _linearized(quiet: QuietLoop) -> PeriodJacobian:
 
 
 def _point(loop: LinearLoop, time_s: float | None) -> OperatingPoint:
-    return OperatingPoint(time_s, loop.system, find_modes(loop.system))
+    modes = find_modes(loop.system, CHANGES_PER_VELOCITY * loop.period.fastest)
+    return OperatingPoint(time_s, loop.system, modes)
 
 
 def _path(

@@ -87,7 +87,7 @@ class StateCoordinates:
                 index, name = len(groups), own.get(i, "" if count == 1 else f"{i}")
                 x = values.value(index)
                 is_vehicle = len(x) == VehicleState.size(len(joints))
-                is_vehicle = is_vehicle and abs(np.linalg.norm(x[:4]) - 1) < 1e-6
+                is_vehicle = is_vehicle and abs(np.linalg.norm(x[:4]) - 1) < 0.01
                 prefix = ".".join(part for part in (system, name) if part)
                 if is_vehicle:
                     names = tuple(f"{prefix}.{coordinate}" for coordinate in vehicle)

@@ -29,7 +29,8 @@ class Eigenmode:
         damping: Damping ratio, -growth over the magnitude of ln(z) / dt; 1 for a decay without
             oscillation, negative for an unstable mode.
         participants: The largest share first; shares below 1 % are omitted.
-        is_stable: False if |z| exceeds 1 by more than the uncertainty of the linearisation.
+        is_stable: False if the mode grows, faster than by the errors of the linearisation; along a
+            path also faster than the loop itself changes.
     """
 
     eigenvalue: complex

@@ -55,6 +55,7 @@ class PeriodJacobian:
         steps: Number of plant steps in it.
         delay_steps: Delay of the base's samples, in plant steps.
         joints: Names of the n joints.
+        fastest: Largest velocity of base and joints during it, in m/s and rad/s.
         tool: (3, 6 + n) Jacobian of the tool's position in the world with respect to the
             positions of the plant, at the start of the period.
     """
@@ -65,6 +66,7 @@ class PeriodJacobian:
     steps: int
     delay_steps: int
     joints: tuple[str, ...]
+    fastest: float
     tool: np.ndarray
 
 
@@ -82,7 +84,7 @@ class Linearizer:
         self._loop, self._multiple = loop, multiple
         names = loop.vehicle.joint_names
         self._all = StateCoordinates.of(loop.diagram, loop.snapshot(), names)
-        self._snapshots = [loop.snapshot()]
+        self._snapshots, self._fastest = [loop.snapshot()], loop.fastest()
         for interval in loop.intervals:
             loop.advance(loop.time_s(multiple, interval.end))
             self._snapshots.append(loop.snapshot())
@@ -97,26 +99,21 @@ class Linearizer:
         influences = self._influences()
         relevant = self._relevant(np.any([*influences.values()], axis=0))
         coordinates = StateCoordinates(tuple(self._all.groups[i] for i in relevant))
-        jacobians = []
-        known: dict[frozenset[int], InstantJacobian] = {}
-        reuse = self._is_at_rest(relevant)
-        for k, interval in enumerate(loop.intervals):
-            influence = influences[interval.events][np.ix_(relevant, relevant)]
-            if not influence.any():
-                continue
-            if not (reuse and interval.events in known):
-                known[interval.events] = self._jacobian(k, coordinates, influence)
-            last = known[interval.events]
-            jacobians.append(InstantJacobian(interval.instant, last.rows, last.columns, last.J))
+        jacobians = tuple(
+            self._jacobian(k, coordinates, influence)
+            for k, interval in enumerate(loop.intervals)
+            if (influence := influences[interval.events][np.ix_(relevant, relevant)]).any()
+        )
         loop.restore(self._snapshots[-1], loop.time_s(self._multiple, loop.intervals[-1].end))
         rates, delay_s = loop.scenario.rates, loop.scenario.sensors.base_delay_s
         return PeriodJacobian(
             coordinates=coordinates,
-            instants=tuple(jacobians),
+            instants=jacobians,
             dt=loop.period_s,
             steps=round(loop.period_s / rates.plant_step_s),
             delay_steps=round(delay_s / rates.plant_step_s),
             joints=loop.vehicle.joint_names,
+            fastest=self._fastest,
             tool=self._tool_jacobian(),
         )
 
@@ -163,11 +160,6 @@ class Linearizer:
         )
         inputs = {i for i, group in enumerate(groups) if group.system == INPUT}
         return np.array(sorted(from_plant & to_plant | inputs))
-
-    def _is_at_rest(self, relevant: np.ndarray) -> bool:
-        """Returns True if no relevant value has changed over the period."""
-        first, last = self._values[0], self._values[-1]
-        return all(np.allclose(last[i], first[i], rtol=0, atol=1e-7) for i in relevant)
 
     def _jacobian(
         self, k: int, coordinates: StateCoordinates, influence: np.ndarray

@@ -19,24 +19,31 @@ LEAST_SHARE = 0.01
 """Smallest share of a participant."""
 
 
-def find_modes(system: SampledSystem) -> tuple[Eigenmode, ...]:
+def find_modes(system: SampledSystem, change_1_s: float = 0.0) -> tuple[Eigenmode, ...]:
     """Returns the modes of a system, the fastest growing first.
 
     One of each pair of complex conjugate eigenvalues is returned, and none with |z| below
-    `FORGOTTEN`.
+    `FORGOTTEN`. A growing mode is unstable if it is neither slower than `NEUTRAL_1_S` nor than
+    the system itself changes.
+
+    Args:
+        system: The system.
+        change_1_s: 1/s, rate at which its matrices change along a trajectory.
     """
     scale = system.state_scale
     values, left, right = eig(system.A / scale[:, None] * scale, left=True, right=True)
     names = [_participant(state) for state in system.states]
     order = np.argsort(-np.abs(values), kind="stable")
     return tuple(
-        _mode(values[i], np.abs(left[:, i] * right[:, i]), names, system.dt)
+        _mode(values[i], np.abs(left[:, i] * right[:, i]), names, system.dt, change_1_s)
         for i in order
         if values[i].imag >= 0 and abs(values[i]) >= FORGOTTEN
     )
 
 
-def _mode(z: complex, factors: np.ndarray, names: list[str], dt: float) -> Eigenmode:
+def _mode(
+    z: complex, factors: np.ndarray, names: list[str], dt: float, change_1_s: float
+) -> Eigenmode:
     shares: dict[str, float] = defaultdict(float)
     for name, factor in zip(names, factors / factors.sum(), strict=True):
         shares[name] += float(factor)
@@ -48,7 +55,7 @@ def _mode(z: complex, factors: np.ndarray, names: list[str], dt: float) -> Eigen
         frequency_hz=float(abs(exponent.imag) / (2 * np.pi)),
         damping=float(-exponent.real / abs(exponent)) if exponent else 0.0,
         participants=tuple(Participant(*item) for item in ranked if item[1] >= LEAST_SHARE),
-        is_stable=bool(exponent.real <= NEUTRAL_1_S),
+        is_stable=bool(exponent.real <= NEUTRAL_1_S or abs(exponent) <= change_1_s),
     )
 
 

@@ -15,6 +15,7 @@ from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.mpc.program import MpcProgram
 from aerodrake.model.mpc.solver import MpcSolver
 from aerodrake.model.qp.result import QpResult, QpStatus
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.station import RATES, add_closed_loop
@@ -120,6 +121,11 @@ class QuietLoop:
     def output(self, name: str) -> np.ndarray:
         """Returns the value (...,) of one of the outputs `MONITORED` of a flight."""
         return self.diagram.GetOutputPort(name).Eval(self.context).copy()
+
+    def fastest(self) -> float:
+        """Returns the largest velocity of base and joints, in m/s and rad/s."""
+        state = split_state(self.output("true_state"))
+        return float(np.abs(np.concatenate([state.omega_W, state.v_B, state.qdot])).max())
 
     @property
     def is_constrained(self) -> bool:
