@@ -1,1 +1,1 @@
-"""Conversion of an arm's own URDF into one that flies below a multirotor."""
+"""Vehicles for arms: conversion of an arm's own URDF, sizing of the multirotor, scenario."""
