@@ -23,10 +23,12 @@ LEAST_RAD_S2 = 0.1
 """Smallest acceleration limit of a joint without one."""
 HOLDING = 2.0
 """Effort of a joint without one, as a multiple of the largest torque that holds it."""
+LEAST_SHARE = 0.02
+"""Smallest effort of a joint without one, as a share of the arm's largest."""
 
 LAWS = {
     "effort": f"{HOLDING:g} times the largest torque that holds the links below, plus the torque "
-    f"of {ACCELERATION_RAD_S2:g} rad/s^2, in N m",
+    f"of {ACCELERATION_RAD_S2:g} rad/s^2, in N m, or {LEAST_SHARE:.0%} of the arm's largest",
     "velocity": f"{VELOCITY_RAD_S:g} rad/s",
     "acceleration": f"{ACCELERATION_RAD_S2:g} rad/s^2, or effort over the largest inertia",
 }
@@ -43,8 +45,9 @@ def complete_limits(arm: ArmTree, tool: str) -> Converted:
         if change:
             changes.setdefault(change, []).append(joint.name)
     loads = joint_loads(arm, list(ranged.values()))
+    strongest = max(_effort(joint.limits, loads[name]) for name, joint in ranged.items())
     complete = {
-        name: replace(joint, limits=_rated(joint.limits, loads[name]))
+        name: replace(joint, limits=_rated(joint.limits, loads[name], LEAST_SHARE * strongest))
         for name, joint in ranged.items()
     }
     for name, law in LAWS.items():
@@ -83,12 +86,18 @@ def _range(joint: ArmJoint) -> tuple[Limits, str]:
     return replace(limits, lower=lower, upper=upper), change
 
 
-def _rated(limits: Limits, load: Load) -> Limits:
+def _effort(limits: Limits, load: Load) -> float:
+    """Returns the effort limit, or the one that the load of its joint needs."""
+    if _is_given(limits.effort):
+        return limits.effort
+    return min(HOLDING * load.torque + ACCELERATION_RAD_S2 * load.inertia, LARGEST)
+
+
+def _rated(limits: Limits, load: Load, least_effort: float) -> Limits:
     """Returns the limits with those of effort, velocity and acceleration."""
     effort, velocity, acceleration = limits.effort, limits.velocity, limits.acceleration
     if not _is_given(effort):
-        needed = HOLDING * load.torque + ACCELERATION_RAD_S2 * load.inertia
-        effort = min(_rounded(needed), LARGEST)
+        effort = _rounded(max(_effort(limits, load), least_effort))
     if not _is_given(velocity):
         velocity = VELOCITY_RAD_S
     if not _is_given(acceleration):

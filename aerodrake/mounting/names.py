@@ -16,6 +16,10 @@ PREFIX = "arm_"
 """Prefix of renamed links."""
 UNREADABLE = re.compile(r"[^\w.-]+", re.ASCII)
 """Characters that separate names in Drake's scopes, or words in files."""
+ENDS = re.compile(rf"^{UNREADABLE.pattern}|{UNREADABLE.pattern}$", re.ASCII)
+"""Such characters at the beginning or end of a name."""
+NAMELESS = "unnamed"
+"""Name of a part without any other character."""
 
 
 def rename(arm: ArmTree) -> Converted:
@@ -51,7 +55,7 @@ def _renamed(given: Iterable[str], is_link: bool) -> dict[str, str]:
     names = list(given)
     taken, new = set(names), {}
     for name in names:
-        word = UNREADABLE.sub("_", name)
+        word = UNREADABLE.sub("_", ENDS.sub("", name)) or NAMELESS
         if is_link and (word in RESERVED or word.startswith(ROTOR)):
             word = PREFIX + word
         if word == name:

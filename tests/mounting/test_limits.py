@@ -56,3 +56,15 @@ def test_a_weak_motor_accelerates_slowly(tmp_path):
     arm = read(robot(link("a"), link("b"), joint("j", "a", "b")), tmp_path).arm
     inertia = joint_loads(arm, list(arm.joints))["j"].inertia
     assert limits.acceleration == pytest.approx(0.02 / inertia, rel=5e-3)
+
+
+def test_a_light_last_link_has_a_share_of_the_largest_effort(tmp_path):
+    limit = '<limit lower="-1" upper="1" effort="40" velocity="1"/>'
+    text = robot(
+        *map(link, "ab"),
+        link("c", 1e-3),
+        joint("j", "a", "b", inner=limit),
+        joint("k", "b", "c", inner=""),
+    )
+    arm, _ = complete_limits(read(text, tmp_path).arm, "c")
+    assert [joint.limits.effort for joint in arm.joints] == [40, 0.8]

@@ -30,7 +30,10 @@ def chain(*names: str) -> ArmTree:
         ("robot::link", "robot_link"),
         ("tool0", "tool0"),
         ("base_link", "base_link"),
-        ("bras_à", "bras__"),
+        ("/base_link", "base_link"),
+        ("_bras à", "_bras"),
+        ("été", "t"),
+        ("é", "unnamed"),
     ],
 )
 def test_names_of_links(name, new):
