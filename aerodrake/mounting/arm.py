@@ -106,7 +106,13 @@ class Limits:
 
 @dataclass(frozen=True)
 class Mimic:
-    """Relation of a joint's position to another's: multiplier * position + offset."""
+    """Relation of a joint's position to another's: multiplier * position + offset.
+
+    Attributes:
+        joint: Name of the other joint.
+        multiplier: Ratio of the positions.
+        offset: rad, or m of a prismatic joint.
+    """
 
     joint: str
     multiplier: float

@@ -99,14 +99,14 @@ def check_tree(arm: ArmTree) -> None:
     links = [link.name for link in arm.links]
     if not links:
         raise BadInput("", "", "expected links, got none")
-    children = Counter(joint.child for joint in arm.joints)
+    joints_above = Counter(joint.child for joint in arm.joints)
     for joint in arm.joints:
         for end, link in (("parent", joint.parent), ("child", joint.child)):
             if link not in links:
                 problem = f"<{end} link>: expected a link, got '{link}'; {nearest(link, links)}"
                 raise BadInput("", f"joint {joint.name}", problem)
-        if children[joint.child] > 1:
-            problem = f"expected one joint above '{joint.child}', got {children[joint.child]}"
+        if (count := joints_above[joint.child]) > 1:
+            problem = f"expected one joint above '{joint.child}', got {count}"
             raise BadInput("", f"joint {joint.name}", problem)
     for first in links:
         link, seen = first, {first}

@@ -51,13 +51,13 @@ def complete_limits(arm: ArmTree, tool: str) -> Converted:
         for name, joint in ranged.items()
     }
     for name, law in LAWS.items():
-        values = [
-            f"{joint.name} {shown(getattr(joint.limits, name))}"
-            for joint in complete.values()
-            if getattr(joint.limits, name) != getattr(ranged[joint.name].limits, name)
-        ]
+        values: dict[str, list[str]] = {}
+        for joint in complete.values():
+            if (value := getattr(joint.limits, name)) != getattr(ranged[joint.name].limits, name):
+                values.setdefault(shown(value), []).append(joint.name)
         if values:
-            changes[f"missing {name} limits are set to {law}"] = values
+            texts = [f"{value} ({', '.join(joints)})" for value, joints in values.items()]
+            changes[f"missing {name} limits are set to {law}"] = texts
     sentences = (f"{change}: {listed(names)}" for change, names in changes.items())
     return Converted(arm.with_joints(complete), tuple(sentences))
 

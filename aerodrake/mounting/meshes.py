@@ -23,7 +23,7 @@ Z_UP = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
 GREY = (0.7, 0.7, 0.7, 1.0)
 """Colour of meshes without one."""
 DIGITS = (6, 4, 3)
-"""Decimal digits of coordinates in m: fewer, if a mesh has too many faces."""
+"""Decimal digits of unscaled coordinates in m: fewer, if a mesh has too many faces."""
 MOST_FACES = 20_000
 """Largest number of faces of a mesh with all digits."""
 MOST_MESHES = 128
@@ -163,20 +163,25 @@ class _MeshWriter:
 
         stem, number = UNREADABLE.sub("_", file.stem), 1
         name = f"{stem}.obj"
-        while name in self._taken:
+        while name.lower() in self._taken:
             number += 1
             name = f"{stem}_{number}.obj"
-        self._taken.add(name)
+        self._taken.add(name.lower())  # Some systems do not tell capitals apart.
         # A mirrored mesh would be inside out.
         faces = part.faces[:, ::-1] if np.prod(scale) < 0 else part.faces
-        mesh = trimesh.Trimesh(part.vertices * scale, faces, process=False)
+        mesh = trimesh.Trimesh(part.vertices, faces, process=False)
         for digits in DIGITS:
-            mesh.merge_vertices(digits_vertex=digits)
-            mesh.update_faces(mesh.nondegenerate_faces())
+            merged = mesh.copy()
+            merged.merge_vertices(digits_vertex=digits)
+            merged.update_faces(merged.nondegenerate_faces())
+            if not len(merged.faces):  # The mesh is smaller than that.
+                break
+            mesh = merged
+            if digits < DIGITS[0]:
+                self.coarse[file.name] = None
             if len(mesh.faces) <= MOST_FACES:
                 break
-        if digits < DIGITS[0]:
-            self.coarse[file.name] = None
+        mesh.vertices = mesh.vertices * scale
         mesh.remove_unreferenced_vertices()
         text = mesh.export(file_type="obj", digits=DIGITS[0], header=None, include_normals=False)
         self._folder.mkdir(parents=True, exist_ok=True)
@@ -188,11 +193,10 @@ def _color(mesh: "trimesh.Trimesh") -> tuple[float, ...] | None:
     """Returns the colour of a mesh as fractions, that of a texture averaged; None without one."""
     if not mesh.visual.defined:
         return None
-    image = getattr(getattr(mesh.visual, "material", None), "image", None)
-    if image is not None:
-        mean = np.asarray(image.convert("RGB")).reshape(-1, 3).mean(axis=0)
-        rgba = np.append(mean, 255)
+    material = getattr(mesh.visual, "material", None)
+    textures = (getattr(material, name, None) for name in ("image", "baseColorTexture"))
+    if (image := next((image for image in textures if image is not None), None)) is not None:
+        rgba = np.append(np.asarray(image.convert("RGB")).reshape(-1, 3).mean(axis=0), 255)
     else:
-        visual = mesh.visual
-        rgba = visual.material.main_color if hasattr(visual, "material") else visual.main_color
+        rgba = mesh.visual.main_color if material is None else material.main_color
     return tuple((np.asarray(rgba)[:4] / 255).round(3).tolist())

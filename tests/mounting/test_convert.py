@@ -60,7 +60,7 @@ def test_it_says_all_that_it_changed(conversion):
         "joints that mimic another are fixed at -0.015 m: right",
         "joints that do not move the tool are fixed at 0 rad: other_joint",
         "continuous joints get the limits -6.283 and 6.283 rad: turn",
-        "or effort over the largest inertia: turn 15, bend 15, wrist 15",
+        "or effort over the largest inertia: 15 (turn, bend, wrist)",
         "links are renamed: base to arm_base, tool to arm_tool",
     ):
         assert expected in text

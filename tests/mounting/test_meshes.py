@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 from pydrake.geometry import Mesh
 
 from aerodrake.mounting.arm import ArmLink, ArmTree, Geometry, Pose
@@ -122,6 +123,16 @@ def test_a_file_of_several_colours_becomes_one_each(tmp_path):
     assert {first.file.name, second.file.name} == {"link.obj", "link_2.obj"}
 
 
+@pytest.mark.parametrize("ending", ["obj", "glb"])
+def test_a_texture_counts_with_its_mean_colour(ending, tmp_path):
+    mesh, image = box(), Image.new("RGB", (2, 1), (255, 0, 0))
+    image.putpixel((1, 0), (0, 0, 255))
+    mesh.visual = trimesh.visual.TextureVisuals(uv=np.zeros((8, 2)), image=image)
+    trimesh.Scene(mesh).export(tmp_path / f"link.{ending}")
+    (visual,) = written(tmp_path / f"link.{ending}", tmp_path)
+    assert visual.rgba == (0.5, 0, 0.5, 1)
+
+
 @pytest.mark.parametrize(("rgba", "expected"), [(None, (0.7, 0.7, 0.7, 1)), ((0, 1, 0, 1),) * 2])
 def test_a_mesh_without_colour_has_that_of_the_urdf(rgba, expected, tmp_path):
     box().export(tmp_path / "link.stl")
@@ -149,6 +160,25 @@ def test_fine_meshes_are_made_coarser(tmp_path):
     coarse = trimesh.load_mesh(tmp_path / visual.file)
     assert len(coarse.faces) < 20_000
     np.testing.assert_allclose(coarse.bounds, ball.bounds, atol=1e-3)
+
+
+def test_a_mesh_smaller_than_the_coarsest_grid_stays(tmp_path):
+    trimesh.creation.icosphere(subdivisions=6, radius=2e-4).export(tmp_path / "ball.stl")
+    (visual,) = written(tmp_path / "ball.stl", tmp_path, scale=(100.0, 100.0, 100.0))
+    coarse = trimesh.load_mesh(tmp_path / visual.file)
+    assert np.ptp(coarse.bounds, axis=0) == pytest.approx([0.04] * 3, abs=0.011)
+
+
+def test_files_differ_in_more_than_capitals(tmp_path):
+    for name in ("Link.stl", "link.stl"):
+        box().export(tmp_path / name, file_type="stl")
+    visuals = tuple(
+        Geometry(Pose(), "mesh", (1.0, 1.0, 1.0), tmp_path / name)
+        for name in ("Link.stl", "link.stl")
+    )
+    arm = ArmTree("arm", (ArmLink("a", visuals=visuals),), ())
+    link = write_meshes(arm, tmp_path / "meshes").arm.links[0]
+    assert [visual.file.name for visual in link.visuals] == ["Link.obj", "link_2.obj"]
 
 
 def test_a_changed_file_is_read_again(tmp_path):
