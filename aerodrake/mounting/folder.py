@@ -3,8 +3,11 @@
 import json
 from pathlib import Path
 
+from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.mounting.mount_arm import Mounted, mount_arm
 from aerodrake.mounting.request import Request
+from aerodrake.scenario.load import load_scenario
+from aerodrake.support.errors import BadInput
 from aerodrake.support.run_folder import run_folder
 from aerodrake.support.threads import single_thread
 from aerodrake.support.version import __version__
@@ -16,13 +19,18 @@ RESULTS = ("mounting.json",)
 def write_vehicle(request: Request, folder: Path) -> Mounted:
     """Writes the vehicle of an arm, its scenario and `mounting.json` into a folder.
 
-    An earlier one in the folder is replaced as a whole.
+    An earlier one in the folder is replaced as a whole. The vehicle has been read back.
 
     Raises:
         BadInput: as for `mount_arm`, or if the folder cannot be written or has other files.
     """
     with single_thread(), run_folder(folder, RESULTS) as new:
-        mounted = mount_arm(request, new)
+        try:
+            mounted = mount_arm(request, new)
+            VehicleModel.load(load_scenario(str(new / f"{request.name}.yaml")))
+        except BadInput as error:  # The hidden folder is of no use to anyone.
+            source = request.urdf if str(new) in error.source else error.source
+            raise BadInput(source, *error.args[1:]) from None
         content = {
             "version": __version__,
             "source": str(request.urdf),

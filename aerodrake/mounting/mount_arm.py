@@ -1,14 +1,12 @@
 """Mounting of an arm below a multirotor: from the arm's URDF to a vehicle and its scenario."""
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from scipy.stats.qmc import Halton
 
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.robot import BASE_FRAME, RobotDescription, make_nominal_plant
@@ -19,45 +17,26 @@ from aerodrake.mounting.arm import Pose
 from aerodrake.mounting.arm_urdf import read_arm
 from aerodrake.mounting.convert import convert
 from aerodrake.mounting.meshes import write_meshes
+from aerodrake.mounting.mounted import Mounted, choices
 from aerodrake.mounting.posture import Postures
-from aerodrake.mounting.request import PLACE, TURNED, Request
+from aerodrake.mounting.request import PLACE, Request
 from aerodrake.mounting.scenario_yaml import Start, scenario_yaml
 from aerodrake.mounting.sizing import Multirotor
 from aerodrake.mounting.tool import Tool
 from aerodrake.mounting.vehicle_urdf import VehicleDesign
 from aerodrake.mounting.working import Working, WorkingSearch
 from aerodrake.support.errors import BadInput
+from aerodrake.support.limits import THRUST_N
 from aerodrake.support.urdf import SUFFIX
 
 LEAST_HEIGHT, LEAST_CLEARANCE = 1.5, 1.0
 """Smallest initial height of the base, and of the lowest part of the vehicle, in m."""
+LARGEST_SHARE = 0.8
+"""Largest thrust in hover over the largest thrust, with given rotors."""
 SPARE_M = 0.02
 """Room between a tucked arm and the height that a landing needs."""
-LEANING = 0.02
-"""Mean height of the tool over its distance from the first joint, above which an arm stands."""
-SAMPLES = 64
-"""Number of configurations for that mean, and twice the weight of the one with joints at zero."""
-
-
-@dataclass(frozen=True)
-class Mounted:
-    """Mounted arm.
-
-    Attributes:
-        vehicle: The vehicle.
-        working: The arm's working configuration.
-        start: The start of a flight.
-        joints: Names of the joints, from the base to the tool.
-        changes: Sentences on changes of the arm's URDF.
-        choices: Sentences on what was chosen.
-    """
-
-    vehicle: VehicleDesign
-    working: Working
-    start: Start
-    joints: tuple[str, ...]
-    changes: tuple[str, ...]
-    choices: tuple[str, ...] = ()
+ATTITUDES = (math.pi, 0.0, 0.0), (0.0, 0.0, 0.0)
+"""Roll, pitch and yaw of an arm that is mounted upside down, and as it stands."""
 
 
 def mount_arm(request: Request, folder: Path) -> Mounted:
@@ -77,16 +56,16 @@ def mount_arm(request: Request, folder: Path) -> Mounted:
 
     path = folder / f"{request.name}{SUFFIX}"
     multirotor = Multirotor.for_arm(arm.mass, arm.reach(tool.link), request.given)
+    _check_thrust(multirotor, arm.mass, request)
     vehicle = VehicleDesign(arm, tool, multirotor, Pose(), is_filtered=False)
-    vehicle = replace(vehicle, mount=_mount(vehicle, request.mount, path))
-    working = _find_working(vehicle, path)
+    vehicle, working = _best(vehicle, request.mount, path)
     _check_torques(working, converted.joints, request.urdf)
-    if not request.mount:
+    if len(request.mount) <= PLACE:
         vehicle = replace(vehicle, mount=_turned(vehicle.mount, working))
     vehicle, start = _completed(vehicle, working, path)
     changes = (*converted.changes, *more)
     mounted = Mounted(vehicle, working, start, converted.joints, changes)
-    mounted = replace(mounted, choices=tuple(_sentences(mounted, request)))
+    mounted = replace(mounted, choices=tuple(choices(mounted, request)))
     path.write_text(vehicle.urdf((*mounted.choices, *changes)), encoding="utf-8")
     text = scenario_yaml(request, vehicle.multirotor, working, start)
     path.with_suffix(".yaml").write_text(text, encoding="utf-8")
@@ -99,23 +78,19 @@ def _plant(vehicle: VehicleDesign, path: Path) -> tuple[MultibodyPlant, SceneGra
     return make_nominal_plant(RobotDescription.read(str(path)))
 
 
-def _mount(vehicle: VehicleDesign, given: tuple[float, ...], path: Path) -> Pose:
-    """Returns the pose of the arm: upside down, unless it hangs from its first link already."""
-    if len(given) == TURNED:
-        return Pose(given[:PLACE], given[PLACE:])
-    depth = MOUNT_DEPTH * vehicle.multirotor.scale
-    xyz = given or (0.0, 0.0, -round(depth, 3))
-    plant, _ = _plant(vehicle, path)
-    postures = Postures(plant)
-    spread = Halton(len(postures.lower), scramble=False).random(SAMPLES)
-    sampled = postures.lower + spread * (postures.upper - postures.lower)
-    zero = np.clip(np.zeros(len(postures.lower)), postures.lower, postures.upper)
-    first = vehicle.arm.moving(vehicle.tool.link)[0].child
-    shoulder = vehicle.arm.poses()[first].translation()
-    configurations = (*sampled, *[zero] * (SAMPLES // 2))
-    tools = np.array([postures.at(q).tool - shoulder for q in configurations])
-    height = tools[:, 2].mean() / np.linalg.norm(tools, axis=1).mean()
-    return Pose(xyz, (math.pi, 0.0, 0.0) if height > LEANING else (0.0, 0.0, 0.0))
+def _best(
+    vehicle: VehicleDesign, given: tuple[float, ...], path: Path
+) -> tuple[VehicleDesign, Working]:
+    """Returns the vehicle with its mount, and the working configuration.
+
+    Unless it is given, the arm is mounted upside down or as it stands, whichever has the better
+    working configuration.
+    """
+    depth = round(MOUNT_DEPTH * vehicle.multirotor.scale, 3)
+    xyz, rpy = given[:PLACE] or (0.0, 0.0, -depth), given[PLACE:]
+    mounted = [replace(vehicle, mount=Pose(xyz, turn)) for turn in ([rpy] if rpy else ATTITUDES)]
+    found = [(vehicle, _find_working(vehicle, path)) for vehicle in mounted]
+    return min(found, key=lambda pair: pair[1].cost)
 
 
 def _find_working(vehicle: VehicleDesign, path: Path) -> Working:
@@ -131,6 +106,18 @@ def _turned(mount: Pose, working: Working) -> Pose:
     x, y = working.posture.tool[:2] - mount.xyz[:2]
     yaw = math.pi / 2 - math.atan2(y, x) if math.hypot(x, y) > 1e-3 else 0.0
     return mount._replace(rpy=(*mount.rpy[:2], round(math.remainder(yaw, math.tau), 4)))
+
+
+def _check_thrust(multirotor: Multirotor, arm_kg: float, request: Request) -> None:
+    """Raises BadInput if rotors cannot carry the vehicle."""
+    total, most = arm_kg + multirotor.mass, multirotor.rotors * multirotor.max_thrust / GRAVITY
+    if multirotor.max_thrust > THRUST_N[1]:
+        problem = f"expected an arm that {multirotor.rotors} rotors of {THRUST_N[1]:g} N can carry"
+        advice = "mount a part of it with --root, or scale it with --scale"
+        raise BadInput(request.urdf, "", f"{problem}, got one of {arm_kg:.4g} kg; {advice}")
+    if total > LARGEST_SHARE * most:
+        expected = f"expected rotors that hover with {LARGEST_SHARE:.0%} of their thrust or less"
+        raise BadInput("max_thrust", "", f"{expected}, got {total / most:.0%}")
 
 
 def _check_torques(working: Working, joints: tuple[str, ...], source: Path) -> None:
@@ -162,29 +149,3 @@ def _completed(vehicle: VehicleDesign, working: Working, path: Path) -> tuple[Ve
         hover=total * GRAVITY / (multirotor.rotors * multirotor.max_thrust),
     )
     return replace(vehicle, multirotor=multirotor, is_filtered=True), start
-
-
-def _sentences(mounted: Mounted, request: Request) -> Iterator[str]:
-    """Yields sentences on what was chosen."""
-    vehicle, working = mounted.vehicle, mounted.working
-    multirotor, tool, mount = vehicle.multirotor, vehicle.tool, vehicle.mount
-    yield f"arm: {len(mounted.joints)} joints, {vehicle.arm.mass:.3g} kg"
-    axis = " ".join(f"{x:.3g}" for x in tool.direction)
-    yield f"tool: link {tool.link} ({tool.reason}), pointing along ({axis}) of its frame"
-    if not request.mount:
-        way = "upside down" if mount.rpy[0] else "upright, since it hangs down like this"
-        yield f"mount: {-mount.xyz[2]:g} m below the base's origin, {way}, tool in front (y)"
-    yield (
-        f"multirotor: {multirotor.mass:g} kg, {multirotor.rotors} rotors of up to "
-        f"{multirotor.max_thrust:g} N on a circle of {multirotor.radius:g} m; hover takes "
-        f"{mounted.start.hover:.0%} of their thrust"
-    )
-    yield "rotors: as fast as the packaged 17 inch ones; larger ones are slower (vehicle.rotor)"
-    yield f"legs: {multirotor.feet:.2f} m deep, so that the vehicle can land with its arm tucked"
-    yield from (f"working configuration: {line}" for line in working.lines())
-    joint, ratio = mounted.joints[working.weakest[0]], working.weakest[1]
-    if ratio > 1:
-        yield f"caution: {joint} cannot hold the arm everywhere: up to {ratio:.0%} of its effort"
-    if working.overlap:
-        links = " and ".join(working.overlap.links)
-        yield f"caution: boxes of {links} overlap by {1000 * working.overlap.depth:.0f} mm there"

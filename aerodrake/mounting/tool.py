@@ -11,9 +11,9 @@ import numpy as np
 from aerodrake.mounting.arm import ArmJoint, ArmTree
 from aerodrake.support.errors import BadInput, nearest
 
-FINGER = re.compile(r"finger|jaw|claw|thumb|knuckle", re.IGNORECASE)
+FINGER = re.compile(r"finger|jaw|claw|thumb|knuckle|index|pinky", re.IGNORECASE)
 """Names of parts of a gripper, and of joints that move them."""
-GRIPPER = re.compile(rf"^(?!.*(roll|rot|wrist)).*(grip|{FINGER.pattern})", re.IGNORECASE)
+GRIPPER = re.compile(rf"^(?!.*(roll|rot|wrist)).*(grip|hand|{FINGER.pattern})", re.IGNORECASE)
 """Names of joints of a gripper, but not of the wrist that turns it."""
 MARKERS = (
     re.compile(r"tcp|grasp|pinch", re.IGNORECASE),
@@ -88,6 +88,11 @@ def _joints(path: Sequence[ArmJoint]) -> list[ArmJoint]:
     return arm or [joint for joint in moving if joint.mimic is None]
 
 
+def _after(path: Sequence[ArmJoint], own: Sequence[ArmJoint]) -> list[ArmJoint]:
+    """Returns the joints of a path after the last one of the arm's own."""
+    return [*itertools.takewhile(lambda joint: joint not in own[-1:], reversed(path))]
+
+
 def _of_gripper(joint: ArmJoint) -> bool:
     """Returns True if a joint moves a part of a gripper."""
     named = GRIPPER.search(joint.name) or FINGER.search(joint.child)
@@ -98,10 +103,9 @@ def _guess(arm: ArmTree) -> tuple[str, str]:
     """Returns the link of the tool and the reason."""
     counts = {}
     for link in arm.links:
-        path = arm.path(link.name)
-        own = _joints(path)
-        is_beyond = len(own) < sum(joint.kind != "fixed" for joint in path)
-        counts[link.name] = 0 if is_beyond else len(own)
+        own = _joints(arm.path(link.name))
+        beyond = [joint for joint in _after(arm.path(link.name), own) if joint.kind != "fixed"]
+        counts[link.name] = 0 if beyond else len(own)
     most = max(counts.values())
     last = [name for name, count in counts.items() if count == most]
     tips = set(arm.tips())

@@ -11,6 +11,7 @@ from scipy.stats.qmc import Halton
 
 from aerodrake.model.vehicle.overlap import Overlap, overlaps
 from aerodrake.mounting.posture import Posture, Postures
+from aerodrake.support.errors import BadInput
 
 SAMPLES = 512
 """Number of configurations that are compared: spread over the joints' range, in every second one
@@ -47,6 +48,7 @@ class Working:
         margin: Smallest distance of a joint from its limits, in rad.
         torques: (n,) joint torques in hover over their limits.
         overlap: Deepest overlap of links there; None if there is none.
+        cost: The cost of the search there.
         weakest: Index of the joint whose torque is over its limit by most at worst, and the ratio.
     """
 
@@ -56,6 +58,7 @@ class Working:
     margin: float
     torques: np.ndarray
     overlap: Overlap | None
+    cost: float
     weakest: tuple[int, float]
 
     @property
@@ -83,6 +86,9 @@ class WorkingSearch:
         scene_graph: The SceneGraph with its collision geometry.
         mount: (3,) m, where the arm is mounted, in the base frame.
         reach: m, largest distance of the tool from there.
+
+    Raises:
+        BadInput: if the joints do not move the tool.
     """
 
     def __init__(
@@ -101,6 +107,10 @@ class WorkingSearch:
         postures = [self._postures.at(q) for q in self._samples]
         values = np.array([self._singular_values(posture) for posture in postures])
         medians = np.median(values, axis=0)
+        if medians[0] < RANK * reach:
+            raise BadInput(
+                "tool", "", "expected a tool that the joints move, got one on their axes"
+            )
         self._rank = int(np.count_nonzero(medians > RANK * medians[0]))
         self._best = float(values[:, self._rank - 1].max())
         axes = np.array([self._axis_dexterity(posture) for posture in postures])
@@ -124,7 +134,7 @@ class WorkingSearch:
             for q, deep in zip(found, depths, strict=True)
         ]
         best = int(np.argmin(costs))
-        return self._measured(found[best], depths[best])
+        return self._measured(found[best], depths[best], costs[best])
 
     def cost(self, q: np.ndarray) -> float:
         """Returns the cost of joint angles q (n,) rad.
@@ -156,7 +166,7 @@ class WorkingSearch:
         }
         return float(sum(term**2 for term in terms.values()))
 
-    def _measured(self, q: np.ndarray, overlap: Overlap | None) -> Working:
+    def _measured(self, q: np.ndarray, overlap: Overlap | None, cost: float) -> Working:
         q = np.clip(np.round(q, 4), self._lower, self._upper)
         posture, effort = self._postures.at(q), self._postures.effort
         loads = np.abs(self._torques).max(axis=0) / effort
@@ -168,6 +178,7 @@ class WorkingSearch:
             margin=float(np.minimum(q - self._lower, self._upper - q).min()),
             torques=np.abs(posture.torque) / effort,
             overlap=overlap,
+            cost=cost,
             weakest=(weakest, float(loads[weakest])),
         )
 

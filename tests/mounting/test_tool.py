@@ -22,11 +22,18 @@ def tool(end: str, folder, wanted: str = "", axes: str = "zxx") -> Tool:
         (frame_link("jaw", "link_3", joint="revolute"), "link_3"),
         (frame_link("left_finger", "link_3", joint="prismatic"), "link_3"),
         (frame_link("wrist_roll_hand", "link_3", joint="revolute"), "wrist_roll_hand"),
+        (frame_link("hand_index_flex_1", "link_3", joint="revolute"), "link_3"),
         ("", "link_3"),
     ],
 )
 def test_the_link(end, link, tmp_path):
     assert tool(end, tmp_path).link == link
+
+
+def test_a_sliding_joint_before_the_arm_is_not_a_gripper(tmp_path):
+    text = serial_arm("zxx", end=frame_link("tcp", "link_3"))
+    text = text.replace('name="joint_1" type="revolute"', 'name="lift" type="prismatic"')
+    assert Tool.of(read_text(text, tmp_path)).link == "tcp"
 
 
 def test_the_end_of_a_link_is_twice_as_far_as_its_centre_of_mass(tmp_path):

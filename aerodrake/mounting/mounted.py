@@ -1,0 +1,57 @@
+"""Mounted arm, and sentences on what was chosen for it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from aerodrake.mounting.request import PLACE, Request
+from aerodrake.mounting.scenario_yaml import Start
+from aerodrake.mounting.vehicle_urdf import VehicleDesign
+from aerodrake.mounting.working import Working
+
+
+@dataclass(frozen=True)
+class Mounted:
+    """Mounted arm.
+
+    Attributes:
+        vehicle: The vehicle.
+        working: The arm's working configuration.
+        start: The start of a flight.
+        joints: Names of the joints, from the base to the tool.
+        changes: Sentences on changes of the arm's URDF.
+        choices: Sentences on what was chosen.
+    """
+
+    vehicle: VehicleDesign
+    working: Working
+    start: Start
+    joints: tuple[str, ...]
+    changes: tuple[str, ...]
+    choices: tuple[str, ...] = ()
+
+
+def choices(mounted: Mounted, request: Request) -> Iterator[str]:
+    """Yields sentences on what was chosen."""
+    vehicle, working = mounted.vehicle, mounted.working
+    multirotor, tool, mount = vehicle.multirotor, vehicle.tool, vehicle.mount
+    yield f"arm: {len(mounted.joints)} joints, {vehicle.arm.mass:.3g} kg"
+    axis = " ".join(f"{x:.3g}" for x in tool.direction)
+    yield f"tool: link {tool.link} ({tool.reason}), pointing along ({axis}) of its frame"
+    if len(request.mount) <= PLACE:
+        way = "upside down" if mount.rpy[0] else "as it stands in its file"
+        yield f"mount: {-mount.xyz[2]:g} m below the base's origin, {way}, tool in front (y)"
+    yield (
+        f"multirotor: {multirotor.mass:g} kg, {multirotor.rotors} rotors of up to "
+        f"{multirotor.max_thrust:g} N on a circle of {multirotor.radius:g} m; hover takes "
+        f"{mounted.start.hover:.0%} of their thrust"
+    )
+    yield "rotors: as fast as the packaged 17 inch ones; larger ones are slower (vehicle.rotor)"
+    yield f"legs: {multirotor.feet:.2f} m deep, so that the vehicle can land with its arm tucked"
+    yield from (f"working configuration: {line}" for line in working.lines())
+    joint, ratio = mounted.joints[working.weakest[0]], working.weakest[1]
+    if ratio > 1:
+        yield f"caution: {joint} cannot hold the arm everywhere: up to {ratio:.0%} of its effort"
+    if working.overlap:
+        links = " and ".join(working.overlap.links)
+        depth = f"{1000 * working.overlap.depth:.0f} mm"
+        yield f"caution: collision geometry of {links} overlaps by {depth} there"
