@@ -21,7 +21,6 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPo
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.coordinator import make_coordinator
-from aerodrake.model.low_level.joint_pid import JointPid
 from aerodrake.model.supervision.rotor_monitor import RotorMonitor
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
@@ -145,8 +144,8 @@ def make_station(
             scenario, vehicle.trim_state, flight_controller.trim_acceleration, replacements.part()
         )
     )
-    pid = JointPid.make(scenario.arm, vehicle, rates.arm_period_s)
-    builder.AddNamedSystem("arm_controller", ArmController(pid, vehicle, offset))
+    arm_controller = ArmController(scenario.arm, vehicle, rates.arm_period_s, offset)
+    builder.AddNamedSystem("arm_controller", arm_controller)
     monitor = RotorMonitor.make(
         vehicle, rotor, trim_thrust, scenario.filter.delay_s, rates.sensor_period_s
     )

@@ -10,7 +10,6 @@ from pydrake.systems.framework import LeafSystem
 
 from aerodrake.coordinator import make_coordinator
 from aerodrake.model.equivalent.model import EquivalentModel
-from aerodrake.model.low_level.joint_pid import JointPid
 from aerodrake.model.mpc.clik import InverseKinematics
 from aerodrake.model.mpc.formulation import MpcFormulation
 from aerodrake.model.reference.curves import make_reference
@@ -87,8 +86,8 @@ def test_every_constructor_checks_its_arguments(system):
             "vehicle: expected VehicleModel",
         ),
         (
-            lambda v: ArmController(JointPid.make(Arm(), v, 1)._replace(dt=0), v, 0),
-            "pid: dt: expected more than 0 s, got 0",
+            lambda v: ArmController(Arm(), v, 0, 0),
+            "period: expected more than 0 s, got 0",
         ),
         (lambda v: MpcSystem(Mpc()), "formulation: expected MpcFormulation, got Mpc("),
         (lambda v: ResidualEstimator(None, None, Residual()), "model: expected EquivalentModel"),

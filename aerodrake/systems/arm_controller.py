@@ -1,14 +1,16 @@
 """Arm controller: the joints' low-level controller."""
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from aerodrake.model.low_level.joint_pid import JointPid, control
-from aerodrake.model.vehicle.state import VehicleState
+from aerodrake.model.vehicle.arm_inertia import ArmInertia
+from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.support.arguments import Duration, Timed, checked
+from aerodrake.scenario import Arm
+from aerodrake.support.arguments import Duration, Period, checked
 from aerodrake.systems.named_state import NamedState
 
 
@@ -35,21 +37,23 @@ class ArmController(LeafSystem):
     State:
         `integral` (n) N m, `joint_torque` (n) N m.
     Rate:
-        the period of `pid`, after `offset`, so that it uses the MPC's command of the same
-        instant.
+        `period`, after `offset`, so that it uses the MPC's command of the same instant.
+
+    Accelerations become torques through the arm's inertia at the measured angles. With `inertia`
+    diagonal, each joint has the inertia of its own in the working configuration.
 
     Args:
-        pid: Gains and limits; its dt is the period.
-        vehicle: Gives the trim.
+        config: Gains.
+        vehicle: Inertia, damping, limits and trim.
+        period: s.
         offset: s, time of the first update.
     """
 
     @checked
-    def __init__(
-        self, pid: Annotated[JointPid, Timed("dt")], vehicle: VehicleModel, offset: Duration
-    ):
+    def __init__(self, config: Arm, vehicle: VehicleModel, period: Period, offset: Duration):
         super().__init__()
-        self._pid = pid
+        self._pid = JointPid.make(config, vehicle, period)
+        self._inertia = ArmInertia(vehicle.plant) if config.inertia == "coupled" else None
         n = vehicle.joints
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
         self._setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * n)
@@ -58,17 +62,17 @@ class ArmController(LeafSystem):
         self.DeclareVectorOutputPort(
             "torque_at_limit", n, self._calc_at_limit, prerequisites_of_calc={self.xd_ticket()}
         )
-        self.DeclarePeriodicDiscreteUpdateEvent(pid.dt, offset, self._update)
+        self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
 
     def _calc_at_limit(self, context: Context, output: BasicVector) -> None:
         torque = self._last.read(context).joint_torque
         output.SetFromVector(np.abs(torque) >= self._pid.effort)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        pid, state = self._pid, self._state.Eval(context)
+        if self._inertia is not None:
+            pid = pid._replace(inertia=self._inertia.at(split_state(state).q))
         torque, integral = control(
-            self._pid,
-            self._state.Eval(context),
-            self._setpoint.Eval(context),
-            self._last.read(context).integral,
+            pid, state, self._setpoint.Eval(context), self._last.read(context).integral
         )
         self._last.write(discrete, ArmState(integral, torque))

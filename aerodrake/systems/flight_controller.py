@@ -7,7 +7,7 @@ from aerodrake.model.low_level.flight_state import FlightOutputs, FlightState
 from aerodrake.model.low_level.inner_loop import InnerLoop, inner_loop
 from aerodrake.model.low_level.outer_loop import OuterLoop, outer_loop
 from aerodrake.model.low_level.thrust_allocation import allocate
-from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.model.vehicle.state import BASE_VELOCITIES, VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.model.vehicle.whole_body import WholeBody, commanded_motion, rigid_body_effort
 from aerodrake.scenario import Flight, Rotor
@@ -54,10 +54,11 @@ class FlightController(LeafSystem):
     receives the commanded thrust: rotors that rise faster than they fall give more on average,
     which it estimates as a disturbance.
 
-    With `feedforward` torque, the inverse dynamics of base and arm give the torque of the arm's
-    commanded motion, and with whole_body the force as well, which tilts the base. Without them
-    the controller's model is a rigid body with its mass at the origin, and the observers estimate
-    the rest.
+    With `feedforward` torque, inverse dynamics give the torque of weight, acceleration of the base
+    and rates of the arm, in the arm's commanded configuration. With whole_body they give the
+    torque of the joints' accelerations and the force of the arm's motion as well, which tilts the
+    base. Without them the controller's model is a rigid body with its mass at the origin, and the
+    observers estimate the rest.
 
     Attributes:
         trim_acceleration: (6,) `acceleration` in trim. Without feedforward it is not
@@ -121,8 +122,8 @@ class FlightController(LeafSystem):
         rigid_body = rigid_body_effort(self._inner.mass, self._inner.inertia, state, a_B)
         if self._whole_body is None:
             return rigid_body
-        setpoint = self._joint_setpoint.Eval(context)
-        effort = self._whole_body.effort(*commanded_motion(state, setpoint, a_B))
-        if self._feedforward == "torque":
-            effort[3:6] = rigid_body[3:6]
-        return effort
+        x, vdot = commanded_motion(state, self._joint_setpoint.Eval(context), a_B)
+        if self._feedforward == "whole_body":
+            return self._whole_body.effort(x, vdot)
+        vdot[BASE_VELOCITIES:] = 0.0
+        return np.concatenate((self._whole_body.effort(x, vdot)[:3], rigid_body[3:6]))

@@ -4,6 +4,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from aerodrake.model.low_level.torque_limits import compensation, within_limits
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Arm
@@ -12,15 +13,19 @@ from aerodrake.support.compiled import compiled
 
 
 class JointPid(NamedTuple):
-    """Gains and limits of torque = M (k_p e + k_d e') + integral, without windup.
+    """Gains and limits of torque = M (k_p e + k_d e') + D q_r' + integral, without windup.
 
-    The inertia M decouples the joints. The first two terms are k_d times the error between the
-    joint's rate and the desired rate q_d' + e k_p / k_d. As in a cascade, the desired rate is
-    limited: by the joint's velocity limit, and by k_p / k_d times the distance to its stop. Hence
-    no position error drives a joint faster than its limit or into a stop.
+    The inertia M decouples the joints, so that their poles do not depend on the arm. The first two
+    terms are accelerations: k_d times the error between the joint's rate and the reference rate
+    q_r' = q_d' + e k_p / k_d. As in a cascade, the reference rate is limited: by the joint's
+    velocity limit, and by k_p / k_d times the distance to its stop. Hence no position error drives
+    a joint faster than its limit or into a stop. The viscous torque D is that of the reference
+    rate, as in J.-J. Slotine and W. Li, "On the adaptive control of robot manipulators", 1987: with
+    the measured rate, an overestimated D would be unstable.
 
     Attributes:
-        inertia: (n, n) kg m^2, M.
+        inertia: (n, n) kg m^2, M in the working configuration; diagonal for independent PIDs.
+        damping: (n,) N m s/rad, D.
         k_p: 1/s^2.
         k_d: 1/s.
         k_i: 1/s^3.
@@ -31,6 +36,7 @@ class JointPid(NamedTuple):
     """
 
     inertia: np.ndarray
+    damping: np.ndarray
     k_p: float
     k_d: float
     k_i: float
@@ -43,14 +49,18 @@ class JointPid(NamedTuple):
     @classmethod
     @checked
     def make(cls, arm: Arm, vehicle: VehicleModel, dt: Period) -> Self:
-        """Returns gains that give each joint the bandwidth and damping of `arm`; dt in s."""
-        inertia = np.ascontiguousarray(vehicle.arm_inertia)
+        """Returns the PID with bandwidth and damping ratio of `arm`; dt in s.
+
+        The independent PIDs of `arm.inertia` diagonal are the paper's, which know no damping.
+        """
+        inertia, damping = np.ascontiguousarray(vehicle.arm_inertia), vehicle.joint_damping
         if arm.inertia == "diagonal":
-            inertia = np.diag(np.diag(inertia))
+            inertia, damping = np.diag(np.diag(inertia)), np.zeros(vehicle.joints)
         k_p = arm.bandwidth_rad_s**2
         k_d = 2 * arm.damping * arm.bandwidth_rad_s
+        k_i = k_p * arm.integral_rad_s
         limits = vehicle.effort, vehicle.velocity, vehicle.lower, vehicle.upper
-        return cls(inertia, k_p, k_d, k_p * arm.integral_rad_s, *limits, dt)
+        return cls(inertia, damping, k_p, k_d, k_i, *limits, dt)
 
 
 @compiled
@@ -59,9 +69,11 @@ def control(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Returns the torques, and the integral one period later.
 
-    The integral is that of the position error or, while the desired rate is limited, of the
-    error of the rate over k_p / k_d. It neither drives the torque beyond its limit, nor exceeds
-    that limit by itself.
+    The integral is that of k_i (M + D / k_d) times the position error or, while the reference rate
+    is limited, the error of the rate over k_p / k_d: it is as fast for any M and D. A joint whose
+    torque is at its limit, and whose error drives it further, does not integrate; its error would
+    displace the other joints through M. The integral neither drives a torque beyond its limit, nor
+    exceeds that limit by itself.
 
     Args:
         pid: Gains and limits.
@@ -74,27 +86,20 @@ def control(
     """
     _, _, q, _, _, qdot = split_state(state)
     n = len(q)
-    acceleration, drive = np.empty(n), np.empty(n)
-    stiffness = pid.k_p / pid.k_d
+    error, stiffness = setpoint[:n] - q, pid.k_p / pid.k_d
+    rate, drive = setpoint[n : 2 * n] + stiffness * error, error.copy()
     for i in range(n):
-        error, rate_error = setpoint[i] - q[i], setpoint[n + i] - qdot[i]
-        rate = setpoint[n + i] + stiffness * error
         highest = min(pid.velocity[i], stiffness * (pid.upper[i] - q[i]))
         lowest = max(-pid.velocity[i], stiffness * (pid.lower[i] - q[i]))
-        excess = rate - min(max(rate, lowest), highest)
-        acceleration[i] = pid.k_p * error + pid.k_d * (rate_error - excess)
-        drive[i] = error if excess == 0 else error + (rate_error - excess) / stiffness
-    desired = pid.inertia @ acceleration + integral
-    step = pid.k_i * pid.dt * (pid.inertia @ drive)
-    torque, new_integral = np.empty(n), np.empty(n)
-    for i in range(n):
-        torque[i] = _clipped(desired[i], pid.effort[i])
-        room = max(pid.effort[i] - desired[i], 0.0), max(pid.effort[i] + desired[i], 0.0)
-        winding = min(max(step[i], -room[1]), room[0])
-        new_integral[i] = _clipped(integral[i] + winding, pid.effort[i])
-    return torque, new_integral
-
-
-@compiled
-def _clipped(value: float, limit: float) -> float:
-    return np.minimum(np.maximum(value, -limit), limit)
+        limited = min(max(rate[i], lowest), highest)
+        if limited != rate[i]:
+            rate[i], drive[i] = limited, (limited - qdot[i]) / stiffness
+    desired = pid.inertia @ (pid.k_d * (rate - qdot)) + pid.damping * rate + integral
+    torque = within_limits(pid.inertia, desired, pid.effort)
+    is_winding = (np.abs(torque) >= pid.effort) & (torque * drive > 0)
+    drive = np.where(is_winding, 0.0, drive)
+    step = pid.k_i * pid.dt * (pid.inertia @ drive + pid.damping / pid.k_d * drive)
+    step += compensation(pid.inertia, is_winding, -step)
+    step = np.minimum(np.maximum(step, -pid.effort - torque), pid.effort - torque)
+    new_integral = integral + np.where(is_winding, 0.0, step)
+    return torque, np.minimum(np.maximum(new_integral, -pid.effort), pid.effort)

@@ -9,6 +9,7 @@ import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 
+from aerodrake.model.vehicle.arm_inertia import reduced_inertia
 from aerodrake.model.vehicle.overlap import deepest_overlap
 from aerodrake.model.vehicle.robot import (
     BASE_FRAME,
@@ -58,8 +59,8 @@ class VehicleModel:
         mass: kg, base and arm.
         inertia: (3, 3) kg m^2, of base and arm in the working configuration,
             about their common centre of mass, in the base frame.
-        arm_inertia: (n, n) kg m^2, inertia of the joints there, with a free base:
-            M_qq - M_qb M_bb^-1 M_bq.
+        arm_inertia: (n, n) kg m^2, inertia of the arm there, with a free base; see `ArmInertia`.
+        joint_damping: (n,) N m s/rad, viscous damping of each joint.
         trim_wrench: (4,) [N, N m, N m, N m], wrench of the rotors in hover there.
         trim_torque: (n,) N m, joint torques in hover there.
     """
@@ -82,6 +83,7 @@ class VehicleModel:
     mass: float
     inertia: np.ndarray
     arm_inertia: np.ndarray
+    joint_damping: np.ndarray
     trim_wrench: np.ndarray
     trim_torque: np.ndarray
 
@@ -174,7 +176,8 @@ class VehicleModel:
             tool_axis=X_BE.rotation().multiply(TOOL_AXIS),
             mass=inertia.get_mass(),
             inertia=inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3(),
-            arm_inertia=_arm_inertia(plant.CalcMassMatrix(context)),
+            arm_inertia=reduced_inertia(plant.CalcMassMatrix(context)),
+            joint_damping=np.array([joint.default_damping() for joint in arm_joints(plant)]),
             trim_wrench=-gravity[[5, 0, 1, 2]],  # Generalized forces are [torque, force].
             trim_torque=-gravity[BASE_VELOCITIES:],
         )
@@ -202,12 +205,6 @@ class VehicleModel:
                 )
 
 
-def _arm_inertia(M: np.ndarray) -> np.ndarray:
-    """Returns the inertia (n, n) of the joints with a free base, from the mass matrix."""
-    b, a = slice(BASE_VELOCITIES), slice(BASE_VELOCITIES, None)
-    return M[a, a] - M[a, b] @ np.linalg.solve(M[b, b], M[b, a])
-
-
 def _check_inertia(M: np.ndarray, names: Sequence[str], robot: str) -> None:
     """Raises BadInput if the base, or a joint with the links beyond it, has no inertia."""
     places = [*["the base and the arm"] * BASE_VELOCITIES, *names]
@@ -216,7 +213,7 @@ def _check_inertia(M: np.ndarray, names: Sequence[str], robot: str) -> None:
             problem = "expected links with masses and inertias that can be moved"
             got = f"got {inertia:.4g} kg or kg m^2 at {place}"
             raise BadInput(robot, "", f"{problem}, {got}")
-    for name, inertia in zip(names, np.diag(_arm_inertia(M)), strict=True):
+    for name, inertia in zip(names, np.diag(reduced_inertia(M)), strict=True):
         if not inertia > LIGHTEST:
             problem = "expected links beyond it with a moment of inertia about its axis"
             raise BadInput(robot, f"joint {name}", f"{problem}, got {inertia:.4g} kg m^2")

@@ -24,7 +24,7 @@ def make_pid(inertia, k_p, k_d, k_i, velocity=3.0, stop=9.0) -> JointPid:
     """Returns joints with a torque limit of 4 N m each."""
     same = np.ones(len(inertia))
     limits = 4 * same, velocity * same, -stop * same, stop * same
-    return JointPid(np.array(inertia), k_p, k_d, k_i, *limits, DT)
+    return JointPid(np.array(inertia), 0 * same, k_p, k_d, k_i, *limits, DT)
 
 
 def tick(pid: JointPid, error, rate_error, integral) -> tuple[np.ndarray, np.ndarray]:
