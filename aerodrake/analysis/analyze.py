@@ -32,9 +32,6 @@ SHORT_SETTLE_S = 0.1
 AT_REST, RUNAWAY = 0.02, 3.0
 """Largest velocities of base and joints, in m/s and rad/s, at rest, and in hover."""
 
-CHANGES_PER_VELOCITY = 2.0
-"""1/m and 1/rad: rate at which the matrices change along a path, over the largest velocity."""
-
 
 def analyze_hover(scenario: Scenario) -> OperatingPoint:
     """Returns the sampled closed loop of a scenario in hover, without margins and responses.
@@ -124,8 +121,7 @@ def _linearized(quiet: QuietLoop) -> PeriodJacobian:
 
 
 def _point(loop: LinearLoop, time_s: float | None) -> OperatingPoint:
-    modes = find_modes(loop.system, CHANGES_PER_VELOCITY * loop.period.fastest)
-    return OperatingPoint(time_s, loop.system, modes)
+    return OperatingPoint(time_s, loop.system, find_modes(loop))
 
 
 def _path(

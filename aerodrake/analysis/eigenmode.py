@@ -24,8 +24,8 @@ class Eigenmode:
     Attributes:
         eigenvalue: z, per period; of a pair the one with positive imaginary part.
         growth_1_s: 1/s, ln|z| / dt; negative for a decaying mode.
-        frequency_hz: arg(z) / (2 pi dt). A faster oscillation appears at its alias below the
-            Nyquist frequency 1 / (2 dt), 25 Hz for a period of 20 ms.
+        frequency_hz: Of the oscillation, phase of z over 2 pi dt. Its alias is resolved by the
+            motion of the plant within the period.
         damping: Damping ratio, -growth over the magnitude of ln(z) / dt; 1 for a decay without
             oscillation, negative for an unstable mode.
         participants: The largest share first; shares below 1 % are omitted.

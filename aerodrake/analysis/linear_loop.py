@@ -36,6 +36,24 @@ class Variation(NamedTuple):
     joint_gain: float = 1.0
 
 
+class PeriodMatrices(NamedTuple):
+    """Matrices of one period: x[k+1] = A x[k] + B u[k], and the plant at its steps in between.
+
+    Attributes:
+        A: (nx, nx).
+        B: (nx, nu).
+        plant: (steps + 1, 12 + 2 n, nx), plant's state after each step, from 0 on, for u = 0.
+        names: nx names of the states.
+        dt: s, the period.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    plant: np.ndarray
+    names: tuple[str, ...]
+    dt: float
+
+
 @dataclass(frozen=True, eq=False)
 class LinearLoop:
     """Linear system of one period, for any variation of the loop.
@@ -67,32 +85,39 @@ class LinearLoop:
 
         It has the states on which the plant acts and that act on the plant.
         """
-        A, B, names = self._matrices(Variation())
-        keep = self._in_loop(A)
-        A, B = A[np.ix_(keep, keep)], B[keep]
+        A, B, _, names, _ = self.matrices(Variation())
         C = np.zeros((len(TOOL), len(names)))
-        C[:, self._plant[: 6 + len(self.period.joints)]] = self.period.tool
+        C[:, [names.index(name) for name in self._positions]] = self.period.tool
         _, (scale, _) = matrix_balance(A, permute=False, separate=True)
         return SampledSystem(
             A=A,
             B=B,
-            C=C[:, keep],
+            C=C,
             D=np.zeros((len(TOOL), len(self.inputs))),
             dt=self.period.dt,
-            states=tuple(names[i] for i in keep),
+            states=names,
             inputs=self.inputs,
             outputs=TOOL,
             state_scale=scale,
         )
 
-    def eigenvalues(self, variation: Variation) -> np.ndarray:
-        """Returns the eigenvalues (nx,) of the loop with a variation."""
-        A, _, _ = self._matrices(variation)
-        keep = self._in_loop(A)
-        return np.linalg.eigvals(A[np.ix_(keep, keep)])
+    def matrices(self, variation: Variation) -> PeriodMatrices:
+        """Returns the matrices of the loop with a variation.
 
-    def _matrices(self, variation: Variation) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
-        """Returns A and B with all states of `period`, and the names of the states.
+        Their states are those on which the plant acts, and that act on the plant.
+        """
+        A, B, plant, names, _ = self._all_matrices(variation)
+        keep = self._in_loop(A)
+        return PeriodMatrices(
+            A[np.ix_(keep, keep)],
+            B[keep],
+            plant[:, :, keep],
+            tuple(names[i] for i in keep),
+            self.period.dt,
+        )
+
+    def _all_matrices(self, variation: Variation) -> PeriodMatrices:
+        """Returns the matrices with all states of `period`.
 
         Times are in plant steps from the start of the period.
         """
@@ -105,12 +130,13 @@ class LinearLoop:
         # Rows: the state, now. Columns: the state at the start of the period, and the noise.
         M = np.eye(size, size + noisy)
         past = {time: M[n + b * i : n + b * (i + 1)].copy() for i, time in enumerate(times)}
-        past[0] = M[base]
+        past[0], plant = M[base], [M[self._plant]]
         for instant in period.instants:
             M[instant.rows] = self._varied(instant, variation) @ M[instant.columns]
             time, quarters = divmod(instant.instant, QUARTERS)
             if quarters == 0:
                 past[time + 1] = M[base]
+                plant.append(M[self._plant])
             if sample[0] in instant.rows:
                 M[sample[self._in_base]] = past[time + 1 - delay]
                 M[sample[:noisy], size:] += np.eye(noisy)
@@ -122,7 +148,13 @@ class LinearLoop:
         keep = np.setdiff1d(np.arange(size), constant)
         inputs = np.concatenate([constant, np.arange(size, size + noisy)])
         names = np.array([*names, *history])[keep]
-        return M[np.ix_(keep, keep)], M[np.ix_(keep, inputs)], tuple(map(str, names))
+        return PeriodMatrices(
+            M[np.ix_(keep, keep)],
+            M[np.ix_(keep, inputs)],
+            np.array(plant)[:, :, keep],
+            tuple(map(str, names)),
+            period.dt,
+        )
 
     def _history(self, delay: int) -> list[int]:
         """Returns the times before the period at which the base's state is needed."""
@@ -166,6 +198,11 @@ class LinearLoop:
     @cached_property
     def _plant(self) -> np.ndarray:
         return self._coordinates("plant")
+
+    @property
+    def _positions(self) -> tuple[str, ...]:
+        """Names of the 6 + n positions of the plant."""
+        return tuple(self.period.coordinates.names[i] for i in self._plant[: len(self._plant) // 2])
 
     @property
     def _in_base(self) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from aerodrake.analysis.linear_loop import LinearLoop, Variation
 from aerodrake.analysis.margins import StabilityLimit, StabilityMargin
-from aerodrake.analysis.modes import NEUTRAL_1_S
+from aerodrake.analysis.modes import NEUTRAL_1_S, exponent_of
 
 LONGEST_DELAY_S = 0.2
 """s, end of the search for the delay margin."""
@@ -66,27 +66,28 @@ def _limit(
         precision: Largest distance of the limit from a stable value, relative if below 1.
     """
 
-    def eigenvalues(value: float) -> np.ndarray:
-        return loop.eigenvalues(vary(value))
-
-    def is_stable(z: np.ndarray) -> bool:
+    def is_stable(value: float) -> bool:
+        z = np.linalg.eigvals(loop.matrices(vary(value)).A)
         return bool(np.log(np.abs(z).max()) / loop.period.dt <= NEUTRAL_1_S)
 
     stable = values[0]
-    if not is_stable(eigenvalues(stable)):
+    if not is_stable(stable):
         return None
-    for value in values[1:]:
-        if is_stable(z := eigenvalues(value)):
-            stable = value
+    for unstable in values[1:]:
+        if is_stable(unstable):
+            stable = unstable
             continue
-        unstable = value
         while abs(unstable - stable) > precision * (1.0 if precision >= 1 else unstable):
             middle = (stable + unstable) / 2
-            if is_stable(z_middle := eigenvalues(middle)):
-                stable = middle
-            else:
-                unstable, z = middle, z_middle
-        critical = z[np.argmax(np.abs(z))]
-        hz = abs(np.angle(critical)) / (2 * np.pi * loop.period.dt)
-        return StabilityLimit(float(unstable), float(hz))
+            stable, unstable = (middle, unstable) if is_stable(middle) else (stable, middle)
+        return StabilityLimit(float(unstable), _frequency_hz(loop, vary(unstable)))
     return None
+
+
+def _frequency_hz(loop: LinearLoop, variation: Variation) -> float:
+    """Returns the frequency of the fastest growing mode of a variation."""
+    period = loop.matrices(variation)
+    values, vectors = np.linalg.eig(period.A)
+    critical = np.argmax(np.abs(values))
+    exponent = exponent_of(values[critical], vectors[:, critical], period)
+    return exponent.imag / (2 * np.pi * loop.period.dt)

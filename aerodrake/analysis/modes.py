@@ -1,4 +1,4 @@
-"""Modes of a sampled system."""
+"""Modes of a linear loop."""
 
 from collections import defaultdict
 
@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import eig
 
 from aerodrake.analysis.eigenmode import Eigenmode, Participant
-from aerodrake.analysis.sampled_system import SampledSystem
+from aerodrake.analysis.linear_loop import LinearLoop, PeriodMatrices, Variation
 
 NEUTRAL_1_S = 0.02
 """1/s, growth up to which a mode is stable. An angle of the arm that neither the tool's position
@@ -15,48 +15,80 @@ nor a cost of the MPC depends on has a mode with neither growth nor decay, as an
 FORGOTTEN = 0.05
 """|z| below which a mode is omitted: most of it is gone after one period."""
 
+RESOLVED = 0.5
+"""|z| below which an oscillation decays too fast to have other frequencies than the lowest."""
+
+CHANGES_PER_VELOCITY = 2.0
+"""1/m and 1/rad: rate at which the matrices change along a path, over the largest velocity."""
+
 LEAST_SHARE = 0.01
 """Smallest share of a participant."""
 
 
-def find_modes(system: SampledSystem, change_1_s: float = 0.0) -> tuple[Eigenmode, ...]:
-    """Returns the modes of a system, the fastest growing first.
+def find_modes(loop: LinearLoop) -> tuple[Eigenmode, ...]:
+    """Returns the modes of a loop, the fastest growing first.
 
     One of each pair of complex conjugate eigenvalues is returned, and none with |z| below
     `FORGOTTEN`. A growing mode is unstable if it is neither slower than `NEUTRAL_1_S` nor than
-    the system itself changes.
+    the loop itself changes.
+    """
+    period, scale = loop.matrices(Variation()), loop.system.state_scale
+    values, left, right = eig(period.A / scale[:, None] * scale, left=True, right=True)
+    names = [_participant(state) for state in period.names]
+    chosen = [
+        i
+        for i in np.argsort(-np.abs(values), kind="stable")
+        if values[i].imag >= 0 and abs(values[i]) >= FORGOTTEN
+    ]
+    modes = []
+    for i in chosen:
+        exponent = exponent_of(values[i], right[:, i] * scale, period) / loop.period.dt
+        modes.append(
+            Eigenmode(
+                eigenvalue=complex(values[i]),
+                growth_1_s=exponent.real,
+                frequency_hz=exponent.imag / (2 * np.pi),
+                damping=-exponent.real / abs(exponent) if exponent else 0.0,
+                participants=_participants(names, np.abs(left[:, i] * right[:, i])),
+                is_stable=exponent.real <= NEUTRAL_1_S
+                or abs(exponent) <= CHANGES_PER_VELOCITY * loop.period.fastest,
+            )
+        )
+    return tuple(modes)
+
+
+def exponent_of(z: complex, vector: np.ndarray, period: PeriodMatrices) -> complex:
+    """Returns the logarithm of an eigenvalue of A, with imaginary part >= 0.
+
+    Of its branches it is the one whose imaginary part is the sum of the phases by which the
+    largest rate of the plant advances from step to step of the period. The alias of a fast
+    oscillation is so resolved.
 
     Args:
-        system: The system.
-        change_1_s: 1/s, rate at which its matrices change along a trajectory.
+        z: The eigenvalue.
+        vector: (nx,) right eigenvector.
+        period: Matrices of the period.
     """
-    scale = system.state_scale
-    values, left, right = eig(system.A / scale[:, None] * scale, left=True, right=True)
-    names = [_participant(state) for state in system.states]
-    order = np.argsort(-np.abs(values), kind="stable")
-    return tuple(
-        _mode(values[i], np.abs(left[:, i] * right[:, i]), names, system.dt, change_1_s)
-        for i in order
-        if values[i].imag >= 0 and abs(values[i]) >= FORGOTTEN
-    )
+    exponent = np.log(complex(z))
+    if abs(z) < RESOLVED:
+        return complex(exponent.real, abs(exponent.imag))
+    positions, rates = np.split(np.abs(motion := period.plant @ vector), 2, axis=1)
+    i = rates.max(axis=0).argmax()
+    if rates[:, i].max() * period.dt < positions[:, i].max():  # Slower than all aliases.
+        return complex(exponent.real, abs(exponent.imag))
+    fastest = motion[:, len(rates[0]) + i]
+    phases = np.angle(fastest[1:] * fastest[:-1].conj())
+    phases[phases < 1e-6 - np.pi] += 2 * np.pi  # A real motion that changes its sign.
+    turns = round((phases.sum() - exponent.imag) / (2 * np.pi))
+    return complex(exponent.real, abs(exponent.imag + 2 * np.pi * turns))
 
 
-def _mode(
-    z: complex, factors: np.ndarray, names: list[str], dt: float, change_1_s: float
-) -> Eigenmode:
+def _participants(names: list[str], factors: np.ndarray) -> tuple[Participant, ...]:
     shares: dict[str, float] = defaultdict(float)
     for name, factor in zip(names, factors / factors.sum(), strict=True):
         shares[name] += float(factor)
     ranked = sorted(shares.items(), key=lambda item: -item[1])
-    exponent = np.log(complex(z)) / dt
-    return Eigenmode(
-        eigenvalue=complex(z),
-        growth_1_s=float(exponent.real),
-        frequency_hz=float(abs(exponent.imag) / (2 * np.pi)),
-        damping=float(-exponent.real / abs(exponent)) if exponent else 0.0,
-        participants=tuple(Participant(*item) for item in ranked if item[1] >= LEAST_SHARE),
-        is_stable=bool(exponent.real <= NEUTRAL_1_S or abs(exponent) <= change_1_s),
-    )
+    return tuple(Participant(*item) for item in ranked if item[1] >= LEAST_SHARE)
 
 
 def _participant(state: str) -> str:

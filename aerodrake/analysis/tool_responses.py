@@ -37,9 +37,10 @@ def _step_response(system: SampledSystem, name: str) -> StepResponse:
     path = system.between([name], TOOL)
     steps = round(STEP_S / system.dt)
     x, values = np.zeros(len(path.A)), np.empty((steps + 1, len(AXES)))
-    for k in range(steps + 1):
-        values[k] = path.C @ x + path.D[:, 0]
-        x = path.A @ x + path.B[:, 0]
+    with np.errstate(over="ignore", invalid="ignore"):  # An unstable response is not finite.
+        for k in range(steps + 1):
+            values[k] = path.C @ x + path.D[:, 0]
+            x = path.A @ x + path.B[:, 0]
     time_s, distance = system.dt * np.arange(steps + 1), np.linalg.norm(values, axis=1)
     peak = float(distance.max())
     final = values[-1]
