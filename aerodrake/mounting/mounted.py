@@ -8,6 +8,8 @@ from aerodrake.mounting.scenario_yaml import Start
 from aerodrake.mounting.vehicle_urdf import VehicleDesign
 from aerodrake.mounting.working import Working
 
+INCH_M = 0.0254
+
 
 @dataclass(frozen=True)
 class Mounted:
@@ -45,7 +47,11 @@ def choices(mounted: Mounted, request: Request) -> Iterator[str]:
         f"{multirotor.max_thrust:g} N on a circle of {multirotor.radius:g} m; hover takes "
         f"{mounted.start.hover:.0%} of their thrust"
     )
-    yield "rotors: as fast as the packaged 17 inch ones; larger ones are slower (vehicle.rotor)"
+    rise, fall = (f"{1000 * lag:.3g}" for lag in multirotor.lag)
+    yield (
+        f"rotors: {2 * multirotor.disc / INCH_M:.0f} inch, rising with {rise} ms and falling with "
+        f"{fall} ms, in proportion to those of the packaged vehicle; set vehicle.rotor to yours"
+    )
     yield f"legs: {multirotor.feet:.2f} m deep, so that the vehicle can land with its arm tucked"
     yield from (f"working configuration: {line}" for line in working.lines())
     joint, ratio = mounted.joints[working.weakest[0]], working.weakest[1]

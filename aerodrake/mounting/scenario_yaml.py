@@ -28,9 +28,9 @@ vehicle:
     max_thrust_n: {thrust:g}
     # In proportion to the radius of a rotor, {disc:.2f} m.
     torque_ratio_m: {ratio:g}
-    # Those of the packaged vehicle's 17 inch rotors. Larger rotors are slower: set what yours have.
-    lag_up_s: 0.0125
-    lag_down_s: 0.025
+    # Likewise, but not faster than the packaged vehicle's rotors. Set what yours have.
+    lag_up_s: {rise:g}
+    lag_down_s: {fall:g}
 reference:
   kind: clover
   amplitude_m: 0.4
@@ -89,6 +89,8 @@ def scenario_yaml(request: Request, multirotor: Multirotor, working: Working, st
         thrust=multirotor.max_thrust,
         disc=multirotor.disc,
         ratio=multirotor.torque_ratio,
+        rise=multirotor.lag[0],
+        fall=multirotor.lag[1],
         reach=start.reach,
         edge=edge,
         space=space,

@@ -19,6 +19,8 @@ GYRATION = 0.42, 0.57
 the rotors are; those of the packaged vehicle."""
 PACKAGED_N, PACKAGED_DISC_M, PACKAGED_RATIO_M = 20.0, 0.216, 0.020
 """Largest thrust, radius, and torque over thrust of a rotor of the packaged vehicle."""
+PACKAGED_LAG_S = 0.0125, 0.025
+"""Time constants of such a rotor's rise and fall."""
 PACKAGED_KG = 2.6
 """Mass of the packaged vehicle's base."""
 GAP = 1.2
@@ -38,6 +40,7 @@ class Multirotor:
         disc: m, radius of a rotor's disc.
         max_thrust: N, largest thrust of a rotor.
         torque_ratio: m, torque over thrust of a rotor.
+        lag: s, time constants of a rotor's rise and fall.
         feet: m, depth of the feet below the base's origin.
     """
 
@@ -47,6 +50,7 @@ class Multirotor:
     disc: float
     max_thrust: float
     torque_ratio: float
+    lag: tuple[float, float]
     feet: float
 
     @property
@@ -71,20 +75,23 @@ class Multirotor:
         return 0.05 * self.scale
 
     @classmethod
-    def for_arm(cls, mass: float, reach: float, given: "Given", feet: float = 0.0) -> Self:
+    def for_arm(cls, mass: float, reach: float, given: "Given") -> Self:
         """Sizes a multirotor for an arm.
+
+        Rotors are geometrically similar with equal tip speed: radius, torque over thrust and lag
+        grow with the cube root of the thrust. Smaller ones are not taken for faster.
 
         Args:
             mass: kg, of the arm.
             reach: m, largest distance of the tool from where the arm is mounted.
             given: Sizes that are not to be chosen.
-            feet: m, depth of the feet; 0 for that of the packaged vehicle in proportion.
         """
         base = given.base_mass or two_digits(BASE_PER_ARM * mass)
         total = mass + base
         rotors = given.rotors or min(n for n, most in MOST_KG.items() if total <= most)
         thrust = given.max_thrust or two_digits(total * GRAVITY / HOVER_SHARE / rotors)
         size = (thrust / PACKAGED_N) ** (1 / 3)  # Geometrically similar rotors.
+        rise, fall = PACKAGED_LAG_S
         disc = PACKAGED_DISC_M * size
         least = max(GAP * disc / math.sin(math.pi / rotors), RADIUS_PER_REACH * reach)
         return cls(
@@ -94,7 +101,8 @@ class Multirotor:
             disc=disc,
             max_thrust=thrust,
             torque_ratio=round(PACKAGED_RATIO_M * size, 4),
-            feet=feet or 0.38 * (base / PACKAGED_KG) ** (1 / 3),
+            lag=(round(rise * max(size, 1.0), 4), round(fall * max(size, 1.0), 4)),
+            feet=0.38 * (base / PACKAGED_KG) ** (1 / 3),
         )
 
 

@@ -21,7 +21,7 @@ def test_the_packaged_arm_gets_a_vehicle_like_the_packaged_one():
     assert sized.max_thrust == pytest.approx(20, rel=0.1)
     assert sized.disc == pytest.approx(0.216, rel=0.05)
     assert 0.35 < sized.radius < 0.5 and sized.feet == pytest.approx(0.38, rel=0.05)
-    own = Multirotor(2.6, 4, 0.465, 0.216, 20.0, 0.02, 0.38)
+    own = Multirotor(2.6, 4, 0.465, 0.216, 20.0, 0.02, (0.0125, 0.025), 0.38)
     assert own.inertia == pytest.approx([0.098, 0.098, 0.185], rel=0.05)
 
 
@@ -44,6 +44,14 @@ def test_laws_of_the_sizes(mass, reach):
     assert rotors.mixer(sized.torque_ratio)[1:] @ np.ones(sized.rotors) == pytest.approx([0, 0, 0])
     feet = feet_positions(sized)
     assert np.all(np.linalg.norm(feet[:, :2], axis=1) < sized.radius)
+
+
+def test_larger_rotors_are_slower():
+    small, large = (
+        Multirotor.for_arm(mass, 0.5, Given(max_thrust=n)) for mass, n in ((1, 2.5), (9, 160))
+    )
+    assert small.lag == (0.0125, 0.025) and large.lag == (0.025, 0.05)
+    assert small.disc == pytest.approx(0.108) and large.torque_ratio == pytest.approx(0.04)
 
 
 def test_heavier_vehicles_have_more_rotors():

@@ -37,7 +37,8 @@ def check_links(robot: Element, base: str) -> None:
         _check_names(robot, tags)
     links = {link.getAttribute("name"): link for link in children(robot, "link")}
     if base not in links:
-        raise BadInput("", "", f"expected a link named '{base}'; {nearest(base, links)}")
+        advice = "for an arm without a vehicle use `aerodrake mount`"
+        raise BadInput("", "", f"expected a link named '{base}'; {nearest(base, links)}; {advice}")
     for link in links.values():
         if (inertial := only_child(link, "inertial")) is not None:
             _check_inertia(inertial)
