@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats.qmc import Halton
 
+from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.mounting.arm import ArmJoint, ArmTree
+from aerodrake.mounting.spread import spread
 
-GRAVITY_M_S2 = 9.81
 SAMPLES = 32
 """Number of configurations, spread over the joints' range."""
 
@@ -28,8 +28,8 @@ def joint_loads(arm: ArmTree, joints: list[ArmJoint]) -> dict[str, Load]:
     """Returns the largest loads of an arm's joints, whose limits are complete, by name."""
     lower = np.array([joint.limits.lower for joint in joints])
     upper = np.array([joint.limits.upper for joint in joints])
-    spread = Halton(len(joints), scramble=False).random(SAMPLES)
-    loads = [_loads(arm, joints, lower + (upper - lower) * share) for share in spread]
+    shares = spread(SAMPLES, len(joints))
+    loads = [_loads(arm, joints, lower + (upper - lower) * share) for share in shares]
     return {
         joint.name: Load(*np.max([load[i] for load in loads], axis=0).tolist())
         for i, joint in enumerate(joints)
@@ -58,5 +58,5 @@ def _loads(arm: ArmTree, joints: list[ArmJoint], q: np.ndarray) -> np.ndarray:
         inertia = motor.gear_ratio**2 * motor.rotor_inertia if motor else 0.0
         for name in below:
             inertia += axis @ inertias[name] @ axis + masses[name] * arms[name] @ arms[name]
-        loads.append((GRAVITY_M_S2 * np.linalg.norm(moment), inertia))
+        loads.append((GRAVITY * np.linalg.norm(moment), inertia))
     return np.array(loads)

@@ -7,10 +7,10 @@ import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from scipy.optimize import minimize
-from scipy.stats.qmc import Halton
 
 from aerodrake.model.vehicle.overlap import Overlap, overlaps
 from aerodrake.mounting.posture import Posture, Postures
+from aerodrake.mounting.spread import spread
 from aerodrake.support.errors import BadInput
 
 SAMPLES = 512
@@ -99,8 +99,8 @@ class WorkingSearch:
         self._postures = Postures(plant)
         self._lower, self._upper = self._postures.lower, self._postures.upper
         n = len(self._lower)
-        spread, chance = np.split(Halton(2 * n, scramble=False).random(SAMPLES), 2, axis=1)
-        self._samples = self._lower + spread * (self._upper - self._lower)
+        shares, chance = np.split(spread(SAMPLES, 2 * n), 2, axis=1)
+        self._samples = self._lower + shares * (self._upper - self._lower)
         is_home = (chance < 0.5) & (np.arange(SAMPLES)[:, None] % 2 == 1)
         home = np.clip(np.zeros(n), self._lower, self._upper)
         self._samples = np.where(is_home, home, self._samples)

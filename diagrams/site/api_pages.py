@@ -22,6 +22,7 @@ STOREYS = {
         "bench",
         "identification",
         "learning",
+        "mounting",
         "analysis",
         "reports",
         "flight",
