@@ -45,7 +45,7 @@ class OperatingPoint:
 
     @property
     def sentence(self) -> str:
-        """One line, such as `unstable in hover: roll and joint_2 at 9.6 Hz grow by 5.0 1/s`.
+        """Verdict in one line, with motions, frequency and growth of the least stable mode.
 
         Of a stable loop it is about the least damped mode.
         """
