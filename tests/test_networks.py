@@ -20,9 +20,9 @@ from aerodrake.support.files import locate
 JOINTS = 6
 RUNS = [
     *with_disturbances(
-        CollectionRun("a", "held_out", 16.0, 7.0, -0.9, circle(0.12, 0.15, -0.8)), 1.0, 77
+        CollectionRun("a", "held_out", 9.0, 7.0, -0.9, circle(0.12, 0.15, -0.8)), 1.0, 77
     ),
-    *with_disturbances(CollectionRun("b", "held_out", 16.0, 9.0, 0.8), -2.0, 78),
+    *with_disturbances(CollectionRun("b", "held_out", 9.0, 9.0, 0.8), -2.0, 78),
 ]
 PACKAGED = {
     name: scenario
