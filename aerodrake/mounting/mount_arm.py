@@ -113,7 +113,8 @@ def _check_thrust(multirotor: Multirotor, arm_kg: float, request: Request) -> No
     total, most = arm_kg + multirotor.mass, multirotor.rotors * multirotor.max_thrust / GRAVITY
     if multirotor.max_thrust > THRUST_N[1]:
         problem = f"expected an arm that {multirotor.rotors} rotors of {THRUST_N[1]:g} N can carry"
-        advice = "mount a part of it with --root, or scale it with --scale"
+        factor = 0.9 * request.length * (THRUST_N[1] / multirotor.max_thrust) ** (1 / 3)
+        advice = f"mount a part of it with --root, or scale it, as with --scale {factor:.1g}"
         raise BadInput(request.urdf, "", f"{problem}, got one of {arm_kg:.4g} kg; {advice}")
     if total > LARGEST_SHARE * most:
         expected = f"expected rotors that hover with {LARGEST_SHARE:.0%} of their thrust or less"
