@@ -11,6 +11,7 @@ from aerodrake.mounting.inertias import correct_inertias
 from aerodrake.mounting.limits import complete_limits
 from aerodrake.mounting.names import rename, renamed_link
 from aerodrake.mounting.scaling import scale
+from aerodrake.support.errors import BadInput
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,13 @@ class Conversion:
 
 
 def convert(
-    read: Converted, tool: str, *, root: str = "", length: float = 1.0, mass: float = 1.0
+    read: Converted,
+    tool: str,
+    *,
+    root: str = "",
+    length: float = 1.0,
+    mass: float = 1.0,
+    source: object = "",
 ) -> Conversion:
     """Converts an arm that `read_arm` has read.
 
@@ -40,6 +47,7 @@ def convert(
         tool: Name of the link of the tool, to which the chain of joints leads.
         root: Name of the link that is mounted; empty for the robot's own root.
         length, mass: Factors of all lengths and masses.
+        source: The URDF, for messages.
 
     Raises:
         BadInput: if a link does not exist, a joint is of an unsupported type, or there are no
@@ -55,9 +63,12 @@ def convert(
         lambda arm: complete_limits(arm, tool),
         box_links,
     )
-    for step in steps:
-        arm, more = step(arm)
-        changes += more
+    try:
+        for step in steps:
+            arm, more = step(arm)
+            changes += more
+    except BadInput as error:
+        raise BadInput(error.source or source, *error.args[1:]) from None
     tool = renamed_link(arm, tool)
     arm, more = rename(arm)
     changes += more

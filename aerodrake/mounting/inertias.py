@@ -28,7 +28,8 @@ def correct_inertias(arm: ArmTree) -> Converted:
         BadInput: if no link has a mass.
     """
     if not arm.mass:
-        raise BadInput("", "", "expected links with a <mass> in their <inertial>, or with geometry")
+        problem = "expected links with a <mass> in their <inertial>, or with geometry"
+        raise BadInput("", "", f"{problem}; --package-path finds meshes in other folders")
     links = {link.name: _corrected(link) for link in arm.links}
     by_change: dict[str, list[str]] = {}
     for link, change in links.values():

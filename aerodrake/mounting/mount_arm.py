@@ -48,8 +48,8 @@ def mount_arm(request: Request, folder: Path) -> Mounted:
     """
     read = read_arm(request.urdf, request.packages)
     tool = Tool.of(read.arm, request.tool)
-    scales = {"length": request.length, "mass": request.mass}
-    converted = convert(read, tool.link, root=request.root, **scales)
+    options = {"root": request.root, "length": request.length, "mass": request.mass}
+    converted = convert(read, tool.link, source=request.urdf, **options)
     tool = replace(tool, link=converted.tool, position=request.length * tool.position)
     arm, more = write_meshes(converted.arm, folder / f"{request.name}-meshes")
     arm = replace(arm, name=request.name)

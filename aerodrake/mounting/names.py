@@ -11,9 +11,9 @@ from aerodrake.mounting.listed import listed
 RESERVED = (BASE_FRAME, TOOL_FRAME, PAYLOAD_BODY, "world")
 """Names of links and frames of the vehicle, and of Drake's world."""
 ROTOR = "rotor_"
-"""Beginning of the names of rotors' frames."""
+"""Beginning of the names of rotors' frames; Drake names frames after joints, too."""
 PREFIX = "arm_"
-"""Prefix of renamed links."""
+"""Prefix of renamed links and joints."""
 UNREADABLE = re.compile(r"[^\w.-]+", re.ASCII)
 """Characters that separate names in Drake's scopes, or words in files."""
 ENDS = re.compile(rf"^{UNREADABLE.pattern}|{UNREADABLE.pattern}$", re.ASCII)
@@ -56,7 +56,7 @@ def _renamed(given: Iterable[str], is_link: bool) -> dict[str, str]:
     taken, new = set(names), {}
     for name in names:
         word = UNREADABLE.sub("_", ENDS.sub("", name)) or NAMELESS
-        if is_link and (word in RESERVED or word.startswith(ROTOR)):
+        if (is_link and word in RESERVED) or word.startswith(ROTOR):
             word = PREFIX + word
         if word == name:
             continue

@@ -6,6 +6,7 @@ import pytest
 from aerodrake.model.vehicle.robot import RobotDescription, make_nominal_plant
 from aerodrake.mounting.convert import convert
 from aerodrake.mounting.elements import joint_element
+from aerodrake.support.errors import BadInput
 from tests.arm_urdfs import ARM, plant, pose, read, vehicle
 
 FIXED = {"left": 0.01, "right": -2 * 0.01 + 0.005, "other_joint": 0.0}
@@ -94,3 +95,10 @@ def test_a_converted_arm_stays_as_it_is(folder, conversion):
     assert joints == [joint_element(joint).toxml() for joint in conversion.arm.joints]
     assert 'name="tool_frame" type="fixed"' in frame
     assert again.arm.mass == pytest.approx(conversion.arm.mass, rel=1e-11)
+
+
+def test_errors_name_the_file_or_the_argument(folder):
+    floating = read(ARM.replace('"prismatic"', '"floating"'), folder)
+    for tool, message in (("tool", "arm.urdf: joint left: expected"), ("tol", "tool: expected")):
+        with pytest.raises(BadInput, match=message):
+            convert(floating, tool, source="arm.urdf")

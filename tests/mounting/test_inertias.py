@@ -69,4 +69,5 @@ def test_a_link_without_mass_between_others_stays_so(tmp_path):
 def test_an_arm_without_mass_is_refused(tmp_path):
     with pytest.raises(BadInput) as caught:
         correct_inertias(read(robot(link("a", 0)), tmp_path).arm)
-    assert str(caught.value) == "expected links with a <mass> in their <inertial>, or with geometry"
+    message = str(caught.value)
+    assert message.startswith("expected links with a <mass> in their <inertial>, or with geometry")

@@ -43,8 +43,13 @@ def test_names_of_links(name, new):
     assert any(f"{name} to {new}" in change for change in changes) == (name != new)
 
 
-def test_joints_may_have_names_of_frames():
+def test_joints_may_have_names_of_links():
     assert rename(chain("a", "base")).arm.joints[0].name == "base"
+
+
+def test_joints_may_not_look_like_rotors():
+    """Drake makes frames with the names of joints."""
+    assert rename(chain("a", "rotor_1")).arm.joints[0].name == "arm_rotor_1"
 
 
 @given(st.lists(st.text("ab _/é:", min_size=1, max_size=4), min_size=2, max_size=6, unique=True))
