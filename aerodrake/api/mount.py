@@ -15,6 +15,9 @@ from aerodrake.support.arguments import checked
 
 HOVER = {"reference": {"kind": "hover"}, "settle_s": 1.0, "duration": 2.0}
 """Keys of the flight that shows that the vehicle hovers."""
+PUSH, LARGEST_PUSH_N, PUSH_S = 0.05, 200.0, 0.2
+"""Push to the base at the start of the reference: its force over the vehicle's weight, largest
+force in N, and duration in s."""
 
 
 @checked
@@ -39,7 +42,7 @@ def mount(
         aerodrake.fly(vehicle.scenario)
 
     All that is not given is chosen for the arm's mass and reach. The loop is then linearised, and
-    the vehicle hovers for three seconds.
+    the vehicle hovers for three seconds, with a push to its base.
 
     Args:
         urdf: URDF of the arm alone, as its maker publishes it.
@@ -77,10 +80,14 @@ def mount(
         mounted = write_vehicle(request, folder)
         bar.update()
     path = folder / f"{request.name}.yaml"
+    push_n = min(PUSH * mounted.weight, LARGEST_PUSH_N)
+    force = {"force_n": [push_n, 0.0, 0.0]}
+    push = {"kind": "push", "start_s": 0.0, "duration_s": PUSH_S, **force}
     return MountResult(
         scenario=path,
         changes=mounted.changes,
         choices=mounted.choices,
         analysis=analyze(path, quiet=quiet),
-        hover=fly(path, HOVER, quiet=quiet),
+        push_n=push_n,
+        hover=fly(path, {**HOVER, "faults": [push]}, quiet=quiet),
     )

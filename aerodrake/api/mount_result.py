@@ -18,13 +18,15 @@ class MountResult:
         changes: Sentences on changes of the arm's URDF.
         choices: Sentences on what was chosen.
         analysis: Linear analysis of the closed loop.
-        hover: A short hover.
+        push_n: N, force of a push to the base in the hover.
+        hover: A short hover, with a push to the base.
     """
 
     scenario: Path
     changes: tuple[str, ...]
     choices: tuple[str, ...]
     analysis: AnalysisResult
+    push_n: float
     hover: FlightResult
 
     @property
@@ -33,15 +35,16 @@ class MountResult:
         return self.analysis.is_stable and self.hover.exit_reason == "completed"
 
     def __str__(self) -> str:
-        error = self.hover.error["mean_m"]
-        mean = "" if error is None else f", mean error {millimetres(error)} mm"
+        error = self.hover.error["max_m"]
+        mm = "" if error is None else millimetres(error)
+        moved = f"; a push of {self.push_n:.2g} N moves the tool by {mm} mm" if mm else ""
         lines = [
             "changed in the arm:",
             *(f"  {sentence}" for sentence in self.changes),
             "chosen:",
             *(f"  {sentence}" for sentence in self.choices),
             f"analysis: {self.analysis.sentence}",
-            f"hover: {self.hover.exit_reason}{mean}",
+            f"hover: {self.hover.exit_reason}{moved}",
         ]
         return "\n".join(lines)
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.mounting.request import PLACE, Request
 from aerodrake.mounting.scenario_yaml import Start
 from aerodrake.mounting.vehicle_urdf import VehicleDesign
@@ -30,6 +31,11 @@ class Mounted:
     joints: tuple[str, ...]
     changes: tuple[str, ...]
     choices: tuple[str, ...] = ()
+
+    @property
+    def weight(self) -> float:
+        """N, weight of the vehicle."""
+        return (self.vehicle.multirotor.mass + self.vehicle.arm.mass) * GRAVITY
 
 
 def choices(mounted: Mounted, request: Request) -> Iterator[str]:
