@@ -28,6 +28,7 @@ from aerodrake.support.arguments import Seed, checked
 from aerodrake.systems.arm_controller import ArmController
 from aerodrake.systems.faults.actuators import make_joint_faults, make_pushes
 from aerodrake.systems.flight_controller import FlightController
+from aerodrake.systems.joint_motors import make_joint_motors
 from aerodrake.systems.rotor_monitor import RotorMonitorSystem
 from aerodrake.wiring.physics import add_physics
 from aerodrake.wiring.replacements import Replacements
@@ -151,6 +152,9 @@ def make_station(
     )
     builder.AddNamedSystem("rotor_monitor", RotorMonitorSystem(monitor, vehicle))
     wiring += WIRING
+    if (motors := make_joint_motors(scenario.mismatch, vehicle)) is not None:
+        builder.AddNamedSystem("joint_motors", motors)
+        wiring = wiring.insert("joint_motors", ("arm_controller", "joint_torque"))
     for name, fault, source in (
         ("joint_faults", make_joint_faults, ("arm_controller", "joint_torque")),
         ("pushes", make_pushes, ("wind", "generalized_force")),

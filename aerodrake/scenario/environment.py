@@ -53,3 +53,5 @@ class Mismatch(Section):
     rotor_lag_scale: float = quantity(1.0, "1", 0.2, 5.0)
     # Factor on the loop gain: on the deviation of each rotor's commanded thrust from trim.
     thrust_scale: float = quantity(1.0, "1", 0.1, 5.0)
+    # The same of the joints: on the deviation of each joint's commanded torque from trim.
+    torque_scale: float = quantity(1.0, "1", 0.1, 10.0)

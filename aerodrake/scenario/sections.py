@@ -148,8 +148,9 @@ class Arm(Section):
     # free base, or its diagonal as in the paper, unstable for arms with light distal links.
     inertia: str = choice("coupled", "diagonal")
 
-    # Natural frequency and damping ratio of each joint's closed loop.
-    bandwidth_rad_s: float = quantity(40.0, "rad/s", 1.0, 200.0)
+    # Natural frequency and damping ratio of each joint's closed loop. The attitude loop needs a
+    # stiff arm if that is heavier than the base and samples are late.
+    bandwidth_rad_s: float = quantity(60.0, "rad/s", 1.0, 200.0)
     damping: float = quantity(1.0, "1", 0.1, 5.0)
     # Rate at which the integral action removes a constant torque error.
     integral_rad_s: float = quantity(5.0, "rad/s", 0.0, 50.0)
