@@ -14,6 +14,12 @@ from aerodrake.scenario import Flight, Rotor
 from aerodrake.support.arguments import Duration, Period, checked
 from aerodrake.systems.named_state import NamedState
 
+FEEDFORWARD_FILTER_S = 0.05
+"""Time constant of the low-pass filter of q_d'' in the feedforward `torque`.
+
+Without the filter, vehicles with arms as heavy as the base are unstable with delay.
+"""
+
 
 class FlightController(LeafSystem):
     """ESO-based position and attitude control of the base.
@@ -43,7 +49,8 @@ class FlightController(LeafSystem):
     State:
         a group for each field of `FlightState`: position observer (9), attitude
         observer (6), integral of the position error (3), desired attitude (9), its
-        filtered rate (3), modelled rotor thrust (k), acceleration (6) and measured position (3).
+        filtered rate (3), modelled rotor thrust (k), acceleration (6), filtered q_d'' (n) and
+        measured position (3).
         And a group for each other output. The observers start at the first sample, and move with
         a position that jumps.
     Rate:
@@ -54,11 +61,10 @@ class FlightController(LeafSystem):
     receives the commanded thrust: rotors that rise faster than they fall give more on average,
     which it estimates as a disturbance.
 
-    With `feedforward` torque, inverse dynamics give the torque of weight, acceleration of the base
-    and rates of the arm, in the arm's commanded configuration. With whole_body they give the
-    torque of the joints' accelerations and the force of the arm's motion as well, which tilts the
-    base. Without them the controller's model is a rigid body with its mass at the origin, and the
-    observers estimate the rest.
+    With `feedforward` torque, inverse dynamics give the torque of the arm's commanded motion, with
+    its accelerations filtered by `FEEDFORWARD_FILTER_S`. With whole_body they are not filtered, and
+    give the force as well, which tilts the base. Without them the controller's model is a rigid
+    body with its mass at the origin, and the observers estimate the rest.
 
     Attributes:
         trim_acceleration: (6,) `acceleration` in trim. Without feedforward it is not
@@ -80,13 +86,14 @@ class FlightController(LeafSystem):
         self._outer = OuterLoop.make(config, rotor, vehicle, period)
         self._inner = InnerLoop.make(config, rotor, vehicle, period)
         self._feedforward = config.feedforward
+        self._smoothing = period / (period + FEEDFORWARD_FILTER_S)
         has_feedforward = config.feedforward != "none"
         self._whole_body = WholeBody(vehicle.plant) if has_feedforward else None
 
         trim = allocate(self._inner.rotors, vehicle.trim_wrench)
         modelled = vehicle.trim_wrench[1:] * has_feedforward
         trim_h = self._inner.inverse_inertia @ (modelled - vehicle.trim_wrench[1:])
-        at_rest = FlightState.at_rest(vehicle.p_B, trim_h, trim)
+        at_rest = FlightState.at_rest(vehicle.p_B, trim_h, trim, vehicle.joints)
         self.trim_acceleration = at_rest.acceleration
 
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(vehicle.joints))
@@ -111,13 +118,21 @@ class FlightController(LeafSystem):
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         state = self._state.Eval(context)
         last = self._loops.read(context).aligned(split_state(state), self._inner.lag.dt)
+        if self._feedforward == "torque":
+            qddot_d = np.split(self._joint_setpoint.Eval(context), 3)[2]
+            filtered = last.joint_acceleration + self._smoothing * (
+                qddot_d - last.joint_acceleration
+            )
+            last = last._replace(joint_acceleration=filtered)
         position = outer_loop(self._outer, last, state, self._setpoint.Eval(context))
-        effort = self._effort(context, state, position.a_B)
+        effort = self._effort(context, last, state, position.a_B)
         loops, outputs = inner_loop(self._inner, last, state, position, effort)
         self._loops.write(discrete, loops)
         self._outputs.write(discrete, outputs)
 
-    def _effort(self, context: Context, state: np.ndarray, a_B: np.ndarray) -> np.ndarray:
+    def _effort(
+        self, context: Context, last: FlightState, state: np.ndarray, a_B: np.ndarray
+    ) -> np.ndarray:
         """Returns the effort (6,) or more that gives the base a_B and no angular acceleration."""
         rigid_body = rigid_body_effort(self._inner.mass, self._inner.inertia, state, a_B)
         if self._whole_body is None:
@@ -125,5 +140,5 @@ class FlightController(LeafSystem):
         x, vdot = commanded_motion(state, self._joint_setpoint.Eval(context), a_B)
         if self._feedforward == "whole_body":
             return self._whole_body.effort(x, vdot)
-        vdot[BASE_VELOCITIES:] = 0.0
+        vdot[BASE_VELOCITIES:] = last.joint_acceleration
         return np.concatenate((self._whole_body.effort(x, vdot)[:3], rigid_body[3:6]))

@@ -15,7 +15,7 @@ from aerodrake.station import make_context, make_station
 from aerodrake.systems.flight_controller import FlightController
 
 PERIOD, OFFSET = 0.01, 0.001
-FEEDFORWARDS = pytest.mark.parametrize("feedforward", ["whole_body", "none"])
+FEEDFORWARDS = pytest.mark.parametrize("feedforward", ["torque", "whole_body", "none"])
 
 
 def make_controller(scenario, vehicle, **flight) -> FlightController:
@@ -45,7 +45,7 @@ def centre(vehicle) -> np.ndarray:
 
 def lever(vehicle, centre, feedforward: str, a_B) -> np.ndarray:
     """Returns the torque (3,) N m of the arm's weight; with feedforward, of its inertia as well."""
-    modelled = np.asarray(a_B) if feedforward == "whole_body" else np.zeros(3)
+    modelled = np.asarray(a_B) if feedforward != "none" else np.zeros(3)
     return np.cross(centre, vehicle.mass * (modelled + [0, 0, GRAVITY]))
 
 

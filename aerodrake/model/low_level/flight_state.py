@@ -23,6 +23,7 @@ class FlightState(NamedTuple):
         rotor_thrust: (k,) N, modelled at the next sample.
         acceleration: (6,) of the base until the next sample, modelled without disturbances:
             m/s^2 in the world and rad/s^2 in the base frame.
+        joint_acceleration: (n,) rad/s^2, filtered q_d'' of the feedforward `torque`.
         p_B: (3,) m, measured; NaN before the first sample.
     """
 
@@ -33,16 +34,18 @@ class FlightState(NamedTuple):
     omega_d: np.ndarray
     rotor_thrust: np.ndarray
     acceleration: np.ndarray
+    joint_acceleration: np.ndarray
     p_B: np.ndarray
 
     @classmethod
-    def at_rest(cls, p_B: np.ndarray, h_omega: np.ndarray, thrust: np.ndarray) -> Self:
+    def at_rest(cls, p_B: np.ndarray, h_omega: np.ndarray, thrust: np.ndarray, joints: int) -> Self:
         """Returns the state in which the base is at rest, and level, at p_B.
 
         Args:
             p_B: (3,) m.
             h_omega: (3,) rad/s^2, disturbance that the modelled acceleration compensates.
             thrust: (k,) N, of the rotors.
+            joints: Number of joints.
         """
         zero = np.zeros(3)
         return cls(
@@ -53,6 +56,7 @@ class FlightState(NamedTuple):
             omega_d=zero,
             rotor_thrust=thrust,
             acceleration=np.concatenate([zero, -h_omega]),
+            joint_acceleration=np.zeros(joints),
             p_B=np.full(3, np.nan),
         )
 

@@ -125,6 +125,7 @@ def inner_loop(
         omega_d,
         thrust,
         np.concatenate((linear, angular)),
+        last.joint_acceleration,
         last.p_B,
     )
     disturbance = np.concatenate((position.observer[-1] - reaction, observer[-1]))

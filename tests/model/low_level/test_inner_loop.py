@@ -22,7 +22,8 @@ def inner(scenario, vehicle) -> InnerLoop:
 
 @pytest.fixture(scope="module")
 def last(vehicle) -> FlightState:
-    return FlightState.at_rest(vehicle.p_B, np.zeros(3), np.full(4, vehicle.mass * GRAVITY / 4))
+    thrust = np.full(4, vehicle.mass * GRAVITY / 4)
+    return FlightState.at_rest(vehicle.p_B, np.zeros(3), thrust, vehicle.joints)
 
 
 def position_command(u_v: np.ndarray, a_B: np.ndarray, integral=(0.0, 0.0, 0.0)) -> PositionCommand:

@@ -19,7 +19,8 @@ def outer(scenario, vehicle) -> OuterLoop:
 
 @pytest.fixture(scope="module")
 def last(vehicle) -> FlightState:
-    return FlightState.at_rest(vehicle.p_B, np.zeros(3), np.full(4, vehicle.mass * GRAVITY / 4))
+    thrust = np.full(4, vehicle.mass * GRAVITY / 4)
+    return FlightState.at_rest(vehicle.p_B, np.zeros(3), thrust, vehicle.joints)
 
 
 @given(setpoint=setpoints)
