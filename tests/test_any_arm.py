@@ -38,7 +38,9 @@ def test_flies_with_the_defaults(name, tmp_path):
 def test_diverges_with_settings_that_neglect_coupling(key, value, names, tmp_path):
     """Joint gains of the diagonal inertia, or tilt for the arm's commanded acceleration."""
     for name in names:
-        scenario = resolve(arm_scenario(DESIGNS[name], tmp_path), {key: value})
+        scenario = resolve(
+            arm_scenario(DESIGNS[name], tmp_path), {key: value, "arm.bandwidth_rad_s": 40.0}
+        )
         log, error_m = flown(scenario)
         assert log.exit_reason != "completed" or error_m > 5e-4, name
         # It is called what it is, although samples may be rejected.
