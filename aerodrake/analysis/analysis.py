@@ -19,11 +19,13 @@ class OperatingPoint:
         time_s: s, reference time; None in hover.
         system: The linear system over one MPC period.
         modes: All modes, the fastest growing first.
+        saturated: Names of joints and rotors whose command is at its limit, where the loop is open.
     """
 
     time_s: float | None
     system: SampledSystem
     modes: tuple[Eigenmode, ...]
+    saturated: tuple[str, ...] = ()
 
     @property
     def is_stable(self) -> bool:

@@ -11,6 +11,7 @@ from aerodrake.analysis.linearization import Linearizer, PeriodJacobian
 from aerodrake.analysis.margin_limits import find_margins_of
 from aerodrake.analysis.modes import find_modes
 from aerodrake.analysis.quiet_loop import QuietLoop
+from aerodrake.analysis.saturation import saturated
 from aerodrake.analysis.tool_responses import frequency_responses, step_responses
 from aerodrake.flight.monitor import MONITOR_PERIOD_S, Monitor
 from aerodrake.model.supervision.safe_mode import SafeMode
@@ -40,7 +41,8 @@ def analyze_hover(scenario: Scenario) -> OperatingPoint:
         BadInput: if the scenario cannot be flown.
     """
     with single_thread():
-        return _point(LinearLoop(_hover(_quiet_loop(scenario))), None)
+        quiet = _quiet_loop(scenario)
+        return _point(quiet, LinearLoop(_hover(quiet)), None)
 
 
 def analyze_loop(
@@ -69,7 +71,7 @@ def analyze_loop(
         progress("hover")
         quiet = _quiet_loop(scenario)
         loop = LinearLoop(_hover(quiet))
-        hover = _point(loop, None)
+        hover = _point(quiet, loop, None)
         progress("margins")
         margins = find_margins_of(loop)
         progress("responses")
@@ -120,8 +122,9 @@ def _linearized(quiet: QuietLoop) -> PeriodJacobian:
         quiet.is_constrained = True
 
 
-def _point(loop: LinearLoop, time_s: float | None) -> OperatingPoint:
-    return OperatingPoint(time_s, loop.system, find_modes(loop))
+def _point(quiet: QuietLoop, loop: LinearLoop, time_s: float | None) -> OperatingPoint:
+    """Returns the operating point of a period that has just been linearised."""
+    return OperatingPoint(time_s, loop.system, find_modes(loop), saturated(quiet))
 
 
 def _path(
@@ -150,5 +153,5 @@ def _path(
                 reason, cause = "lost", monitor.cause_of_loss(error)
             if reason:
                 return tuple(points), f"the flight ended before {time:g} s: {reason}, {cause}"
-        points.append(_point(LinearLoop(_linearized(quiet)), time))
+        points.append(_point(quiet, LinearLoop(_linearized(quiet)), time))
     return tuple(points), ""

@@ -16,7 +16,8 @@ def hover_instability(scenario: Scenario, log: FlightLog) -> str | None:
     """Returns the sentence of an unstable hover of a flight that was lost or left NOMINAL.
 
     None if the loop is stable in hover, the flight was completed or interrupted, a fault of the
-    scenario had begun, or the analysis fails, which is logged at the level `INFO`.
+    scenario had begun, a command is at its limit in hover, which is a cause of its own, or the
+    analysis fails, which is logged at the level `INFO`.
     """
     has_fault = any(fault.start_s < log.time_s[-1] for fault in scenario.faults)
     if log.exit_reason in NOT_ANALYSED or has_fault:
@@ -26,7 +27,7 @@ def hover_instability(scenario: Scenario, log: FlightLog) -> str | None:
         from aerodrake.analysis.analyze import analyze_hover
 
         hover = analyze_hover(replace(scenario, faults=()))
-        return None if hover.is_stable else hover.sentence
+        return None if hover.is_stable or hover.saturated else hover.sentence
     except (Exception, SystemExit) as error:  # Drake raises SystemExit if a check fails.
         _log.info("hover of %s is not analysed: %s", scenario.name, error)
         return None

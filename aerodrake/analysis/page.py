@@ -18,6 +18,7 @@ from aerodrake.analysis.table import (
     highlights,
     margin_rows,
     mode_rows,
+    notes,
     path_rows,
 )
 from aerodrake.reports.page import render
@@ -53,6 +54,7 @@ def analysis_page(
         modes=list(zip(mode_rows(analysis.hover), modes, strict=True)),
         most_shares=MOST_SHARES,
         margins=margin_rows(analysis),
+        notes=notes(analysis),
         motions={p.name for mode in modes for p in analysis.hover.motions(mode)},
         path=path_rows(analysis),
         pictures=list(_pictures(analysis, modes)),

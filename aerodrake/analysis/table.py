@@ -94,9 +94,17 @@ def analysis_table(analysis: Analysis) -> str:
         lines += [f"  {name:<{NAME - 2}}{low:>{LIMIT}}{up:>{LIMIT}}" for name, low, up in margins]
     if path := path_rows(analysis):
         lines += ["", *_mode_lines("along the path", path)]
-    if analysis.ended:
-        lines += ["", f"note: {analysis.ended}"]
+    lines += [f"\nnote: {note}" for note in notes(analysis)]
     return "\n".join(line.rstrip() for line in lines)
+
+
+def notes(analysis: Analysis) -> list[str]:
+    """Returns notes on commands at their limits, and on a flight that ended early."""
+    found = []
+    if names := analysis.hover.saturated:
+        limits = f"commands at their limits in hover, where the loop is open: {', '.join(names)}"
+        found.append(limits)
+    return [*found, analysis.ended] if analysis.ended else found
 
 
 def _mode_lines(title: str, rows: list[list[str]]) -> list[str]:

@@ -40,6 +40,12 @@ def test_a_stable_hover_explains_nothing(analysed):
     assert hover_instability(Scenario(), LOST) is None
 
 
+def test_a_command_at_its_limit_is_a_cause_of_its_own(monkeypatch):
+    hover = replace(point(5.0), saturated=("elbow",))
+    monkeypatch.setattr(analyze, "analyze_hover", lambda _: hover)
+    assert hover_instability(Scenario(), LOST) is None
+
+
 @pytest.mark.parametrize("reason", ["completed", "interrupted"])
 def test_other_flights_are_not_analysed(reason, analysed):
     assert hover_instability(Scenario(), replace(LOST, exit_reason=reason)) is None

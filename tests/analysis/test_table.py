@@ -1,5 +1,7 @@
 """Table of an analysis."""
 
+from dataclasses import replace
+
 from aerodrake.analysis.table import (
     analysis_table,
     highlights,
@@ -38,6 +40,16 @@ def test_the_table_has_modes_margins_and_path():
     assert lines[-1].split()[:3] == ["4.00", "s", "+1.50"]
     assert max(map(len, lines)) <= 100
     assert "stable between" not in analysis_table(made(0.5))
+
+
+def test_commands_at_their_limits_are_noted():
+    analysis = made()
+    analysis = replace(analysis, hover=replace(analysis.hover, saturated=("elbow",)), ended="end")
+    assert analysis_table(analysis).splitlines()[-3:] == [
+        "note: commands at their limits in hover, where the loop is open: elbow",
+        "",
+        "note: end",
+    ]
 
 
 def test_the_highlights_are_the_margins_of_a_stable_hover():
