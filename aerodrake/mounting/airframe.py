@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from aerodrake.model.vehicle.robot import BASE_FRAME
-from aerodrake.mounting.sizing import Multirotor
+from aerodrake.mounting.sizing import PACKAGED_DISC_M, Multirotor
 
 MESHES = "package://aerodrake/robots/meshes"
 COLORS = {
@@ -115,7 +115,7 @@ def _body(multirotor: Multirotor) -> Iterator[str]:
 
 
 def _rotors(multirotor: Multirotor) -> Iterator[str]:
-    size = multirotor.disc / 0.216
+    size = multirotor.disc / PACKAGED_DISC_M
     length = multirotor.radius
     for i, (angle, place) in enumerate(
         zip(multirotor.angles, rotor_positions(multirotor), strict=True)

@@ -21,8 +21,8 @@ PACKAGED_N, PACKAGED_DISC_M, PACKAGED_RATIO_M = 20.0, 0.216, 0.020
 """Largest thrust, radius, and torque over thrust of a rotor of the packaged vehicle."""
 PACKAGED_LAG_S = 0.0125, 0.025
 """Time constants of such a rotor's rise and fall."""
-PACKAGED_KG = 2.6
-"""Mass of the packaged vehicle's base."""
+PACKAGED_KG, PACKAGED_FEET_M = 2.6, 0.38
+"""Mass of the packaged vehicle's base, and depth of its feet."""
 GAP = 1.2
 """Distance between neighbouring rotors over the diameter of their discs."""
 RADIUS_PER_REACH = 0.5
@@ -66,7 +66,7 @@ class Multirotor:
 
     @property
     def angles(self) -> np.ndarray:
-        """(rotors,) rad, directions of the rotors from the base's x axis; half a gap from y."""
+        """(rotors,) rad, directions of the rotors from the base's x axis, half a gap beside it."""
         return 2 * np.pi / self.rotors * (np.arange(self.rotors) + 0.5)
 
     @property
@@ -102,7 +102,7 @@ class Multirotor:
             max_thrust=thrust,
             torque_ratio=round(PACKAGED_RATIO_M * size, 4),
             lag=(round(rise * max(size, 1.0), 4), round(fall * max(size, 1.0), 4)),
-            feet=0.38 * (base / PACKAGED_KG) ** (1 / 3),
+            feet=PACKAGED_FEET_M * (base / PACKAGED_KG) ** (1 / 3),
         )
 
 
