@@ -17,7 +17,7 @@ class OperatingPoint:
 
     Attributes:
         time_s: s, reference time; None in hover.
-        system: The linear system over one MPC period.
+        system: The linear system over one period, in general that of the MPC.
         modes: All modes, the fastest growing first.
         saturated: Names of joints and rotors whose command is at its limit, where the loop is open.
     """

@@ -80,7 +80,7 @@ class QuietLoop:
         vehicle: Its vehicle.
         diagram: Station and coordinator.
         context: Its Context, initially in trim.
-        period_s: s, period of the MPC, which all other periods divide.
+        period_s: s, least common multiple of all periods: that of the MPC, if the others divide it.
 
     Args:
         scenario: The scenario to analyse.
@@ -99,14 +99,15 @@ class QuietLoop:
             residual=replace(scenario.residual, learning_rate=0.0),
         )
         self.vehicle = VehicleModel.load(scenario)
-        self.period_s = scenario.rates.mpc_period_s
+        step_s = scenario.rates.plant_step_s
+        periods = [round(getattr(scenario.rates, rate.period) / step_s) for rate in RATES]
+        self.period_s = math.lcm(*periods) * step_s
         self._solvers: list[SwitchedSolver] = []
         builder = DiagramBuilder()
-        replacements = Replacements(
-            {"sensor_noise": _silent, "wind": self._disturbed, "mpc": self._switched}
-            if scenario.controller == "mpc"
-            else {"sensor_noise": _silent, "wind": self._disturbed}
-        )
+        by_name = {"sensor_noise": _silent, "wind": self._disturbed}
+        if scenario.controller == "mpc":
+            by_name["mpc"] = self._switched
+        replacements = Replacements(by_name)
         ports = add_closed_loop(builder, scenario, replacements, None, self.vehicle)
         for name in MONITORED:
             builder.ExportOutput(ports[name], name)
