@@ -183,10 +183,23 @@ class _MeshWriter:
                 break
         mesh.vertices = mesh.vertices * scale
         mesh.remove_unreferenced_vertices()
-        text = mesh.export(file_type="obj", digits=DIGITS[0], header=None, include_normals=False)
+        text = _wavefront(mesh)
         self._folder.mkdir(parents=True, exist_ok=True)
         (self._folder / name).write_text(text)
         return Path(self._folder.name) / name
+
+
+def _wavefront(mesh: "trimesh.Trimesh") -> str:
+    """Returns a Wavefront file with the normal of each face, which Drake's renderers require."""
+    normals, index = np.unique(mesh.face_normals.round(3) + 0.0, axis=0, return_inverse=True)
+    digits = DIGITS[0]
+    lines = [
+        f"v {x:.{digits}f} {y:.{digits}f} {z:.{digits}f}" for x, y, z in mesh.vertices.tolist()
+    ]
+    lines += [f"vn {x:.3g} {y:.3g} {z:.3g}" for x, y, z in normals.tolist()]
+    faces = zip((mesh.faces + 1).tolist(), (index.ravel() + 1).tolist(), strict=True)
+    lines += [f"f {a}//{n} {b}//{n} {c}//{n}" for (a, b, c), n in faces]
+    return "\n".join([*lines, ""])
 
 
 def _color(mesh: "trimesh.Trimesh") -> tuple[float, ...] | None:

@@ -110,6 +110,25 @@ def test_scale_is_in_the_file_and_a_mirrored_mesh_is_no_inside_out(tmp_path):
     assert trimesh.load_mesh(tmp_path / visual.file).volume == pytest.approx(box().volume)
 
 
+def test_faces_have_normals_that_point_outward(tmp_path):
+    """Drake's renderers refuse meshes without normals."""
+    box().export(tmp_path / "box.stl")
+    (visual,) = written(tmp_path / "box.stl", tmp_path)
+    text = (tmp_path / visual.file).read_text().splitlines()
+    rows = {
+        tag: [line.split()[1:] for line in text if line.startswith(f"{tag} ")]
+        for tag in ("v", "vn", "f")
+    }
+    assert sorted(map(tuple, np.array(rows["vn"], dtype=float).tolist())) == sorted(
+        tuple(sign * axis) for axis in np.eye(3) for sign in (-1.0, 1.0)
+    )
+    vertices, normals = (np.array(rows[tag], dtype=float) for tag in ("v", "vn"))
+    for corners in rows["f"]:
+        indices = np.array([corner.split("//") for corner in corners], dtype=int) - 1
+        a, b, c = vertices[indices[:, 0]]
+        assert np.cross(b - a, c - a) @ normals[indices[0, 1]] > 0
+
+
 def test_a_file_of_several_colours_becomes_one_each(tmp_path):
     left, right = box(), box()
     right.apply_translation([1, 0, 0])
