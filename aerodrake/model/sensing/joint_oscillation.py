@@ -14,6 +14,9 @@ LONGEST_S = 0.25
 GROWTH = 20.0
 """Largest growth of an oscillation from one half-wave to the next."""
 
+RELEASE = 0.2
+"""Largest relative decrease of the amplitude at a sample that is not rejected as a jump."""
+
 STEP_RAD = 0.03
 """Tolerated deviation of a joint's step from the mean of its rates at both ends."""
 
@@ -57,8 +60,9 @@ def track(
     """Returns the state after one more sample.
 
     A sample that is rejected as a jump counts if the joints have moved from the previous one as
-    their rates say: they do move so fast. While samples are rejected as jumps, no half-wave is
-    too long, so that the amplitude stays.
+    their rates say: they do move so fast. The amplitude does not decrease while samples are
+    rejected as jumps, and by `RELEASE` at most at each other sample: one of them may be accepted
+    by chance.
 
     Args:
         last: State after the previous sample.
@@ -84,12 +88,13 @@ def track(
                 peaks[k, i] = peaks[k - 1, i]
             peaks[0, i], sign[i], duration_s[i] = 0.0, np.sign(error), 0.0
         peaks[0, i] = max(peaks[0, i], abs(error))
-        if not is_jump:
-            duration_s[i] += dt
+        duration_s[i] += dt
         if duration_s[i] > LONGEST_S + dt / 2:
             peaks[:, i] = 0.0
         # The present half-wave may not have reached its peak yet.
-        amplitude[i] = max(_amplitude(peaks[:4, i]), _amplitude(peaks[1:, i]))
+        amplitude[i] *= 1.0 if is_jump else 1.0 - RELEASE
+        now = max(_amplitude(peaks[:4, i]), _amplitude(peaks[1:, i]))
+        amplitude[i] = max(amplitude[i], now)
     return JointOscillation(peaks, sign, duration_s, amplitude)
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aerodrake.model.sensing.joint_oscillation import LONGEST_S, JointOscillation, track
+from aerodrake.model.sensing.joint_oscillation import LONGEST_S, RELEASE, JointOscillation, track
 from aerodrake.model.sensing.sample_health import Verdict
 from aerodrake.model.vehicle.state import VehicleState, split_state
 
@@ -66,15 +66,26 @@ def test_the_amplitude_stays_while_samples_are_rejected_as_jumps():
     joints = Joints()
     joints.move(*[2.0, -2.0] * 4)
     assert joints.move(*[9.0] * 100, verdict=JUMP) == 2.0
-    assert joints.move(*[0.0] * round(LONGEST_S / DT)) == 2.0
-    assert joints.move(0.0) == 0.0
+    assert joints.move(0.0) == pytest.approx(2.0 * (1 - RELEASE))
+    assert joints.move(*[9.0] * 100, verdict=JUMP) == pytest.approx(2.0 * (1 - RELEASE))
+    assert joints.move(*[0.0] * 30) < 0.01
+
+
+def test_a_return_from_a_drift_during_an_outage_is_no_oscillation():
+    """Rejected samples of angles with an offset, then sound ones and feedback again."""
+    joints = Joints()
+    joints.move(*[0.01, -0.01] * 4)
+    joints.move(0.0, verdict=JUMP, offset=0.5)
+    drift = joints.move(*np.linspace(0.0, -1.7, 50), verdict=JUMP)
+    back = [joints.move(rate) for rate in (-1.0, 1.0, 3.0, 3.0, 2.0, 0.5, -0.1)]
+    assert max(drift, *back) <= 0.2
 
 
 @pytest.mark.parametrize("verdict", [Verdict.STALE, Verdict.FROZEN, Verdict.NOT_FINITE])
 def test_missing_samples_end_an_oscillation(verdict):
     joints = Joints()
     joints.move(*[2.0, -2.0] * 4)
-    assert joints.move(*[np.nan] * (round(LONGEST_S / DT) + 1), verdict=verdict) == 0.0
+    assert joints.move(*[np.nan] * (2 * round(LONGEST_S / DT) + 1), verdict=verdict) < 0.01
 
 
 @given(
