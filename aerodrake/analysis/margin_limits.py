@@ -14,7 +14,7 @@ LONGEST_DELAY_S = 0.2
 GAINS = (0.1, 10.0)
 """Ends of the search for gain margins."""
 
-RATIO = 1.06
+RATIO = 1.12
 """Ratio of successive gains, and of delays above ten plant steps, at which stability is tested."""
 
 PRECISION = 1e-3

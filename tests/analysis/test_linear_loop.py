@@ -91,7 +91,7 @@ def test_rotor_gain_is_that_of_the_mismatch(scenario, loop):
 def test_margins_are_the_first_unstable_values(loop):
     for margin in find_margins_of(loop):
         for limit in filter(None, (margin.lower, margin.upper)):
-            inside = limit.value + 0.002 * (1.0 - limit.value)
+            inside = limit.value * (0.998 if limit is margin.upper else 1.002)
             variation = {"rotor_gain": "rotor_gain", "joint_gain": "joint_gain"}.get(margin.name)
             if variation:
                 at, before = (
