@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.linalg import eig
 
 from aerodrake.analysis.linear_loop import LinearLoop, Variation
 from aerodrake.analysis.margins import StabilityLimit, StabilityMargin
@@ -18,7 +19,9 @@ RATIO = 1.12
 """Ratio of successive gains, and of delays above ten plant steps, at which stability is tested."""
 
 PRECISION = 1e-3
-"""Relative precision of a gain's limit; a delay is a whole number of plant steps."""
+"""Relative precision of a gain's limit. A delay is a whole number of plant steps."""
+
+Between = Callable[[float, float], float | None]
 
 Varied = Callable[[float], Variation]
 
@@ -31,31 +34,40 @@ def find_margins_of(loop: LinearLoop) -> tuple[StabilityMargin, ...]:
     """
     step_s = loop.period.dt / loop.period.steps
     longest = round(LONGEST_DELAY_S / step_s)
-    steps = sorted({*range(11), *(round(RATIO**k) for k in range(200))})
-    delays = [float(step) for step in steps if step <= longest]
-    low, high = GAINS
-    count = round(np.log(high) / np.log(RATIO))
-    up, down = np.geomspace(1.0, high, count + 1), np.geomspace(1.0, low, count + 1)
-    base_delay = _limit(loop, lambda steps: Variation(delay_steps=round(steps)), delays, 1.0)
+    delays = sorted({*range(11), *(round(RATIO**k) for k in range(100))})
+    delays = [steps for steps in delays if steps <= longest]
+    base_delay = _limit(loop, lambda steps: Variation(delay_steps=steps), delays, _between_steps)
     if base_delay is not None:
         base_delay = StabilityLimit(base_delay.value * step_s, base_delay.frequency_hz)
-    margins = [
-        StabilityMargin(
-            "base_delay", "delay", 0.0, (0.0, longest * step_s), lower=None, upper=base_delay
-        )
-    ]
+    end_s = longest * step_s
+    margins = [StabilityMargin("base_delay", "delay", 0.0, (0.0, end_s), None, base_delay)]
     varied: dict[str, Varied] = {
         "rotor_gain": lambda gain: Variation(rotor_gain=gain),
         "joint_gain": lambda gain: Variation(joint_gain=gain),
     }
+    count = round(np.log(max(GAINS)) / np.log(RATIO))
     for name, vary in varied.items():
-        lower, upper = (_limit(loop, vary, gains, PRECISION) for gains in (down, up))
+        lower, upper = (
+            _limit(loop, vary, np.geomspace(1.0, end, count + 1).tolist(), _between_gains)
+            for end in GAINS
+        )
         margins.append(StabilityMargin(name, "gain", 1.0, GAINS, lower, upper))
     return tuple(margins)
 
 
+def _between_steps(stable: int, unstable: int) -> int | None:
+    """Returns a number of steps between two; None if they are adjacent."""
+    return (stable + unstable) // 2 if unstable - stable > 1 else None
+
+
+def _between_gains(stable: float, unstable: float) -> float | None:
+    """Returns a gain between two; None if they are as close as `PRECISION`."""
+    is_close = abs(unstable - stable) <= PRECISION * unstable
+    return None if is_close else (stable + unstable) / 2
+
+
 def _limit(
-    loop: LinearLoop, vary: Varied, values: Sequence[float], precision: float
+    loop: LinearLoop, vary: Varied, values: Sequence[float], between: Between
 ) -> StabilityLimit | None:
     """Returns the first limit along values from the nominal one on; None without one.
 
@@ -63,7 +75,7 @@ def _limit(
         loop: The loop.
         vary: Returns the variation of a value.
         values: Values to test.
-        precision: Largest distance of the limit from a stable value, relative if below 1.
+        between: Returns the next value to test between a stable and an unstable one, if any.
     """
 
     def is_stable(value: float) -> bool:
@@ -77,8 +89,7 @@ def _limit(
         if is_stable(unstable):
             stable = unstable
             continue
-        while abs(unstable - stable) > precision * (1.0 if precision >= 1 else unstable):
-            middle = (stable + unstable) / 2
+        while (middle := between(stable, unstable)) is not None:
             stable, unstable = (middle, unstable) if is_stable(middle) else (stable, middle)
         return StabilityLimit(float(unstable), _frequency_hz(loop, vary(unstable)))
     return None
@@ -87,7 +98,7 @@ def _limit(
 def _frequency_hz(loop: LinearLoop, variation: Variation) -> float:
     """Returns the frequency of the fastest growing mode of a variation."""
     period = loop.matrices(variation)
-    values, vectors = np.linalg.eig(period.A)
-    critical = np.argmax(np.abs(values))
-    exponent = exponent_of(values[critical], vectors[:, critical], period)
+    values, left, right = eig(period.A, left=True, right=True)
+    i = np.argmax(np.abs(values))
+    exponent = exponent_of(values[i], left[:, i], right[:, i], period)
     return exponent.imag / (2 * np.pi * loop.period.dt)

@@ -16,7 +16,13 @@ FORGOTTEN = 0.05
 """|z| below which a mode is omitted: most of it is gone after one period."""
 
 RESOLVED = 0.5
-"""|z| below which an oscillation decays too fast to have other frequencies than the lowest."""
+"""|z| below which the alias of an oscillation is not resolved, since it decays too fast."""
+
+LEAST_PLANT = 0.3
+"""Share of the plant below which it is not resolved, since the plant only follows others."""
+
+AT_REST = 0.01
+"""Motion in one period, relative to the displacement, below which a mode does not oscillate."""
 
 CHANGES_PER_VELOCITY = 2.0
 """1/m and 1/rad: rate at which the matrices change along a path, over the largest velocity."""
@@ -42,7 +48,8 @@ def find_modes(loop: LinearLoop) -> tuple[Eigenmode, ...]:
     ]
     modes = []
     for i in chosen:
-        exponent = exponent_of(values[i], right[:, i] * scale, period) / loop.period.dt
+        exponent = exponent_of(values[i], left[:, i] / scale, right[:, i] * scale, period)
+        exponent /= loop.period.dt
         modes.append(
             Eigenmode(
                 eigenvalue=complex(values[i]),
@@ -57,7 +64,7 @@ def find_modes(loop: LinearLoop) -> tuple[Eigenmode, ...]:
     return tuple(modes)
 
 
-def exponent_of(z: complex, vector: np.ndarray, period: PeriodMatrices) -> complex:
+def exponent_of(z: complex, left: np.ndarray, right: np.ndarray, period: PeriodMatrices) -> complex:
     """Returns the logarithm of an eigenvalue of A, with imaginary part >= 0.
 
     Of its branches it is the one whose imaginary part is the sum of the phases by which the
@@ -66,15 +73,17 @@ def exponent_of(z: complex, vector: np.ndarray, period: PeriodMatrices) -> compl
 
     Args:
         z: The eigenvalue.
-        vector: (nx,) right eigenvector.
+        left, right: (nx,) eigenvectors.
         period: Matrices of the period.
     """
     exponent = np.log(complex(z))
-    if abs(z) < RESOLVED:
+    factors = np.abs(left * right)
+    is_plant = [name.startswith("plant.") for name in period.names]
+    if abs(z) < RESOLVED or factors[is_plant].sum() < LEAST_PLANT * factors.sum():
         return complex(exponent.real, abs(exponent.imag))
-    positions, rates = np.split(np.abs(motion := period.plant @ vector), 2, axis=1)
+    positions, rates = np.split(np.abs(motion := period.plant @ right), 2, axis=1)
     i = rates.max(axis=0).argmax()
-    if rates[:, i].max() * period.dt < positions[:, i].max():  # Slower than all aliases.
+    if rates.max() * period.dt < AT_REST * positions.max():
         return complex(exponent.real, abs(exponent.imag))
     fastest = motion[:, len(rates[0]) + i]
     phases = np.angle(fastest[1:] * fastest[:-1].conj())
