@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass
 
+from aerodrake.analysis.coordinates import PLANT
 from aerodrake.analysis.eigenmode import Eigenmode, Participant
 from aerodrake.analysis.margins import StabilityMargin
 from aerodrake.analysis.responses import FrequencyResponse, StepResponse
 from aerodrake.analysis.sampled_system import SampledSystem
-
-PLANT = "plant."
-"""Prefix of the states of the plant."""
 
 
 @dataclass(frozen=True)
@@ -47,9 +45,9 @@ class OperatingPoint:
 
     @property
     def sentence(self) -> str:
-        """Verdict in one line, with motions, frequency and growth of the least stable mode.
+        """Verdict in one line, with motions, frequency and growth of one mode.
 
-        Of a stable loop it is about the least damped mode.
+        The mode is the fastest growing one, or the least damped one of a stable loop.
         """
         where = "in hover" if self.time_s is None else f"at {self.time_s:.2f} s"
         verdict = f"{'stable' if self.is_stable else 'unstable'} {where}"

@@ -16,6 +16,9 @@ from aerodrake.systems.named_state import group_names
 BASE = ("roll", "pitch", "yaw", "x", "y", "z")
 """Coordinates of the base, before those of the joints; those of the rates follow."""
 
+PLANT, RATE = "plant.", "_rate"
+"""Prefix of the names of the plant's coordinates, and suffix of those that are rates."""
+
 
 @dataclass(frozen=True)
 class StateGroup:
@@ -78,7 +81,7 @@ class StateCoordinates:
             joints: Names of the n joints.
         """
         positions = (*BASE, *joints)
-        vehicle = (*positions, *(f"{name}_rate" for name in positions))
+        vehicle = (*positions, *(f"{name}{RATE}" for name in positions))
         groups: list[StateGroup] = []
         for leaf in leaf_systems(diagram):
             own, system = group_names(leaf), leaf.get_name()

@@ -22,8 +22,10 @@ PRECISION = 1e-3
 """Relative precision of a gain's limit. A delay is a whole number of plant steps."""
 
 Between = Callable[[float, float], float | None]
+"""Function of a stable and an unstable value: the next one to test between them, None if none."""
 
 Varied = Callable[[float], Variation]
+"""Function of a delay or gain: the variation of the loop with it."""
 
 
 def find_margins_of(loop: LinearLoop) -> tuple[StabilityMargin, ...]:
@@ -73,9 +75,9 @@ def _limit(
 
     Args:
         loop: The loop.
-        vary: Returns the variation of a value.
+        vary: Variation of a value.
         values: Values to test.
-        between: Returns the next value to test between a stable and an unstable one, if any.
+        between: Next value to test between a stable and an unstable one.
     """
 
     def is_stable(value: float) -> bool:

@@ -5,14 +5,10 @@ from typing import Self
 
 import numpy as np
 
+from aerodrake.analysis.coordinates import PLANT, RATE
 from aerodrake.analysis.eigenmode import Eigenmode
+from aerodrake.analysis.linear_loop import AXES, TOOL
 from aerodrake.analysis.sampled_system import SampledSystem
-
-PLANT, RATE, TOOL = "plant.", "_rate", "tool_"
-"""Prefix of states of the plant, suffix of those that are rates, and prefix of outputs."""
-
-POSITIONS = ("x", "y", "z")
-"""Motions that are lengths; the others are angles."""
 
 ITERATIONS = 3
 """Number of steps of the inverse iteration; its error shrinks by many digits in each."""
@@ -38,7 +34,7 @@ class ModeShape:
         """
         vector = eigenvector(system, mode.eigenvalue)
         outputs = dict(zip(system.outputs, system.C @ vector, strict=True))
-        tool = {name: value for name, value in outputs.items() if name.startswith(TOOL)}
+        tool = {name: value for name, value in outputs.items() if name in TOOL}
         largest = max(tool.values(), key=abs, default=0.0)
         scale = np.linalg.norm(list(tool.values())) * np.exp(1j * np.angle(largest))
         factor = 1.0 / scale if abs(scale) > 1e-12 * np.linalg.norm(vector) else 0.0
@@ -47,7 +43,7 @@ class ModeShape:
             for state, value in zip(system.states, vector, strict=True)
             if state.startswith(PLANT) and not state.endswith(RATE)
         }
-        lengths = {name: motions.pop(name) for name in POSITIONS if name in motions}
+        lengths = {name: motions.pop(name) for name in AXES if name in motions}
         lengths |= {name: complex(factor * value) for name, value in tool.items()}
         return cls(lengths, motions)
 

@@ -5,6 +5,7 @@ from collections import defaultdict
 import numpy as np
 from scipy.linalg import eig
 
+from aerodrake.analysis.coordinates import PLANT, RATE
 from aerodrake.analysis.eigenmode import Eigenmode, Participant
 from aerodrake.analysis.linear_loop import LinearLoop, PeriodMatrices, Variation
 
@@ -21,7 +22,7 @@ RESOLVED = 0.5
 LEAST_PLANT = 0.3
 """Share of the plant below which it is not resolved, since the plant only follows others."""
 
-AT_REST = 0.01
+LEAST_MOTION = 0.01
 """Motion in one period, relative to the displacement, below which a mode does not oscillate."""
 
 CHANGES_PER_VELOCITY = 2.0
@@ -78,12 +79,12 @@ def exponent_of(z: complex, left: np.ndarray, right: np.ndarray, period: PeriodM
     """
     exponent = np.log(complex(z))
     factors = np.abs(left * right)
-    is_plant = [name.startswith("plant.") for name in period.names]
+    is_plant = [name.startswith(PLANT) for name in period.names]
     if abs(z) < RESOLVED or factors[is_plant].sum() < LEAST_PLANT * factors.sum():
         return complex(exponent.real, abs(exponent.imag))
     positions, rates = np.split(np.abs(motion := period.plant @ right), 2, axis=1)
     i = rates.max(axis=0).argmax()
-    if rates.max() * period.dt < AT_REST * positions.max():
+    if rates.max() * period.dt < LEAST_MOTION * positions.max():
         return complex(exponent.real, abs(exponent.imag))
     fastest = motion[:, len(rates[0]) + i]
     phases = np.angle(fastest[1:] * fastest[:-1].conj())
@@ -102,5 +103,6 @@ def _participants(names: list[str], factors: np.ndarray) -> tuple[Participant, .
 
 def _participant(state: str) -> str:
     """Returns the body motion of a state of the plant, or the system of another one."""
-    system, _, rest = state.partition(".")
-    return rest.removesuffix("_rate") if system == "plant" else system.partition("[")[0]
+    if state.startswith(PLANT):
+        return state.removeprefix(PLANT).removesuffix(RATE)
+    return state.partition(".")[0].partition("[")[0]

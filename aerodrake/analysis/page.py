@@ -56,11 +56,16 @@ def analysis_page(
         margins=margin_rows(analysis),
         notes=notes(analysis),
         motions={p.name for mode in modes for p in analysis.hover.motions(mode)},
-        path=path_rows(analysis),
+        path=list(zip(path_rows(analysis), _are_stable(analysis), strict=True)),
         pictures=list(_pictures(analysis, modes)),
         resolved=resolved,
         commands=[command],
     )
+
+
+def _are_stable(analysis: Analysis) -> list[bool]:
+    """Returns True for each of the `path_rows` at which the loop is stable."""
+    return [point.is_stable for point in analysis.path if point.least_damped]
 
 
 def _pictures(analysis: Analysis, modes: Sequence[Eigenmode]) -> Iterator[Picture]:

@@ -100,11 +100,11 @@ def analysis_table(analysis: Analysis) -> str:
 
 def notes(analysis: Analysis) -> list[str]:
     """Returns notes on commands at their limits, and on a flight that ended early."""
-    found = []
+    sentences = []
     if names := analysis.hover.saturated:
         limits = f"commands at their limits in hover, where the loop is open: {', '.join(names)}"
-        found.append(limits)
-    return [*found, analysis.ended] if analysis.ended else found
+        sentences.append(limits)
+    return [*sentences, analysis.ended] if analysis.ended else sentences
 
 
 def _mode_lines(title: str, rows: list[list[str]]) -> list[str]:

@@ -22,7 +22,7 @@ from aerodrake.support.run_folder import existing_folder, run_folder
 
 
 class AnalysisResult:
-    """Results of an analysis. `print` shows its table, a notebook also the map of eigenvalues.
+    """Results of an analysis. `print` shows its table, a notebook also a figure of its modes.
 
     Attributes:
         analysis: All results.

@@ -73,7 +73,7 @@ class Geometry:
 
 @dataclass(frozen=True)
 class ArmLink:
-    """ArmLink of an arm."""
+    """Link of an arm."""
 
     name: str
     inertial: Inertial | None = None

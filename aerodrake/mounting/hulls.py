@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Geometry, Inertial, Pose
+from aerodrake.mounting.inertias import DENSITY_KG_M3, moments_of
 from aerodrake.mounting.listed import listed, shown
 from aerodrake.mounting.meshes import load_parts
 
 if TYPE_CHECKING:
     import trimesh
-
-DENSITY_KG_M3 = 1000.0
-"""Density of arms in the convex hulls of their links, about the median of real ones."""
 
 
 def estimate_masses(arm: ArmTree) -> Converted:
@@ -43,9 +41,8 @@ def _estimated(link: ArmLink) -> Inertial | None:
         return None
     body = trimesh.util.concatenate(solid)
     body.density = DENSITY_KG_M3
-    I, centre = body.moment_inertia, Pose(tuple(body.center_mass.tolist()))
-    moments = tuple(float(I[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
-    return Inertial(centre, float(body.mass), moments)
+    centre = Pose(tuple(body.center_mass.tolist()))
+    return Inertial(centre, float(body.mass), moments_of(body.moment_inertia))
 
 
 def _hull(geometry: Geometry) -> "trimesh.Trimesh | None":

@@ -12,8 +12,9 @@ from aerodrake.mounting.listed import listed, shown
 from aerodrake.support.errors import BadInput
 
 DENSITY_KG_M3 = 1000.0
-"""Density of the solid spheres whose inertia replaces a missing one."""
-LEAST_SHARE = 0.01
+"""Density of links without a mass or inertia, in their convex hulls or as solid spheres: about the
+median of real arms in their hulls."""
+LEAST_MASS_SHARE = 0.01
 """Mass of a moving link with no mass from there on, as a share of the arm's mass."""
 LEAST_RATIO = 1e-6
 """Smallest principal moment of a corrected inertia, as a share of the largest."""
@@ -37,7 +38,7 @@ def correct_inertias(arm: ArmTree) -> Converted:
             by_change.setdefault(change, []).append(link.name)
     changes = [f"{change}: {listed(names)}" for change, names in by_change.items()]
     arm = arm.with_links({name: link for name, (link, _) in links.items()})
-    mass = LEAST_SHARE * arm.mass
+    mass = LEAST_MASS_SHARE * arm.mass
     light = [
         joint.child
         for joint in arm.joints
@@ -46,7 +47,7 @@ def correct_inertias(arm: ArmTree) -> Converted:
     if light:
         parts = {name: replace(arm.link(name), inertial=_sphere(Pose(), mass)) for name in light}
         arm = arm.with_links(parts)
-        kg = f"{shown(mass)} kg, {LEAST_SHARE:.0%} of the arm's mass"
+        kg = f"{shown(mass)} kg, {LEAST_MASS_SHARE:.0%} of the arm's mass"
         changes.append(f"moving links with no mass from there on get {kg}: {listed(light)}")
     return Converted(arm, tuple(changes))
 
@@ -78,9 +79,7 @@ def physical(moments: tuple[float, ...]) -> tuple[float, ...]:
     Args:
         moments: kg m^2, ixx, iyy, izz, ixy, ixz, iyz.
     """
-    ixx, iyy, izz, ixy, ixz, iyz = moments
-    matrix = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
-    principal, axes = np.linalg.eigh(matrix)
+    principal, axes = np.linalg.eigh(inertia_matrix(moments))
     largest = max(abs(principal))
     is_positive = min(principal) > ROUNDING * largest
     if is_positive and RotationalInertia(*moments).CouldBePhysicallyValid():
@@ -89,8 +88,18 @@ def physical(moments: tuple[float, ...]) -> tuple[float, ...]:
     raised = np.maximum(np.abs(principal[order]), LEAST_RATIO * largest)
     lacking = raised[2] * (1 + MARGIN) - raised[0] - raised[1]
     raised[:2] += max(lacking, 0.0) / 2
-    I = axes[:, order] @ np.diag(raised) @ axes[:, order].T
-    return tuple(float(I[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+    return moments_of(axes[:, order] @ np.diag(raised) @ axes[:, order].T)
+
+
+def inertia_matrix(moments: tuple[float, ...]) -> np.ndarray:
+    """Returns the matrix (3, 3) of moments of inertia in the order of `Inertial.moments`."""
+    ixx, iyy, izz, ixy, ixz, iyz = moments
+    return np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+
+
+def moments_of(matrix: np.ndarray) -> tuple[float, ...]:
+    """Returns the moments of inertia of a matrix (3, 3), in the order of `Inertial.moments`."""
+    return tuple(matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist())
 
 
 def _sphere(origin: Pose, mass: float) -> Inertial:

@@ -23,12 +23,12 @@ LEAST_RAD_S2 = 0.1
 """Smallest acceleration limit of a joint without one."""
 HOLDING = 2.0
 """Effort of a joint without one, as a multiple of the largest torque that holds it."""
-LEAST_SHARE = 0.02
+LEAST_EFFORT_SHARE = 0.02
 """Smallest effort of a joint without one, as a share of the arm's largest."""
 
 LAWS = {
     "effort": f"{HOLDING:g} times the largest torque that holds the links below, plus the torque "
-    f"of {ACCELERATION_RAD_S2:g} rad/s^2, in N m, or {LEAST_SHARE:.0%} of the arm's largest",
+    f"of {ACCELERATION_RAD_S2:g} rad/s^2, in N m, or {LEAST_EFFORT_SHARE:.0%} of the arm's largest",
     "velocity": f"{VELOCITY_RAD_S:g} rad/s",
     "acceleration": f"{ACCELERATION_RAD_S2:g} rad/s^2, or effort over the largest inertia",
 }
@@ -45,9 +45,10 @@ def complete_limits(arm: ArmTree, tool: str) -> Converted:
         if change:
             changes.setdefault(change, []).append(joint.name)
     loads = joint_loads(arm, list(ranged.values()))
-    strongest = max(_effort(joint.limits, loads[name]) for name, joint in ranged.items())
+    efforts = [_effort(joint.limits, loads[name]) for name, joint in ranged.items()]
+    least_effort = LEAST_EFFORT_SHARE * max(efforts)
     complete = {
-        name: replace(joint, limits=_rated(joint.limits, loads[name], LEAST_SHARE * strongest))
+        name: replace(joint, limits=_rated(joint.limits, loads[name], least_effort))
         for name, joint in ranged.items()
     }
     for name, law in LAWS.items():

@@ -6,6 +6,7 @@ import numpy as np
 
 from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.mounting.arm import ArmJoint, ArmTree
+from aerodrake.mounting.inertias import inertia_matrix
 from aerodrake.mounting.spread import spread
 
 SAMPLES = 32
@@ -44,9 +45,9 @@ def _loads(arm: ArmTree, joints: list[ArmJoint], q: np.ndarray) -> np.ndarray:
     masses, centres, inertias = {}, {}, {}
     for name, inertial in bodies:
         X = poses[name] @ inertial.origin.transform()
-        R, (xx, yy, zz, xy, xz, yz) = X.rotation().matrix(), inertial.moments
+        R = X.rotation().matrix()
         masses[name], centres[name] = inertial.mass, X.translation()
-        inertias[name] = R @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ R.T
+        inertias[name] = R @ inertia_matrix(inertial.moments) @ R.T
     loads = []
     for joint in joints:
         X = poses[joint.child]

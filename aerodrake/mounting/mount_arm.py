@@ -89,8 +89,8 @@ def _best(
     depth = round(MOUNT_DEPTH * vehicle.multirotor.scale, 3)
     xyz, rpy = given[:PLACE] or (0.0, 0.0, -depth), given[PLACE:]
     mounted = [replace(vehicle, mount=Pose(xyz, turn)) for turn in ([rpy] if rpy else ATTITUDES)]
-    found = [(vehicle, _find_working(vehicle, path)) for vehicle in mounted]
-    return min(found, key=lambda pair: pair[1].cost)
+    options = [(vehicle, _find_working(vehicle, path)) for vehicle in mounted]
+    return min(options, key=lambda pair: pair[1].cost)
 
 
 def _find_working(vehicle: VehicleDesign, path: Path) -> Working:

@@ -1,10 +1,10 @@
 """Request for a vehicle: an arm, and what is not to be chosen."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from aerodrake.mounting.names import UNREADABLE
 from aerodrake.mounting.sizing import Given
 from aerodrake.support.errors import BadInput
 from aerodrake.support.limits import BASE_KG, POSE, ROTOR_RADIUS_M, ROTORS, SCALE, THRUST_N
@@ -80,7 +80,7 @@ class Request:
     @property
     def name(self) -> str:
         """Name of the vehicle: that of the file, as a plain word."""
-        return re.sub(r"[^\w.-]+", "_", self.urdf.stem, flags=re.ASCII).strip(".") or "arm"
+        return UNREADABLE.sub("_", self.urdf.stem).strip(".") or "arm"
 
 
 def _shown(numbers: tuple[float, ...]) -> str:

@@ -83,7 +83,7 @@ class Multirotor:
 
         Args:
             mass: kg, of the arm.
-            reach: m, largest distance of the tool from where the arm is mounted.
+            reach: m, length of the arm from its first joint to the tool.
             given: Sizes that are not to be chosen.
         """
         base = given.base_mass or two_digits(BASE_PER_ARM * mass)

@@ -22,7 +22,7 @@ MARKERS = (
     re.compile(r"tip|tool|gripper|flange", re.IGNORECASE),
 )
 """Names of frames at the tool, the closest to an object first."""
-MARKER_KG = 1e-3
+FRAME_KG = 1e-3
 """Largest mass of a link that marks a frame."""
 SMALL_M = 1e-3
 """Distance up to which origins coincide."""
@@ -109,7 +109,7 @@ def _guess(arm: ArmTree) -> tuple[str, str]:
     most = max(counts.values())
     last = [name for name, count in counts.items() if count == most]
     tips = set(arm.tips())
-    markers = [name for name in last if name in tips and arm.link(name).mass <= MARKER_KG]
+    markers = [name for name in last if name in tips and arm.link(name).mass <= FRAME_KG]
     for pattern in MARKERS:
         for name in markers:
             if pattern.search(name):

@@ -118,23 +118,23 @@ class WorkingSearch:
         self._torques = np.array([posture.torque for posture in postures])
 
     def run(self) -> Working:
-        """Returns the configuration with the lowest cost, found by local searches."""
+        """Returns the configuration with the lowest cost, by local searches."""
         bounds = list(zip(self._lower, self._upper, strict=True))
-        found = list(self._samples)
+        candidates = list(self._samples)
         for starts, steps in zip(STARTS, STEPS, strict=True):
             options = {"maxiter": steps, "eps": GRADIENT_RAD}
-            found = [
+            candidates = [
                 minimize(self.cost, q, bounds=bounds, method="L-BFGS-B", options=options).x
-                for q in sorted(found, key=self.cost)[:starts]
+                for q in sorted(candidates, key=self.cost)[:starts]
             ]
         ordinary = self._ordinary_overlaps()
-        depths = [self._deepest(q, ordinary) for q in found]
+        depths = [self._deepest(q, ordinary) for q in candidates]
         costs = [
             self.cost(q) + (1 + deep.depth / self._reach if deep else 0)
-            for q, deep in zip(found, depths, strict=True)
+            for q, deep in zip(candidates, depths, strict=True)
         ]
         best = int(np.argmin(costs))
-        return self._measured(found[best], depths[best], costs[best])
+        return self._measured(candidates[best], depths[best], costs[best])
 
     def cost(self, q: np.ndarray) -> float:
         """Returns the cost of joint angles q (n,) rad.
@@ -196,8 +196,8 @@ class WorkingSearch:
 
     def _overlaps(self, q: np.ndarray) -> list[Overlap]:
         positions = self._postures.positions(q)
-        found = overlaps(self._plant, self._scene_graph, positions)
-        return [overlap for overlap in found if overlap.depth > DEEP_M]
+        links = overlaps(self._plant, self._scene_graph, positions)
+        return [overlap for overlap in links if overlap.depth > DEEP_M]
 
     def _ordinary_overlaps(self) -> set[tuple[str, str]]:
         """Returns the pairs of links that overlap in nearly all configurations."""

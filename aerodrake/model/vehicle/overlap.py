@@ -23,8 +23,8 @@ def deepest_overlap(
     plant: MultibodyPlant, scene_graph: SceneGraph, positions: np.ndarray
 ) -> Overlap | None:
     """Returns the deepest of the `overlaps` at positions (7 + n,); None if there is none."""
-    found = overlaps(plant, scene_graph, positions)
-    return max(found, key=lambda overlap: overlap.depth, default=None)
+    every = overlaps(plant, scene_graph, positions)
+    return max(every, key=lambda overlap: overlap.depth, default=None)
 
 
 def overlaps(
