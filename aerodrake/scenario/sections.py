@@ -132,9 +132,9 @@ class Flight(Section):
     # Time constant of the low-pass filter of omega_d, the desired attitude's angular velocity.
     rate_filter_s: float = quantity(0.03, "s", 0.0, 1.0)
     # Inverse dynamics of the arm's commanded motion: its torque, with filtered accelerations;
-    # torque and force, unfiltered (whole_body); or none: the observers estimate them. The force
-    # tilts the base, and accelerations turn it, which closes a loop through the MPC: whole_body is
-    # unstable for long or heavy arms, and with noise and unknown delay.
+    # torque and force, with unfiltered ones (whole_body); or none: the observers estimate them. The
+    # force tilts the base and accelerations turn it, which closes a loop through the MPC:
+    # whole_body is unstable for long or heavy arms, and with noise and unknown delay.
     feedforward: str = choice("torque", "whole_body", "none")
     # Largest tilt of the desired attitude.
     max_tilt_rad: float = quantity(0.6, "rad", 0.05, 1.2)
@@ -148,8 +148,8 @@ class Arm(Section):
     # free base, or its diagonal as in the paper, unstable for arms with light distal links.
     inertia: str = choice("coupled", "diagonal")
 
-    # Natural frequency and damping ratio of each joint's closed loop. The attitude loop needs a
-    # stiff arm if that is heavier than the base and samples are late.
+    # Natural frequency and damping ratio of each joint's closed loop. With lower frequencies and
+    # late samples, the attitude loop is unstable for arms heavier than the base.
     bandwidth_rad_s: float = quantity(60.0, "rad/s", 1.0, 200.0)
     damping: float = quantity(1.0, "1", 0.1, 5.0)
     # Rate at which the integral action removes a constant torque error.

@@ -39,8 +39,8 @@ class ArmController(LeafSystem):
     Rate:
         `period`, after `offset`, so that it uses the MPC's command of the same instant.
 
-    Accelerations become torques through the arm's inertia at the measured angles. With `inertia`
-    diagonal, each joint has the inertia of its own in the working configuration.
+    Accelerations become torques through the arm's inertia matrix at the measured angles. With
+    `inertia` diagonal, it is the diagonal of the matrix in the working configuration.
 
     Args:
         config: Gains.

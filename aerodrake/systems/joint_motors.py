@@ -1,4 +1,4 @@
-"""Motors of the joints with model mismatch, as a system of Drake's own."""
+"""Motors of the joints with model mismatch."""
 
 import numpy as np
 from pydrake.symbolic import Variable, max, min
@@ -11,7 +11,7 @@ from aerodrake.support.arguments import checked
 
 @checked
 def make_joint_motors(mismatch: Mismatch, vehicle: VehicleModel) -> SymbolicVectorSystem | None:
-    """Makes the motors with `mismatch.torque_scale`; None if it is 1.
+    """Makes the motors as a system of Drake, with `mismatch.torque_scale`; None if it is 1.
 
     Ports:
         in `u0` (n): N m, commanded torques.

@@ -42,7 +42,7 @@ def test_events_are_in_order_and_named(log):
 
 
 def test_events_name_the_joint(log):
-    """That with the largest share of the time for which the condition triggers."""
+    """It is at its limit for the largest share of the time after which the condition triggers."""
     rows = np.zeros((len(TIME_S), len(log.vehicle.joint_names)))
     rows[50:100, 1] = rows[90:120, 2] = 1
     oscillation = np.zeros_like(rows)

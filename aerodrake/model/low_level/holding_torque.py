@@ -1,4 +1,4 @@
-"""Joint torques that hold the arm and its payload in hover, beside their limits."""
+"""Joint torques that hold the arm and its payload in hover, and notes on those near limits."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ LARGE_SHARE = 0.8
 def holding_torque(scenario: Scenario, vehicle: VehicleModel) -> np.ndarray:
     """Returns the joint torques (n,) N m in hover in the working configuration.
 
-    Those of the scenario's plant, with its payload and mismatch, which the controllers do not know.
+    They include the payload and the mismatch of the mass, which the controllers do not know.
     """
     _, J_B = Kinematics(vehicle.plant).arm(vehicle.working)
     weight = scenario.payload.mass_kg * GRAVITY

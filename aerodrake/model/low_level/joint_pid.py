@@ -24,7 +24,7 @@ class JointPid(NamedTuple):
     the measured rate, an overestimated D would be unstable.
 
     Attributes:
-        inertia: (n, n) kg m^2, M in the working configuration; diagonal for independent PIDs.
+        inertia: (n, n) kg m^2, M; diagonal for independent PIDs.
         damping: (n,) N m s/rad, D.
         k_p: 1/s^2.
         k_d: 1/s.
@@ -51,7 +51,8 @@ class JointPid(NamedTuple):
     def make(cls, arm: Arm, vehicle: VehicleModel, dt: Period) -> Self:
         """Returns the PID with bandwidth and damping ratio of `arm`; dt in s.
 
-        The independent PIDs of `arm.inertia` diagonal are the paper's, which know no damping.
+        Its inertia is that in the working configuration. The independent PIDs of `arm.inertia`
+        diagonal do not compensate the joints' damping, as in the paper.
         """
         inertia, damping = np.ascontiguousarray(vehicle.arm_inertia), vehicle.joint_damping
         if arm.inertia == "diagonal":
@@ -71,9 +72,9 @@ def control(
 
     The integral is that of k_i (M + D / k_d) times the position error or, while the reference rate
     is limited, the error of the rate over k_p / k_d: it is as fast for any M and D. A joint whose
-    torque is at its limit, and whose error drives it further, does not integrate; its error would
-    displace the other joints through M. The integral neither drives a torque beyond its limit, nor
-    exceeds that limit by itself.
+    torque is at its limit, and whose error drives it further, does not integrate; its integral
+    would displace the other joints through M. The integral neither drives a torque beyond its
+    limit, nor exceeds that limit by itself.
 
     Args:
         pid: Gains and limits.

@@ -25,10 +25,10 @@ class JointOscillation(NamedTuple):
     """State of the detection after a sample: the last half-waves of each joint.
 
     A half-wave lasts while a joint's rate error, its measured rate less that of its setpoint, has
-    one sign. Four consecutive half-waves of `LONGEST_S` or less are an oscillation. Its amplitude
-    is the lesser peak of the last two, or less if the two before them have peaks that are smaller
-    than this by more than a `GROWTH` each: a single push is no oscillation. An unstable joint is
-    detected within few samples, before its rates are implausible and their samples rejected.
+    one sign. Four consecutive half-waves of `LONGEST_S` or less are an oscillation. With their
+    peaks p_0 (the latest) to p_3 and G = `GROWTH`, its amplitude is min(p_0, p_1, G p_2, G^2 p_3):
+    a single push has small p_2 and p_3, and is no oscillation. An unstable joint is detected within
+    few samples, before its rates are implausible and their samples rejected.
 
     Attributes:
         peaks: (5, n) rad/s, largest absolute rate error of each half-wave, the present one first.
@@ -59,10 +59,9 @@ def track(
 ) -> JointOscillation:
     """Returns the state after one more sample.
 
-    A sample that is rejected as a jump counts if the joints have moved from the previous one as
-    their rates say: they do move so fast. The amplitude does not decrease while samples are
-    rejected as jumps, and by `RELEASE` at most at each other sample: one of them may be accepted
-    by chance.
+    A sample that is rejected as a jump counts if the step of the joints' angles from the previous
+    one agrees with their rates. The amplitude does not decrease at samples that are rejected as
+    jumps, and by `RELEASE` at most at each other one, since one may be accepted by chance.
 
     Args:
         last: State after the previous sample.

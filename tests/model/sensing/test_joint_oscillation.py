@@ -103,7 +103,7 @@ def test_angles_that_jump_are_no_oscillation(noise, jump, period):
 
 @given(push=st.floats(0.3, 20.0), noise=st.floats(0.0, 0.01), damping=st.floats(0.35, 1.0))
 def test_a_single_push_is_no_oscillation(push, noise, damping):
-    """Of a joint with the damping of a closed loop: half-waves decay by e^-1.1 or more."""
+    """The joint has the damping of a closed loop: half-waves decay by e^-1.1 or more."""
     joints = Joints()
     times = DT * np.arange(1, 60)
     rate = 40.0 * np.sqrt(max(1 - damping**2, 1e-4))
