@@ -37,6 +37,8 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
     """Returns the results of a flight, null if undefined. Errors are of the true state.
 
     Keys:
+        instability: Sentence on the hover of a flight that ended early; null, which `aerodrake.fly`
+            replaces if the loop is unstable.
         error: m, distance of the end-effector from the reference that was asked for, from
             reference time 0 on: mean, rms, max; mean of one whole lap after the smooth
             start; settled mean (after 15 s); and the time in s at which it is
@@ -73,6 +75,7 @@ def summarize(scenario: Scenario, log: FlightLog) -> dict[str, Any]:
         "real_time_factor": rounded(simulated_s / log.wall_s),
         "exit_reason": log.exit_reason,
         "exit_cause": log.exit_cause,
+        "instability": None,
         **_reference_errors(scenario, log, lap),
         "base_error": _errors(log.base_error_m, log.time_s, lap, scenario.allocation.d_h_m),
         "orientation": _spread(log.tool_angle_rad, log.time_s, "rad"),

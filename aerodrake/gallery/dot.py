@@ -9,13 +9,13 @@ from aerodrake.gallery.graph import Arrow, Box, graph_of
 from aerodrake.gallery.ports import opens
 
 HEADER = """\
-  graph [fontname="Helvetica", fontsize=13, nodesep=0.2, ranksep=0.2, newrank=true]
+  graph [fontname="Helvetica", fontsize=13, nodesep=0.1, ranksep=0.2, newrank=true]
   graph [style="rounded,filled", color="#ced4da", fillcolor="#f3f6f9", bgcolor="white"]
   node [shape=box, style=filled, fillcolor=white, fontname="Helvetica", fontsize=13]
   node [margin="0.1,0.05", height=0, width=0]
   edge [fontname="Helvetica", fontsize=10, arrowsize=0.6, color="#495057", fontcolor="#343a40"]
 """
-"""Attributes for a width of about 1,200 pixels of the closed loop."""
+"""Attributes for a width of about 1,500 pixels of the closed loop with all sub-diagrams open."""
 
 
 def to_dot(system: System, depth: int) -> str:

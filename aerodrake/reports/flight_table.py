@@ -161,7 +161,7 @@ def ending(summary: dict[str, Any]) -> str:
 
 def instability(summary: dict[str, Any]) -> str:
     """Returns the sentence of an unstable hover, empty if there is none."""
-    return summary.get("instability") or ""  # Of a flight that is not analysed it is missing.
+    return summary.get("instability") or ""  # Missing if the process failed.
 
 
 def table(summary: dict[str, Any], kind: str) -> str:

@@ -15,6 +15,8 @@ from aerodrake.scenario import Filter, Sensors
 
 DT, JOINTS = 0.01, 2
 NOISE_M = 0.002
+SETTLE_S = 0.5
+"""Samples after which the velocity, with which the filter predicts during a jump, is known."""
 LIMITS = Filter()
 FILTER = StateFilter.make(LIMITS, Sensors(), DT)
 unit = arrays(float, 3, elements=st.floats(-1, 1)).map(lambda v: v / max(np.linalg.norm(v), 1e-9))
@@ -55,8 +57,9 @@ class Flight:
 def test_a_lasting_jump_moves_the_estimate_and_the_offset_alike(along, size, noise_m):
     """A jump back does too: the offset is then the sum of both."""
     flight, bound = Flight(noise_m=noise_m), 10 * noise_m + 1e-9
+    flight.verdicts(np.zeros(3), SETTLE_S)
     for position in (size * along, np.zeros(3)):
-        verdicts = flight.verdicts(position, LIMITS.reset_after_s + 0.05)
+        verdicts = flight.verdicts(position, LIMITS.reset_after_s + SETTLE_S)
         assert verdicts.count(Verdict.RESET) == 1
         assert set(verdicts[: verdicts.index(Verdict.RESET)]) == {Verdict.JUMP}
         assert set(verdicts[verdicts.index(Verdict.RESET) + 1 :]) == {Verdict.OK}
