@@ -8,7 +8,7 @@ import numpy as np
 from aerodrake.analysis.analysis import Analysis, OperatingPoint
 from aerodrake.analysis.linear_loop import LinearLoop
 from aerodrake.analysis.linearization import Linearizer, PeriodJacobian
-from aerodrake.analysis.margin_limits import find_margins_of
+from aerodrake.analysis.margin_limits import stability_margins
 from aerodrake.analysis.modes import find_modes
 from aerodrake.analysis.quiet_loop import QuietLoop
 from aerodrake.analysis.saturation import saturated
@@ -73,7 +73,7 @@ def analyze_loop(
         loop = LinearLoop(_hover(quiet))
         hover = _point(quiet, loop, None)
         progress("margins")
-        margins = find_margins_of(loop)
+        margins = stability_margins(loop)
         progress("responses")
         steps, frequencies = step_responses(loop.system), frequency_responses(loop.system)
         path, ended = _path(quiet, sorted({*map(float, times)}), progress)

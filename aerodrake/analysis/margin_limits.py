@@ -28,7 +28,7 @@ Varied = Callable[[float], Variation]
 """Function of a delay or gain: the variation of the loop with it."""
 
 
-def find_margins_of(loop: LinearLoop) -> tuple[StabilityMargin, ...]:
+def stability_margins(loop: LinearLoop) -> tuple[StabilityMargin, ...]:
     """Returns the margins of base delay, rotor gain and joint gain.
 
     Each limit is the first value, from the nominal one outwards, at which an eigenvalue leaves the

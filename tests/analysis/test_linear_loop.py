@@ -8,7 +8,7 @@ from pydrake.systems.analysis import Simulator
 
 from aerodrake.analysis.linear_loop import LinearLoop, Variation
 from aerodrake.analysis.linearization import Linearizer
-from aerodrake.analysis.margin_limits import find_margins_of
+from aerodrake.analysis.margin_limits import stability_margins
 from aerodrake.analysis.modes import find_modes
 from aerodrake.analysis.quiet_loop import QuietLoop
 from aerodrake.analysis.tool_responses import step_responses
@@ -89,7 +89,7 @@ def test_rotor_gain_is_that_of_the_mismatch(scenario, loop):
 
 
 def test_margins_are_the_first_unstable_values(loop):
-    for margin in find_margins_of(loop):
+    for margin in stability_margins(loop):
         for limit in filter(None, (margin.lower, margin.upper)):
             inside = limit.value * (0.998 if limit is margin.upper else 1.002)
             variation = {"rotor_gain": "rotor_gain", "joint_gain": "joint_gain"}.get(margin.name)
