@@ -15,8 +15,8 @@ RATE = 0.01, 1000.0
 SEED = 0, 2**31 - 1
 """Seed of random numbers."""
 
-REFERENCE_TIME = -60.0, 3600.0
-"""s, time from the start of the reference, negative in the hover before."""
+REFERENCE_TIME = 0.0, 3600.0
+"""s, time from the start of the reference."""
 
 SCALE = 1e-3, 1e3
 """Factors of an arm's lengths and masses."""
