@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from aerodrake.model.vehicle.vehicle import GRAVITY
+from aerodrake.scenario import Rotor
 
 BASE_PER_ARM = 2.2
 """Mass of the base over that of the arm; 2.6 kg and 1.2 kg in the packaged vehicle."""
@@ -17,10 +18,8 @@ HOVER_SHARE = 0.47
 GYRATION = 0.42, 0.57
 """Radii of gyration of the base about a horizontal axis and about its own, over the radius on which
 the rotors are; those of the packaged vehicle."""
-PACKAGED_N, PACKAGED_DISC_M, PACKAGED_RATIO_M = 20.0, 0.216, 0.020
-"""Largest thrust, radius, and torque over thrust of a rotor of the packaged vehicle."""
-PACKAGED_LAG_S = 0.0125, 0.025
-"""Time constants of such a rotor's rise and fall."""
+PACKAGED_DISC_M = 0.216
+"""Radius of a rotor of the packaged vehicle, whose other sizes are the defaults of `Rotor`."""
 PACKAGED_KG, PACKAGED_FEET_M = 2.6, 0.38
 """Mass of the packaged vehicle's base, and depth of its feet."""
 GAP = 1.2
@@ -79,7 +78,7 @@ class Multirotor:
         """Sizes a multirotor for an arm.
 
         Rotors are geometrically similar with equal tip speed: radius, torque over thrust and lag
-        grow with the cube root of the thrust. Smaller ones are not taken for faster.
+        grow with the cube root of the thrust. Smaller rotors get the packaged vehicle's lag.
 
         Args:
             mass: kg, of the arm.
@@ -90,8 +89,8 @@ class Multirotor:
         total = mass + base
         rotors = given.rotors or min(n for n, most in MOST_KG.items() if total <= most)
         thrust = given.max_thrust or two_digits(total * GRAVITY / HOVER_SHARE / rotors)
-        size = (thrust / PACKAGED_N) ** (1 / 3)  # Geometrically similar rotors.
-        rise, fall = PACKAGED_LAG_S
+        size = (thrust / Rotor.max_thrust_n) ** (1 / 3)  # Geometrically similar rotors.
+        slower = max(size, 1.0)
         disc = PACKAGED_DISC_M * size
         least = max(GAP * disc / math.sin(math.pi / rotors), RADIUS_PER_REACH * reach)
         return cls(
@@ -100,8 +99,8 @@ class Multirotor:
             radius=given.radius or two_digits(least),
             disc=disc,
             max_thrust=thrust,
-            torque_ratio=round(PACKAGED_RATIO_M * size, 4),
-            lag=(round(rise * max(size, 1.0), 4), round(fall * max(size, 1.0), 4)),
+            torque_ratio=round(Rotor.torque_ratio_m * size, 4),
+            lag=(round(Rotor.lag_up_s * slower, 4), round(Rotor.lag_down_s * slower, 4)),
             feet=PACKAGED_FEET_M * (base / PACKAGED_KG) ** (1 / 3),
         )
 

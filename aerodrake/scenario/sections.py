@@ -7,6 +7,7 @@ default, its unit and its range; a comment above it gives its meaning. Symbols a
 from dataclasses import dataclass
 
 from aerodrake.scenario.schema import Section, choice, file, quantity
+from aerodrake.support.limits import THRUST_N
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class Rotor(Section):
     """One rotor: range of thrust, drag torque over thrust, time constants of rise and fall."""
 
     min_thrust_n: float = quantity(0.0, "N", 0.0, 100.0)
-    max_thrust_n: float = quantity(20.0, "N", 0.1, 1000.0)
+    max_thrust_n: float = quantity(20.0, "N", *THRUST_N)
     torque_ratio_m: float = quantity(0.020, "m", 1e-3, 1.0)
     lag_up_s: float = quantity(0.0125, "s", 1e-3, 1.0)
     lag_down_s: float = quantity(0.025, "s", 1e-3, 1.0)
