@@ -92,7 +92,7 @@ def test_any_damping_is_stable_even_if_misjudged(inertia, damping, factor):
 
 @pytest.mark.parametrize("inertia, damping", [(2e-5, 0.1), (0.5, 10.0), (0.03, 0.05)])
 def test_a_known_damping_hardly_delays_the_joint(inertia, damping):
-    """On its way to 2 rad at 2 rad/s it is behind by less than 0.1 mrad; by far more if unknown."""
+    """A motion of 1 rad/s^2 is followed within 0.1 mrad if the damping is known."""
     M, D = np.array([[inertia]]), np.array([damping])
     A, B = sampled_joints(M, D)
     errors = {}

@@ -41,7 +41,7 @@ class Joints:
     joint=st.integers(0, JOINTS - 1),
 )
 def test_the_amplitude_of_a_sine_after_two_periods(frequency_hz, growth_1_s, setpoint, joint):
-    """Within its growth over a half-wave, and the peaks that fall between two samples."""
+    """The tolerance covers the growth over a half-wave, and peaks between two samples."""
     joints = Joints(joint)
     joints.setpoint[JOINTS + joint] = setpoint
     times = np.arange(0.0, 2.2 / frequency_hz + 5 * DT, DT)
@@ -56,7 +56,7 @@ def test_the_amplitude_of_a_sine_after_two_periods(frequency_hz, growth_1_s, set
 
 
 def test_growth_by_a_factor_of_ten_each_sample_is_detected_at_once():
-    """As of an unstable joint loop; the last sample is rejected for its acceleration."""
+    """The rates are of an unstable joint loop; the last sample is rejected as a jump."""
     joints = Joints()
     assert joints.move(0.001, -0.012, 0.12, -1.3) < 0.2
     assert joints.move(13.0, verdict=JUMP) == 1.3
@@ -94,7 +94,7 @@ def test_missing_samples_end_an_oscillation(verdict):
     period=st.integers(1, 4),
 )
 def test_angles_that_jump_are_no_oscillation(noise, jump, period):
-    """To and fro, with rates that do not agree with them."""
+    """The angles jump to and fro, and the rates do not agree with them."""
     joints = Joints()
     for k, rate in enumerate(noise):
         offset = jump * (-1) ** (k // period) if k % period == 0 else 0.0
