@@ -16,8 +16,8 @@ def hover_instability(scenario: Scenario, log: FlightLog) -> str | None:
     """Returns the sentence of an unstable hover of a flight that was lost or left NOMINAL.
 
     None if the loop is stable in hover, the flight was completed or interrupted, a fault of the
-    scenario had begun, a command is at its limit in hover, which is a cause of its own, or the
-    analysis fails, which is logged at the level `INFO`.
+    scenario had begun, or a command is at its limit in hover, which is another cause. None as well
+    if the analysis fails, which is logged at the level `INFO`.
     """
     has_fault = any(fault.start_s < log.time_s[-1] for fault in scenario.faults)
     if log.exit_reason in NOT_ANALYSED or has_fault:

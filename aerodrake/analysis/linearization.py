@@ -136,7 +136,10 @@ class Linearizer:
         return influences
 
     def _acts(self, k: int, group: StateGroup, own: int) -> np.ndarray:
-        """Returns on which groups one acts in the interval k, and whether it changes itself."""
+        """Returns a mask of the groups on which one acts in the interval k.
+
+        Its own entry is True if the group is set in the interval.
+        """
         groups, nominal = self._all.groups, self._values[k + 1]
         if group.system in UNPERTURBED:
             return np.zeros(len(groups), dtype=bool)

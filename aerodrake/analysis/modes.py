@@ -26,7 +26,7 @@ LEAST_MOTION = 0.01
 """Motion in one period, relative to the displacement, below which a mode does not oscillate."""
 
 CHANGES_PER_VELOCITY = 2.0
-"""1/m and 1/rad: rate at which the matrices change along a path, over the largest velocity."""
+"""1/m and 1/rad, rate of change of the matrices along a path, over the largest velocity."""
 
 LEAST_SHARE = 0.01
 """Smallest share of a participant."""
@@ -68,9 +68,9 @@ def find_modes(loop: LinearLoop) -> tuple[Eigenmode, ...]:
 def exponent_of(z: complex, left: np.ndarray, right: np.ndarray, period: PeriodMatrices) -> complex:
     """Returns the logarithm of an eigenvalue of A, with imaginary part >= 0.
 
-    Of its branches it is the one whose imaginary part is the sum of the phases by which the
-    largest rate of the plant advances from step to step of the period. The alias of a fast
-    oscillation is so resolved.
+    The branch is the one whose imaginary part is the sum of the phases by which the largest rate
+    of the plant advances from step to step of the period. This resolves the alias of a fast
+    oscillation.
 
     Args:
         z: The eigenvalue.

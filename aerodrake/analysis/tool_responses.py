@@ -11,7 +11,7 @@ STEP_S = 5.0
 """s, duration of a step response."""
 
 SETTLED = 0.02
-"""Distance from the final position, of the peak, within which the tool has settled."""
+"""Distance from the final position, relative to the peak, within which the tool has settled."""
 
 LOWEST_HZ, FREQUENCIES = 0.05, 200
 """Lowest frequency of a frequency response, and number of frequencies."""

@@ -11,12 +11,12 @@ from aerodrake.flight.summary import millimetres
 
 @dataclass(frozen=True)
 class MountResult:
-    """Vehicle made for an arm. `print` shows what was changed and chosen, and how it hovers.
+    """Vehicle made for an arm. `print` shows changes, choices, and the verdicts on its hover.
 
     Attributes:
         scenario: Path of the scenario, for `aerodrake.fly`.
         changes: Sentences on changes of the arm's URDF.
-        choices: Sentences on what was chosen.
+        choices: Sentences on the choices for the vehicle.
         analysis: Linear analysis of the closed loop.
         push_n: N, force of a push to the base in the hover.
         hover: A short hover, with a push to the base.

@@ -44,7 +44,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         ("--max-thrust", options.number_in(*THRUST_N), "NEWTON", "largest thrust of each"),
     ):
         command.add_argument(
-            option, type=kind, metavar=metavar, help=f"{text}; default: as the arm needs it"
+            option, type=kind, metavar=metavar, help=f"{text}; default: chosen for the arm"
         )
     command.add_argument(
         "--package-path",

@@ -1,4 +1,4 @@
-"""Mounted arm, and sentences on what was chosen for it."""
+"""Mounted arm, and sentences on the choices for it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Mounted:
         start: The start of a flight.
         joints: Names of the joints, from the base to the tool.
         changes: Sentences on changes of the arm's URDF.
-        choices: Sentences on what was chosen.
+        choices: Sentences on the choices.
     """
 
     vehicle: VehicleDesign
@@ -39,7 +39,7 @@ class Mounted:
 
 
 def choices(mounted: Mounted, request: Request) -> Iterator[str]:
-    """Yields sentences on what was chosen."""
+    """Yields sentences on the choices."""
     vehicle, working = mounted.vehicle, mounted.working
     multirotor, tool, mount = vehicle.multirotor, vehicle.tool, vehicle.mount
     yield f"arm: {len(mounted.joints)} joints, {vehicle.arm.mass:.3g} kg"

@@ -1,4 +1,4 @@
-"""Request for a vehicle: an arm, and what is not to be chosen."""
+"""Request for a vehicle: an arm, and the choices that are given."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ PLACE, TURNED = 3, 6
 
 @dataclass(frozen=True)
 class Request:
-    """Arm to be mounted, and what is not to be chosen; arguments are named as in `aerodrake.mount`.
+    """Arm to be mounted, and given choices; arguments are named as in `aerodrake.mount`.
 
     Attributes:
         urdf: Path of the arm's URDF.

@@ -16,8 +16,8 @@ MOST_KG = {4: 8.0, 6: 25.0, 8: math.inf}
 HOVER_SHARE = 0.47
 """Thrust in hover over the largest thrust, as in the packaged vehicle."""
 GYRATION = 0.42, 0.57
-"""Radii of gyration of the base about a horizontal axis and about its own, over the radius on which
-the rotors are; those of the packaged vehicle."""
+"""Radii of gyration of the base about a horizontal axis and its vertical one, over the radius of
+the rotors' circle, as in the packaged vehicle."""
 PACKAGED_DISC_M = 0.216
 """Radius of a rotor of the packaged vehicle, whose other sizes are the defaults of `Rotor`."""
 PACKAGED_KG, PACKAGED_FEET_M = 2.6, 0.38
@@ -25,7 +25,7 @@ PACKAGED_KG, PACKAGED_FEET_M = 2.6, 0.38
 GAP = 1.2
 """Distance between neighbouring rotors over the diameter of their discs."""
 RADIUS_PER_REACH = 0.5
-"""Smallest radius on which the rotors are over the arm's reach."""
+"""Smallest radius of the rotors' circle over the arm's reach."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Multirotor:
     Attributes:
         mass: kg, of the base, which is all but the arm.
         rotors: Number of rotors.
-        radius: m, radius of the circle on which they are.
+        radius: m, of the rotors' circle.
         disc: m, radius of a rotor's disc.
         max_thrust: N, largest thrust of a rotor.
         torque_ratio: m, torque over thrust of a rotor.
@@ -112,7 +112,7 @@ class Given:
     Attributes:
         base_mass: kg.
         rotors: Their number, even.
-        radius: m, of the circle on which they are.
+        radius: m, of the rotors' circle.
         max_thrust: N, of each.
     """
 

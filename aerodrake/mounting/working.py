@@ -21,7 +21,7 @@ STARTS, STEPS = (12, 3), (10, 60)
 GRADIENT_RAD = 1e-6
 """Step of the differences for gradients."""
 RANK = 1e-3
-"""Relative size below which the median of a singular value is zero."""
+"""Median of a singular value, relative to the reach or the largest, that counts as zero."""
 ALWAYS = 0.9
 """Share of all configurations above which an overlap of two links is a matter of their shapes."""
 DEEP_M = 1e-4
