@@ -18,15 +18,19 @@ def names_in(folder: Path) -> list[str]:
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_lost_flight_exits_1_and_is_written(tmp_path, capsys):
-    """The vehicle falls, since its rotors are too weak."""
+def test_a_lost_flight_exits_1_and_is_written(tmp_path, monkeypatch, capsys):
+    """The vehicle falls, since its rotors are too weak; its loop is not analysed here."""
+    sentence = "unstable in hover: roll at 9.6 Hz grows by 5.0 1/s"
+    monkeypatch.setattr("aerodrake.api.fly.hover_instability", lambda *_: sentence)
     out = tmp_path / "run"
     weak = ["--set", "vehicle.rotor.max_thrust_n=2", "--set", "vehicle.base_position_m=[0, 0, 9]"]
     options = [*weak, "--set", "settle_s=0", "--duration", "2"]
     assert main(["run", "hover", *options, "--out", str(out)]) == 1
     figures = json.loads((out / "summary.json").read_text())
     assert figures["exit_reason"] == "lost" and figures["simulated_s"] < 2
-    assert f"hover: lost ({figures['exit_cause']})" in capsys.readouterr().out
+    assert figures["instability"] == sentence
+    assert f"hover: lost ({figures['exit_cause']})\n{sentence}\n" in capsys.readouterr().out
+    assert f"The loop is {sentence}." in (out / "report.html").read_text()
     assert names_in(out) == FILES
 
 
