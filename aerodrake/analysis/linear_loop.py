@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import matrix_balance
-from scipy.sparse.csgraph import breadth_first_order
 
+from aerodrake.analysis.feedback import in_loop
 from aerodrake.analysis.linearization import InstantJacobian, PeriodJacobian
 from aerodrake.analysis.quiet_loop import QUARTERS
 from aerodrake.analysis.sampled_system import SampledSystem
@@ -80,12 +80,17 @@ class LinearLoop:
         return (*TORQUES, *FORCES, *noise)
 
     @cached_property
+    def nominal(self) -> PeriodMatrices:
+        """The matrices without variation."""
+        return self._looped(Variation())
+
+    @cached_property
     def system(self) -> SampledSystem:
         """The system without variation; its output is the tool's position.
 
         It has the states on which the plant acts and that act on the plant.
         """
-        A, B, _, names, _ = self.matrices(Variation())
+        A, B, _, names, _ = self.nominal
         C = np.zeros((len(TOOL), len(names)))
         C[:, [names.index(name) for name in self._positions]] = self.period.tool
         _, (scale, _) = matrix_balance(A, permute=False, separate=True)
@@ -106,8 +111,11 @@ class LinearLoop:
 
         Their states are those on which the plant acts, and that act on the plant.
         """
+        return self.nominal if variation == Variation() else self._looped(variation)
+
+    def _looped(self, variation: Variation) -> PeriodMatrices:
         A, B, plant, names, _ = self._all_matrices(variation)
-        keep = self._in_loop(A)
+        keep = in_loop(np.abs(A) > COUPLED, self._plant)
         return PeriodMatrices(
             A[np.ix_(keep, keep)],
             B[keep],
@@ -178,17 +186,6 @@ class LinearLoop:
             columns = np.isin(instant.columns, self._coordinates(*source))
             J[np.ix_(rows, columns)] *= gain
         return J
-
-    def _in_loop(self, A: np.ndarray) -> np.ndarray:
-        """Returns the indices of the states on which the plant acts, and that act on it."""
-        acts = np.abs(A) > COUPLED
-        reached = []
-        for graph in (acts, acts.T):
-            # From a node with edges to all coordinates of the plant.
-            start = np.isin(np.arange(len(A)), self._plant)
-            graph = np.block([[graph, np.zeros((len(A), 1))], [start, np.zeros((1, 1))]])
-            reached.append(breadth_first_order(graph, len(A), return_predecessors=False))
-        return np.setdiff1d(np.intersect1d(*reached), [len(A)])
 
     def _coordinates(self, system: str, group: str = "") -> np.ndarray:
         """Returns the coordinates of a group."""

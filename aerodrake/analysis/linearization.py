@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 from pydrake.math import VectorToSkewSymmetric
 from pydrake.systems.framework import DiscreteValues
-from scipy.sparse.csgraph import breadth_first_order
 
 from aerodrake.analysis.coordinates import StateCoordinates, StateGroup
+from aerodrake.analysis.feedback import in_loop
 from aerodrake.analysis.quiet_loop import QuietLoop
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
@@ -21,7 +21,7 @@ STEP = 1e-6
 """Step of the central differences, in the unit of each coordinate."""
 
 UNPERTURBED = frozenset({"base_delay"})
-"""Systems whose state is known without differences: `ClosedLoop` has delays of its own."""
+"""Systems whose state is known without differences: `LinearLoop` has delays of its own."""
 
 INPUT = "disturbance"
 """System whose constant state is an input."""
@@ -155,14 +155,9 @@ class Linearizer:
 
     def _relevant(self, acts: np.ndarray) -> np.ndarray:
         """Returns the indices of the groups in a loop with the plant, and of the inputs."""
-        groups = self._all.groups
-        plant = [group.system for group in groups].index("plant")
-        from_plant, to_plant = (
-            set(breadth_first_order(graph, plant, return_predecessors=False).tolist())
-            for graph in (acts, acts.T)
-        )
-        inputs = {i for i, group in enumerate(groups) if group.system == INPUT}
-        return np.array(sorted(from_plant & to_plant | inputs))
+        systems = np.array([group.system for group in self._all.groups])
+        plant, inputs = (np.flatnonzero(systems == name) for name in ("plant", INPUT))
+        return np.union1d(in_loop(acts, plant), inputs)
 
     def _jacobian(
         self, k: int, coordinates: StateCoordinates, influence: np.ndarray

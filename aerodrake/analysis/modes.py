@@ -7,7 +7,7 @@ from scipy.linalg import eig
 
 from aerodrake.analysis.coordinates import PLANT, RATE
 from aerodrake.analysis.eigenmode import Eigenmode, Participant
-from aerodrake.analysis.linear_loop import LinearLoop, PeriodMatrices, Variation
+from aerodrake.analysis.linear_loop import LinearLoop, PeriodMatrices
 
 NEUTRAL_1_S = 0.02
 """1/s, growth up to which a mode is stable. An angle of the arm that neither the tool's position
@@ -39,7 +39,7 @@ def find_modes(loop: LinearLoop) -> tuple[Eigenmode, ...]:
     `FORGOTTEN`. A growing mode is unstable if it is neither slower than `NEUTRAL_1_S` nor than
     the loop itself changes.
     """
-    period, scale = loop.matrices(Variation()), loop.system.state_scale
+    period, scale = loop.nominal, loop.system.state_scale
     values, left, right = eig(period.A / scale[:, None] * scale, left=True, right=True)
     names = [_participant(state) for state in period.names]
     chosen = [

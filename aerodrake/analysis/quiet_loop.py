@@ -23,6 +23,9 @@ from aerodrake.systems.mpc import MpcSystem
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.table import Wiring, shared_input
 
+OUTPUTS = (*MONITORED, "torque_at_limit", "thrust_command")
+"""Outputs of station and coordinator that an analysis reads."""
+
 QUARTERS = 4
 """Number of parts of a plant step in which offsets of events are counted."""
 
@@ -109,7 +112,7 @@ class QuietLoop:
             by_name["mpc"] = self._switched
         replacements = Replacements(by_name)
         ports = add_closed_loop(builder, scenario, replacements, None, self.vehicle)
-        for name in MONITORED:
+        for name in OUTPUTS:
             builder.ExportOutput(ports[name], name)
         self.diagram: Diagram = builder.Build()
         self.context = self.diagram.CreateDefaultContext()
@@ -120,7 +123,7 @@ class QuietLoop:
         self._quiet.suppress_initialization_events = True
 
     def output(self, name: str) -> np.ndarray:
-        """Returns the value (...,) of one of the outputs `MONITORED` of a flight."""
+        """Returns the value (...,) of one of `OUTPUTS`."""
         return self.diagram.GetOutputPort(name).Eval(self.context).copy()
 
     def fastest(self) -> float:

@@ -1,5 +1,6 @@
 """JSON file of an analysis, and its matrices as arrays."""
 
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -116,5 +117,4 @@ def write_results(analysis: Analysis, scenario: Scenario, folder: Path) -> None:
 
 def as_arrays(system: SampledSystem) -> dict[str, np.ndarray]:
     """Returns the arrays of `system.npz`, as the attributes of `SampledSystem`."""
-    names = ("A", "B", "C", "D", "dt", "states", "inputs", "outputs", "state_scale")
-    return {name: np.array(getattr(system, name)) for name in names}
+    return {field.name: np.array(getattr(system, field.name)) for field in fields(system)}

@@ -2,8 +2,9 @@
 
 import numpy as np
 from scipy.linalg import schur, solve_triangular
+from scipy.signal import dstep
 
-from aerodrake.analysis.linear_loop import AXES, FORCES, TOOL, TORQUES
+from aerodrake.analysis.linear_loop import FORCES, TOOL, TORQUES
 from aerodrake.analysis.responses import FrequencyResponse, StepResponse
 from aerodrake.analysis.sampled_system import SampledSystem
 
@@ -36,13 +37,9 @@ def step_responses(system: SampledSystem) -> tuple[StepResponse, ...]:
 def _step_response(system: SampledSystem, name: str) -> StepResponse:
     path = system.between([name], TOOL)
     steps = round(STEP_S / system.dt)
-    x, values = np.zeros(len(path.A)), np.empty((steps + 1, len(AXES)))
     with np.errstate(over="ignore", invalid="ignore"):  # An unstable response is not finite.
-        for k in range(steps + 1):
-            values[k] = path.C @ x + path.D[:, 0]
-            x = path.A @ x + path.B[:, 0]
-    time_s, distance = system.dt * np.arange(steps + 1), np.linalg.norm(values, axis=1)
-    peak = float(distance.max())
+        time_s, (values,) = dstep(path.state_space, n=steps + 1)
+        peak = float(np.linalg.norm(values, axis=1).max())
     final = values[-1]
     away = np.flatnonzero(np.linalg.norm(values - final, axis=1) > SETTLED * peak)
     # A response that is away near the end has no final position yet.
