@@ -1,10 +1,5 @@
 """URDFs of small serial arms as their makers would write them, standing on their first link."""
 
-from pathlib import Path
-
-from aerodrake.mounting.arm import ArmTree
-from aerodrake.mounting.arm_urdf import read_arm
-
 AXES = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}
 INERTIAL = """<inertial><origin xyz="0 0 {centre}"/><mass value="{mass}"/>
 <inertia ixx="{across}" iyy="{across}" izz="{along}" ixy="0" ixz="0" iyz="0"/></inertial>"""
@@ -44,10 +39,3 @@ def frame_link(name: str, parent: str, xyz: str = "0 0 0.12", joint: str = "fixe
     return f"""<link name="{name}"/><joint name="{name}_joint" type="{joint}">
     <parent link="{parent}"/><child link="{name}"/><origin xyz="{xyz}"/><axis xyz="0 0 1"/>
     {LIMIT.format(effort=1)}</joint>"""
-
-
-def read_text(text: str, folder: Path) -> ArmTree:
-    """Reads the text of a URDF, in a file of a folder."""
-    path = folder / "arm.urdf"
-    path.write_text(text)
-    return read_arm(path).arm

@@ -1,11 +1,11 @@
 """Masses and inertias that a simulation needs, for links that lack them."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 from pydrake.multibody.tree import RotationalInertia
 
+from aerodrake.model.vehicle.robot import ball_radius
 from aerodrake.model.vehicle.urdf_links import MARKER_KG, ROUNDING
 from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Inertial, Pose
 from aerodrake.mounting.listed import listed, shown
@@ -104,6 +104,5 @@ def moments_of(matrix: np.ndarray) -> tuple[float, ...]:
 
 def _sphere(origin: Pose, mass: float) -> Inertial:
     """Returns the inertia of a solid sphere of the default density."""
-    radius = (3 * mass / (4 * math.pi * DENSITY_KG_M3)) ** (1 / 3)
-    moment = 0.4 * mass * radius**2
+    moment = 0.4 * mass * ball_radius(mass, DENSITY_KG_M3) ** 2
     return Inertial(origin, mass, (moment, moment, moment, 0.0, 0.0, 0.0))

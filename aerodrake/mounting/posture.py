@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from pydrake.math import VectorToSkewSymmetric
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import JacobianWrtVariable
 
-from aerodrake.model.vehicle.robot import BASE_FRAME, TOOL_AXIS, TOOL_FRAME
+from aerodrake.model.vehicle.kinematics import Kinematics
+from aerodrake.model.vehicle.robot import BASE_FRAME
 from aerodrake.model.vehicle.state import BASE_POSITIONS, BASE_VELOCITIES
 from aerodrake.model.vehicle.vehicle import GRAVITY
 
@@ -50,7 +49,8 @@ class Postures:
         self._plant = plant
         self._context = plant.CreateDefaultContext()
         self._positions = plant.GetDefaultPositions()
-        self._base, self._tool = map(plant.GetFrameByName, (BASE_FRAME, TOOL_FRAME))
+        self._kinematics = Kinematics(plant)
+        self._base = plant.GetFrameByName(BASE_FRAME)
         indices = plant.GetBodyIndices(self._base.model_instance())
         self._arm = [i for i in indices if i != self._base.body().index()]
         bodies = map(plant.get_body, self._arm)
@@ -69,17 +69,14 @@ class Postures:
         """Returns the posture at joint angles q (n,) rad."""
         plant, context, base, origin = self._plant, self._context, self._base, np.zeros(3)
         plant.SetPositions(context, self.positions(q))
-        X_BE = plant.CalcRelativeTransform(context, base, self._tool)
-        axis = X_BE.rotation().multiply(TOOL_AXIS)
-        J = plant.CalcJacobianSpatialVelocity(
-            context, JacobianWrtVariable.kV, self._tool, origin, base, base
-        )[:, BASE_VELOCITIES:]
+        tool, jacobian = self._kinematics.arm(q)
+        axis, axis_jacobian = self._kinematics.arm_axis(q)
         gravity = plant.CalcGravityGeneralizedForces(context)
         return Posture(
-            tool=X_BE.translation(),
+            tool=tool,
             axis=axis,
-            jacobian=J[3:],
-            axis_jacobian=-VectorToSkewSymmetric(axis) @ J[:3],
+            jacobian=jacobian,
+            axis_jacobian=axis_jacobian,
             torque=-gravity[BASE_VELOCITIES:],
             # The moment of the arm's weight about the base's origin is r x m g.
             offset=np.array([gravity[1], -gravity[0]]) / (self.mass * GRAVITY),

@@ -117,15 +117,8 @@ def _guess(arm: ArmTree) -> tuple[str, str]:
     if len(markers) == 1:
         return markers[0], "the only link without mass after the last joint"
     link = last[0]
-    while (
-        len(
-            fixed := [
-                joint.child for joint in arm.joints if joint.parent == link and joint.child in last
-            ]
-        )
-        == 1
-    ):
-        link = fixed[0]
+    while len(below := [j.child for j in arm.joints if j.parent == link and j.child in last]) == 1:
+        link = below[0]
     return link, LAST
 
 

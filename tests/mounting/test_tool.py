@@ -5,11 +5,12 @@ import pytest
 
 from aerodrake.mounting.tool import Tool
 from aerodrake.support.errors import BadInput
-from tests.serial_arms import frame_link, read_text, serial_arm
+from tests.arm_urdfs import read
+from tests.serial_arms import frame_link, serial_arm
 
 
 def tool(end: str, folder, wanted: str = "", axes: str = "zxx") -> Tool:
-    return Tool.of(read_text(serial_arm(axes, end=end), folder), wanted)
+    return Tool.of(read(serial_arm(axes, end=end), folder).arm, wanted)
 
 
 @pytest.mark.parametrize(
@@ -33,7 +34,7 @@ def test_the_link(end, link, tmp_path):
 def test_a_sliding_joint_before_the_arm_is_not_a_gripper(tmp_path):
     text = serial_arm("zxx", end=frame_link("tcp", "link_3"))
     text = text.replace('name="joint_1" type="revolute"', 'name="lift" type="prismatic"')
-    assert Tool.of(read_text(text, tmp_path)).link == "tcp"
+    assert Tool.of(read(text, tmp_path).arm).link == "tcp"
 
 
 def test_the_end_of_a_link_is_twice_as_far_as_its_centre_of_mass(tmp_path):

@@ -137,13 +137,18 @@ def add_payload(plant: MultibodyPlant, mass: float) -> None:
     """
     if mass == 0:
         return
-    radius = (3 * mass / (4 * math.pi * STEEL_KG_M3)) ** (1 / 3)
+    radius = ball_radius(mass, STEEL_KG_M3)
     inertia = SpatialInertia.SolidSphereWithMass(mass, radius)
     body = plant.AddRigidBody(PAYLOAD_BODY, plant.AddModelInstance(PAYLOAD_BODY), inertia)
     plant.WeldFrames(plant.GetFrameByName(TOOL_FRAME), body.body_frame())
     if plant.geometry_source_is_registered():
         ball, pose = Sphere(radius), RigidTransform()
         plant.RegisterVisualGeometry(body, pose, ball, PAYLOAD_BODY, STEEL_COLOR)
+
+
+def ball_radius(mass: float, density: float) -> float:
+    """Returns the radius in m of a solid ball; mass in kg, density in kg/m^3."""
+    return (3 * mass / (4 * math.pi * density)) ** (1 / 3)
 
 
 def make_scene_graph() -> SceneGraph:
