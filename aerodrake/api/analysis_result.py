@@ -14,9 +14,7 @@ from aerodrake.analysis.results import write_results
 from aerodrake.analysis.sampled_system import SampledSystem
 from aerodrake.analysis.table import analysis_table
 from aerodrake.scenario import Scenario
-from aerodrake.scenario.load import save_scenario
-from aerodrake.scenario.plain_yaml import dump
-from aerodrake.scenario.schema import as_mapping
+from aerodrake.scenario.load import as_yaml, save_scenario
 from aerodrake.support.arguments import checked
 from aerodrake.support.run_folder import existing_folder, run_folder
 
@@ -109,7 +107,7 @@ class AnalysisResult:
             BadInput: if the folder cannot be written.
         """
         folder = existing_folder(folder)
-        resolved = dump(as_mapping(self.scenario))
+        resolved = as_yaml(self.scenario)
         times = [f"{point.time_s:.10g}" for point in self.path]
         again = ["aerodrake", "analyze", str(folder / "scenario.yaml")]
         again += ["--at", *times] if times else []

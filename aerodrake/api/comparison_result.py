@@ -15,9 +15,7 @@ from aerodrake.comparison.page import Comparison
 from aerodrake.comparison.table import comparison_table
 from aerodrake.flight.summary import Summaries, to_json
 from aerodrake.scenario import Scenario
-from aerodrake.scenario.load import save_scenario
-from aerodrake.scenario.plain_yaml import dump
-from aerodrake.scenario.schema import as_mapping
+from aerodrake.scenario.load import as_yaml, save_scenario
 from aerodrake.support.arguments import checked
 from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.run_folder import existing_folder, run_folder
@@ -109,7 +107,7 @@ class ComparisonResult:
             BadInput: if the folder cannot be written.
         """
         folder = existing_folder(folder)
-        resolved = dump(as_mapping(self.scenario))
+        resolved = as_yaml(self.scenario)
         draw_comparison(folder, self.comparison, resolved, self._commands(folder))
         return folder / PAGE
 

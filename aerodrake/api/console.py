@@ -1,7 +1,8 @@
 """Notes and progress bars of the functions in this folder."""
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from tqdm import tqdm
@@ -47,6 +48,17 @@ class Console:
         """Returns a progress bar up to `total`, if that is known."""
         shown = {"desc": name, "total": total, "unit": unit, "file": self._errors, **others}
         return tqdm(disable=self._quiet, **shown)
+
+    @contextmanager
+    def steps(self, total: int, unit: str) -> Iterator[Callable[[str], None]]:
+        """Shows a progress bar over steps; yields a function that begins a step of a name."""
+        with self.bar(None, total, unit) as bar:
+
+            def begin(step: str) -> None:
+                bar.set_description(step)
+                bar.update()
+
+            yield begin
 
     def flight_bar(self, name: str, total_s: float, form: str = FLIGHT_BAR) -> tqdm:
         """Returns a progress bar over simulated time."""

@@ -17,9 +17,7 @@ from aerodrake.reports.flight_folder import PAGE, draw_pages, draw_tracking, wri
 from aerodrake.reports.flight_table import table
 from aerodrake.reports.notebook import flight_cell
 from aerodrake.scenario import Scenario
-from aerodrake.scenario.load import load_scenario
-from aerodrake.scenario.plain_yaml import dump
-from aerodrake.scenario.schema import as_mapping
+from aerodrake.scenario.load import as_yaml, load_scenario
 from aerodrake.station import make_closed_loop
 from aerodrake.support.arguments import checked
 from aerodrake.support.errors import BadInput
@@ -35,8 +33,6 @@ class FlightResult:
     Attributes:
         scenario: The scenario that was flown.
         summary: Content of `summary.json`; `aerodrake.flight.summary.summarize` lists its keys.
-            Of a flight by `aerodrake.fly` also `instability`: if it did not complete and the loop
-            is unstable in hover, the sentence of the analysis, else None.
         log: Signals over time; `aerodrake.flight.log` lists its arrays with units and shapes.
 
     Args:
@@ -110,7 +106,7 @@ class FlightResult:
         folder, scenario = existing_folder(folder), self._copies
         title = f"{scenario.name}, seed {scenario.seed}"
         draw_tracking(folder, scenario, self.log, title)
-        resolved = dump(as_mapping(self.scenario))
+        resolved = as_yaml(self.scenario)
         draw_pages(folder, scenario, self.summary, self.log, self.closed_loop, resolved)
         return folder / PAGE
 

@@ -53,12 +53,7 @@ def _measure(arguments: argparse.Namespace, target: Path) -> int:
     console = Console(arguments.quiet)
     console.note(missing_peers())
     with run_folder(target, FILES[:1]) as folder:
-        with console.bar(None, STEPS, "step") as bar:
-
-            def begin(step: str) -> None:
-                bar.set_description(step)
-                bar.update()
-
+        with console.steps(STEPS, "step") as begin:
             figures = bench(QUICK if arguments.quick else FULL, begin)
         _write(figures, folder / FILES[0], arguments.json)
     path = target / FILES[1]
@@ -77,12 +72,7 @@ def _fly_robots(arguments: argparse.Namespace, target: Path) -> int:
     console = Console(arguments.quiet)
     flown_s = QUICK_FLOWN_S if arguments.quick else FLOWN_S
     with run_folder(target, (FILE,)) as folder:
-        with console.bar(None, len(ARMS), "arm") as bar:
-
-            def begin(arm: str) -> None:
-                bar.set_description(arm)
-                bar.update()
-
+        with console.steps(len(ARMS), "arm") as begin:
             figures = robots_figures(ARMS, folder, flown_s, begin)
         _write(figures, folder / FILE, arguments.json)
     console.say(robots_table(figures))

@@ -108,6 +108,11 @@ def resolve(
     return load_scenario(scenario, overrides, **keys)
 
 
+def as_yaml(scenario: Scenario | Mapping[str, Any]) -> str:
+    """Returns a scenario, or the values of its fields, as the text of a YAML file."""
+    return dump(as_mapping(scenario))
+
+
 def save_scenario(scenario: Scenario, folder: Path) -> Path:
     """Writes `scenario.yaml`, and a copy of each file that it names, into `folder`.
 
@@ -125,7 +130,7 @@ def save_scenario(scenario: Scenario, folder: Path) -> Path:
     copied = copy_inputs(scenario, folder / "inputs")
     portable = {name: map_files(getattr(copied, name), relative) for name in as_mapping(copied)}
     path = folder / "scenario.yaml"
-    path.write_text(dump(as_mapping(portable)), encoding="utf-8")
+    path.write_text(as_yaml(portable), encoding="utf-8")
     return path
 
 

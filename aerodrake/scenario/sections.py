@@ -148,7 +148,6 @@ class Arm(Section):
     # Inertia that turns accelerations of the joints into torques: the arm's inertia matrix with a
     # free base, or its diagonal as in the paper, unstable for arms with light distal links.
     inertia: str = choice("coupled", "diagonal")
-
     # Natural frequency and damping ratio of each joint's closed loop. With lower frequencies and
     # late samples, the attitude loop is unstable for arms heavier than the base.
     bandwidth_rad_s: float = quantity(60.0, "rad/s", 1.0, 200.0)

@@ -58,14 +58,18 @@ class ArmController(LeafSystem):
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(n))
         self._setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * n)
         self._last = NamedState(self, ArmState(vehicle.trim_torque, vehicle.trim_torque))
-        self.DeclareStateOutputPort("joint_torque", self._last.groups["joint_torque"])
+        self._torque = self._last.groups["joint_torque"]
+        self.DeclareStateOutputPort("joint_torque", self._torque)
         self.DeclareVectorOutputPort(
-            "torque_at_limit", n, self._calc_at_limit, prerequisites_of_calc={self.xd_ticket()}
+            "torque_at_limit",
+            n,
+            self._calc_at_limit,
+            {self.discrete_state_ticket(self._torque)},
         )
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)
 
     def _calc_at_limit(self, context: Context, output: BasicVector) -> None:
-        torque = self._last.read(context).joint_torque
+        torque = context.get_discrete_state(self._torque).value()
         output.SetFromVector(np.abs(torque) >= self._pid.effort)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:

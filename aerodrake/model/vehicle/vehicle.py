@@ -150,8 +150,10 @@ class VehicleModel:
         q = plant.GetDefaultPositions()
         q[BASE_POSITIONS:] = working
         plant.SetPositions(context, q)
+        M = plant.CalcMassMatrix(context)
+        arm_inertia = reduced_inertia(M)
         with file_at(scenario.source, "vehicle.robot"):
-            _check_inertia(plant.CalcMassMatrix(context), names, description.robot)
+            _check_inertia(np.diag(M), np.diag(arm_inertia), names, description.robot)
         _check_overlap(plant, scene_graph, q, scenario.source)
         X_BE = plant.CalcRelativeTransform(context, base, tool)
         inertia = plant.CalcSpatialInertia(
@@ -176,7 +178,7 @@ class VehicleModel:
             tool_axis=X_BE.rotation().multiply(TOOL_AXIS),
             mass=inertia.get_mass(),
             inertia=inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3(),
-            arm_inertia=reduced_inertia(plant.CalcMassMatrix(context)),
+            arm_inertia=arm_inertia,
             joint_damping=np.array([joint.default_damping() for joint in arm_joints(plant)]),
             trim_wrench=-gravity[[5, 0, 1, 2]],  # Generalized forces are [torque, force].
             trim_torque=-gravity[BASE_VELOCITIES:],
@@ -205,15 +207,24 @@ class VehicleModel:
                 )
 
 
-def _check_inertia(M: np.ndarray, names: Sequence[str], robot: str) -> None:
-    """Raises BadInput if the base, or a joint with the links beyond it, has no inertia."""
+def _check_inertia(
+    masses: np.ndarray, inertias: np.ndarray, names: Sequence[str], robot: str
+) -> None:
+    """Raises BadInput if the base, or a joint with the links beyond it, has no inertia.
+
+    Args:
+        masses: (6 + n,) kg m^2 and kg, diagonal of the mass matrix.
+        inertias: (n,) kg m^2, of the joints with a free base.
+        names: Names of the joints.
+        robot: The URDF, for messages.
+    """
     places = [*["the base and the arm"] * BASE_VELOCITIES, *names]
-    for place, inertia in zip(places, np.diag(M), strict=True):
+    for place, inertia in zip(places, masses, strict=True):
         if not LIGHTEST < inertia < HEAVIEST:
             problem = "expected links with masses and inertias that can be moved"
             got = f"got {inertia:.4g} kg or kg m^2 at {place}"
             raise BadInput(robot, "", f"{problem}, {got}")
-    for name, inertia in zip(names, np.diag(reduced_inertia(M)), strict=True):
+    for name, inertia in zip(names, inertias, strict=True):
         if not inertia > LIGHTEST:
             problem = "expected links beyond it with a moment of inertia about its axis"
             raise BadInput(robot, f"joint {name}", f"{problem}, got {inertia:.4g} kg m^2")
