@@ -44,6 +44,7 @@ MODEL_ROOMS = (
     "low_level",
     "equivalent",
     "setpoint",
+    "actuation",
     "qp",
     "mpc",
     "residual",

@@ -4,6 +4,8 @@ from pydrake.systems.framework import System
 
 from aerodrake.gallery.docstring import Docstring
 from aerodrake.systems.faults.actuators import make_joint_faults, make_pushes, make_rotor_faults
+from aerodrake.systems.rotor_commands import make_rotor_dead_time, make_rotor_levels
+from aerodrake.systems.rotor_strength import make_rotor_strength
 from aerodrake.systems.rotors import make_propellers, make_rotors
 
 PLANT = """
@@ -95,6 +97,9 @@ Ports:
 BY_NAME: dict[str, object] = {
     "rotors": make_rotors,
     "propellers": make_propellers,
+    "rotor_levels": make_rotor_levels,
+    "rotor_dead_time": make_rotor_dead_time,
+    "rotor_strength": make_rotor_strength,
     "rotor_faults": make_rotor_faults,
     "joint_faults": make_joint_faults,
     "pushes": make_pushes,

@@ -3,7 +3,8 @@
 The package exports every section, every kind of reference, orientation and fault, and their unions.
 """
 
-from aerodrake.scenario.environment import Mismatch, Payload, Sensors, Wind
+from aerodrake.scenario.actuation import Actuation
+from aerodrake.scenario.environment import Air, Mismatch, Payload, Sensors, Wind
 from aerodrake.scenario.faults import (
     SAMPLE_GROUPS,
     AnyFault,

@@ -15,7 +15,9 @@ from aerodrake.support.files import locate, read_bounded
 PLANT_SECTIONS = ("vehicle", "flight", "arm", "rates", "model")
 """Sections that determine the residual, except for noise, wind and model mismatch."""
 
-STATION_SECTIONS = ("duration", "sensors", "filter", "wind", "payload", "mismatch", "arm")
+STATION_SECTIONS = (
+    *("duration", "sensors", "filter", "wind", "air", "actuation", "payload", "mismatch", "arm"),
+)
 """Sections that the coordinator does not read."""
 
 COORDINATED = tuple(

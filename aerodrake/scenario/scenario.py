@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from aerodrake.scenario.environment import Mismatch, Payload, Sensors, Wind
+from aerodrake.scenario.actuation import Actuation
+from aerodrake.scenario.environment import Air, Mismatch, Payload, Sensors, Wind
 from aerodrake.scenario.faults import SAMPLE_GROUPS, AnyFault, MpcFault
 from aerodrake.scenario.references import (
     SHORTEST_AXIS,
@@ -73,6 +74,8 @@ class Scenario(Section):
     sensors: Sensors = Sensors()
     filter: Filter = Filter()
     wind: Wind = Wind()
+    air: Air = Air()
+    actuation: Actuation = Actuation()
     payload: Payload = Payload()
     mismatch: Mismatch = Mismatch()
     # Faults to inject.
@@ -111,6 +114,7 @@ def _rates(scenario: Scenario) -> Iterator[Violation]:
     rates = scenario.rates
     times = {f"rates.{name}": value for name, value in dataclasses.asdict(rates).items()}
     times["sensors.base_delay_s"] = scenario.sensors.base_delay_s
+    times["actuation.rotor_dead_time_s"] = scenario.actuation.rotor_dead_time_s
     times["filter.delay_s"] = scenario.filter.delay_s
     pairs = [(key, "rates.plant_step_s") for key in times if key != "filter.delay_s"]
     pairs += [
@@ -152,6 +156,19 @@ def _rotor(scenario: Scenario) -> Iterator[Violation]:
     if low >= high:
         message = f"expected less than max_thrust_n ({high:g} N), got {low:g} N"
         yield "vehicle.rotor.min_thrust_n", message
+
+
+def _air(scenario: Scenario) -> Iterator[Violation]:
+    if scenario.air.ceiling_m and not scenario.air.rotor_radius_m:
+        expected = f"air.ceiling_m ({scenario.air.ceiling_m:g} m) expects more than 0 m"
+        yield "air.rotor_radius_m", f"{expected}, got 0 m"
+
+
+def _setpoint_link(scenario: Scenario) -> Iterator[Violation]:
+    low, high = scenario.actuation.setpoint_latency_s
+    if low > high:
+        expected = "expected the lowest latency, then the highest one, in s"
+        yield "actuation.setpoint_latency_s", f"{expected}, got [{low:g}, {high:g}]"
 
 
 def _model(scenario: Scenario) -> Iterator[Violation]:
@@ -199,4 +216,7 @@ def _allocation(scenario: Scenario) -> Iterator[Violation]:
             yield f"allocation.{key}", f"expected more than d_h_m ({hover:g} m), got {distance:g} m"
 
 
-RULES = (_rates, _name, _reference, _rotor, _model, _clik, _supervisor, _allocation)
+RULES = (
+    *(_rates, _name, _reference, _rotor, _air, _setpoint_link, _model, _clik, _supervisor),
+    _allocation,
+)

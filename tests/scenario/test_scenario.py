@@ -56,6 +56,20 @@ def hover_with(changes: dict[str, object]) -> Scenario:
             {"filter.delay_s": 0.01, "rates.sensor_period_s": 0.02, "rates.flight_period_s": 0.02},
             "filter.delay_s: expected a multiple of rates.sensor_period_s (0.02 s), got 0.01 s",
         ),
+        (
+            {"actuation.rotor_dead_time_s": 0.0025},
+            "actuation.rotor_dead_time_s: expected a multiple of rates.plant_step_s (0.001 s), "
+            "got 0.0025 s",
+        ),
+        (
+            {"actuation.setpoint_latency_s": [0.02, 0.01]},
+            "actuation.setpoint_latency_s: expected the lowest latency, then the highest one, in "
+            "s, got [0.02, 0.01]",
+        ),
+        (
+            {"air.ceiling_m": 2.0},
+            "air.rotor_radius_m: air.ceiling_m (2 m) expects more than 0 m, got 0 m",
+        ),
         ({"name": "../elsewhere"}, "name: expected a valid folder name"),
         (
             {"flight.interface": "position", "model.kind": "velocity_aware"},

@@ -19,7 +19,7 @@ from aerodrake.scenario import Mismatch
 from aerodrake.support.errors import BadInput
 from aerodrake.support.files import locate
 from aerodrake.support.urdf import read_urdf
-from aerodrake.support.urdf_element import child, children
+from aerodrake.support.urdf_element import child, children, numbers
 
 BASE_FRAME = "base"
 """Link of the base in the URDF; its frame is B."""
@@ -71,16 +71,24 @@ class RobotDescription:
     def urdf(self, mismatch: Mismatch) -> str:
         """Returns the URDF with the mass and central inertia of every link scaled.
 
-        The numbers are scaled in the description, since a body welded to a link could not
-        add to its mass without adding to its inertia.
+        The base's centre of mass is moved. The numbers are changed in the description, since a body
+        welded to a link could not add to its mass without adding to its inertia.
         """
-        if mismatch.mass_scale == mismatch.inertia_scale == 1:
+        is_scaled = mismatch.mass_scale != 1 or mismatch.inertia_scale != 1
+        if not is_scaled and not any(mismatch.centre_of_mass_m):
             return self.document.toxml()
         document = self.document.cloneNode(deep=True)
         for link in children(document.documentElement, "link"):
             for inertial in children(link, "inertial"):
                 _scale(child(inertial, "mass"), ("value",), mismatch.mass_scale)
                 _scale(child(inertial, "inertia"), MOMENTS, mismatch.inertia_scale)
+        if any(mismatch.centre_of_mass_m):
+            links = children(document.documentElement, "link")
+            base = next(link for link in links if link.getAttribute("name") == BASE_FRAME)
+            if (inertial := child(base, "inertial")) is None:
+                problem = "expected a mass, whose centre mismatch.centre_of_mass_m can move"
+                raise BadInput(self.robot, f"link {BASE_FRAME}", problem)
+            _move(inertial, mismatch.centre_of_mass_m)
         return document.toxml()
 
     def invisible_urdf(self) -> str:
@@ -100,6 +108,15 @@ class RobotDescription:
 def _scale(element: Element, attributes: tuple[str, ...], factor: float) -> None:
     for name in attributes:
         element.setAttribute(name, repr(factor * float(element.getAttribute(name))))
+
+
+def _move(inertial: Element, offset: tuple[float, ...]) -> None:
+    """Adds an offset (3,) m to the centre of mass of an inertial element."""
+    origin = child(inertial, "origin")
+    if origin is None:
+        origin = inertial.appendChild(inertial.ownerDocument.createElement("origin"))
+    centre = numbers(origin, "xyz", "0 0 0")
+    origin.setAttribute("xyz", " ".join(repr(p + d) for p, d in zip(centre, offset, strict=True)))
 
 
 def add_robot(

@@ -9,6 +9,7 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from aerodrake.model.vehicle.robot import RobotDescription
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Mismatch
+from aerodrake.support.errors import BadInput
 from aerodrake.support.files import locate
 from tests.robots import at, make_plant
 from tests.trim import assert_same_vehicle
@@ -158,3 +159,23 @@ def test_scaling_leaves_the_description_unchanged(vehicle):
 def test_the_vehicle_model_has_no_mismatch(scenario, vehicle):
     loaded = VehicleModel.load(replace(scenario, mismatch=OFF))
     assert_same_vehicle(loaded, vehicle)
+
+
+def test_the_centre_of_mass_of_the_base_is_moved_and_nothing_else(vehicle, scene_graph, exact):
+    moved = Mismatch(centre_of_mass_m=(0.005, -0.01, 0.02))
+    plant = make_plant(vehicle.robot, scene_graph, moved)
+    for link, other in zip(links(exact), links(plant), strict=True):
+        offset = moved.centre_of_mass_m if link.name() == "base" else np.zeros(3)
+        np.testing.assert_allclose(other.default_com() - link.default_com(), offset, atol=1e-15)
+        np.testing.assert_allclose(about_centre(other), about_centre(link), atol=1e-12)
+        assert other.default_mass() == link.default_mass()
+
+
+def test_a_base_without_mass_has_no_centre_to_move(vehicle, tmp_path):
+    document = RobotDescription.read(vehicle.robot).document
+    base = document.documentElement.getElementsByTagName("link")[0]
+    assert base.getAttribute("name") == "base"
+    base.removeChild(base.getElementsByTagName("inertial")[0])
+    robot = RobotDescription("own.urdf", document)
+    with pytest.raises(BadInput, match="link base: expected a mass"):
+        robot.urdf(Mismatch(centre_of_mass_m=(0.01, 0.0, 0.0)))

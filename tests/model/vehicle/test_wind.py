@@ -8,7 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aerodrake.model.vehicle.state import VehicleState
-from aerodrake.model.vehicle.wind import discrete_gusts, drag, drag_on_base, is_at_rest
+from aerodrake.model.vehicle.wind import (
+    WindField,
+    discrete_gusts,
+    drag,
+    drag_on_base,
+    is_at_rest,
+    is_uniform,
+    wind_at,
+)
 from aerodrake.scenario import Wind
 
 JOINTS = 6
@@ -73,3 +81,32 @@ def test_is_at_rest():
     assert is_at_rest(Wind(quadratic_drag_n_s2_m2=3.0, gust_correlation_s=9.0))
     assert not is_at_rest(Wind(velocity_m_s=(0.0, 0.0, -0.1)))
     assert not is_at_rest(Wind(gust_m_s=(0.0, 0.1, 0.0)))
+    assert not is_at_rest(Wind(wave_m_s=(0.0, 0.1, 0.0)))
+
+
+def test_is_uniform():
+    assert is_uniform(Wind(shear_exponent=0.2, gust_m_s=(1.0, 1.0, 1.0)))  # Without a mean.
+    assert not is_uniform(Wind(shear_exponent=0.2, velocity_m_s=(1.0, 0.0, 0.0)))
+    assert not is_uniform(Wind(wave_m_s=(0.0, 0.1, 0.0)))
+
+
+def test_the_mean_wind_is_a_power_law_of_the_height():
+    mean, gust = np.array([4.0, -2.0, 0.0]), np.array([0.3, 0.2, 0.1])
+    field = WindField.make(
+        Wind(velocity_m_s=tuple(mean), shear_exponent=0.5, reference_height_m=2.0)
+    )
+    for height, factor in ((2.0, 1.0), (8.0, 2.0), (0.5, 0.5), (-1.0, 0.0)):
+        wind = wind_at(field, mean + gust, np.array([5.0, 6.0, height]))
+        np.testing.assert_allclose(wind, factor * mean + gust, atol=1e-15)
+
+
+def test_the_wave_is_a_sine_along_the_wave_vector():
+    field = WindField.make(Wind(wave_m_s=(0.5, 0.0, 0.2), wave_rad_m=(2.0, 1.0, 0.0)))
+    for p, sine in (
+        ((0, 0, 1), 0),
+        ((np.pi / 4, 0, 1), 1),
+        ((1, -2, 7), 0),
+        ((0, -np.pi / 6, 1), -0.5),
+    ):
+        wind = wind_at(field, np.ones(3), np.array(p, dtype=float))
+        np.testing.assert_allclose(wind, 1 + sine * np.array([0.5, 0.0, 0.2]), atol=1e-12)

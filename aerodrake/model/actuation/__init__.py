@@ -1,0 +1,1 @@
+"""Actuation: friction, backlash and flexibility of joints, and messages with setpoints."""
