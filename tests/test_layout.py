@@ -39,6 +39,7 @@ ROOMS = (
 
 MODEL_ROOMS = (
     "vehicle",
+    "mujoco",
     "reference",
     "sensing",
     "low_level",

@@ -1,0 +1,1 @@
+"""The vehicle's dynamics in MuJoCo, a second physics engine."""
