@@ -74,12 +74,13 @@ class MujocoEngine:
     def write(
         self, x: np.ndarray, thrust: np.ndarray, torque: np.ndarray, force: np.ndarray
     ) -> None:
-        """Writes the arguments of `step` into `data`."""
+        """Writes a state x (13 + 2 n,), thrusts (k,), torques (n,) and a generalized force (6 + n,)
+        into `data`, as `step` does."""
         write_positions_and_velocities(x, self._qpos, self._qvel)
         write_forces(thrust, torque, force, self._control, self._generalized, self._wrench)
 
     def body_poses(self, x: np.ndarray, bodies: Sequence[int]) -> list[RigidTransform]:
-        """Returns the poses in the world of some bodies, by their numbers, at state x."""
+        """Returns the poses in the world of the bodies with these numbers, at state x (13 + 2 n,)."""
         write_positions_and_velocities(x, self._qpos, self._qvel)
         mujoco.mj_kinematics(self.model, self.data)
         return [
