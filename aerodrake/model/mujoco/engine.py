@@ -74,13 +74,24 @@ class MujocoEngine:
     def write(
         self, x: np.ndarray, thrust: np.ndarray, torque: np.ndarray, force: np.ndarray
     ) -> None:
-        """Writes a state x (13 + 2 n,), thrusts (k,), torques (n,) and a generalized force (6 + n,)
-        into `data`, as `step` does."""
+        """Writes arguments into `data` as `step` does.
+
+        Args:
+            x: (13 + 2 n,) `VehicleState`.
+            thrust: (k,) N.
+            torque: (n,) N m.
+            force: (6 + n,) generalized force on [omega_W, v_B, q'].
+        """
         write_positions_and_velocities(x, self._qpos, self._qvel)
         write_forces(thrust, torque, force, self._control, self._generalized, self._wrench)
 
     def body_poses(self, x: np.ndarray, bodies: Sequence[int]) -> list[RigidTransform]:
-        """Returns the poses in the world of the bodies with these numbers, at state x (13 + 2 n,)."""
+        """Returns the poses of bodies in the world.
+
+        Args:
+            x: (13 + 2 n,) `VehicleState`.
+            bodies: Numbers of the bodies.
+        """
         write_positions_and_velocities(x, self._qpos, self._qvel)
         mujoco.mj_kinematics(self.model, self.data)
         return [
