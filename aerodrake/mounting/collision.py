@@ -11,7 +11,7 @@ from aerodrake.support.errors import BadInput
 
 SIGNS = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(-1, 3)
 """(8, 3), corners of a cube with edges of 2."""
-LEAST_M = 1e-3
+LEAST_EDGE_M = 1e-3
 """Smallest edge of a box."""
 
 LARGEST_M = 10.0
@@ -51,10 +51,16 @@ def _boxes(link: ArmLink) -> tuple[Geometry, ...]:
         points = [corners(geometry) for geometry in geometries]
         if points and len(cloud := np.concatenate(points)):
             lower, upper = cloud.min(axis=0), cloud.max(axis=0)
-            size = np.maximum(upper - lower, LEAST_M)
+            size = np.maximum(upper - lower, LEAST_EDGE_M)
             centre = Pose(tuple(((lower + upper) / 2).tolist()))
             return (Geometry(centre, "box", tuple(size.tolist())),)
     return ()
+
+
+def bounding_points(link: ArmLink) -> np.ndarray:
+    """Returns the corners (N, 3) m of the bounding boxes of all geometry of a link."""
+    points = [corners(geometry) for geometry in (*link.visuals, *link.collisions)]
+    return np.concatenate([np.empty((0, 3)), *points])
 
 
 def corners(geometry: Geometry) -> np.ndarray:

@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 
 from aerodrake.mounting.arm import ArmJoint, ArmTree
-from aerodrake.mounting.collision import corners
+from aerodrake.mounting.collision import bounding_points
 from aerodrake.support.errors import BadInput, nearest
 
 FINGER = re.compile(r"finger|jaw|claw|thumb|knuckle|index|pinky", re.IGNORECASE)
@@ -166,8 +166,7 @@ def _centre(arm: ArmTree, name: str) -> np.ndarray:
     link = arm.link(name)
     if link.inertial:
         return np.array(link.inertial.origin.xyz)
-    points = [corners(geometry) for geometry in link.visuals or link.collisions]
-    points = np.concatenate([np.empty((0, 3)), *points])
+    points = bounding_points(link)
     return (points.min(axis=0) + points.max(axis=0)) / 2 if len(points) else np.zeros(3)
 
 
