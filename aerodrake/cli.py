@@ -76,8 +76,9 @@ def make_parser() -> argparse.ArgumentParser:
 def _as_given(error: Exception, arguments: argparse.Namespace) -> str:
     """Returns the message, in which an argument of a function is named as the option it is here."""
     names = vars(arguments).keys() - {getattr(arguments, "scenario", None)}
-    is_option = isinstance(error, BadInput) and error.source in names
-    return f"--{error}" if is_option else str(error)
+    if not (isinstance(error, BadInput) and error.source in names):
+        return str(error)
+    return str(error).replace(error.source, f"--{error.source.replace('_', '-')}", 1)
 
 
 class _Parser(argparse.ArgumentParser):

@@ -18,12 +18,15 @@ class OperatingPoint:
         system: The linear system over one period, in general that of the MPC.
         modes: All modes, the fastest growing first.
         saturated: Names of joints and rotors whose command is at its limit, where the loop is open.
+        is_settled: False for a hover that neither comes to rest nor begins in equilibrium. It is
+            linearised in motion, soon after trim.
     """
 
     time_s: float | None
     system: SampledSystem
     modes: tuple[Eigenmode, ...]
     saturated: tuple[str, ...] = ()
+    is_settled: bool = True
 
     @property
     def is_stable(self) -> bool:
@@ -32,7 +35,7 @@ class OperatingPoint:
 
     @property
     def least_damped(self) -> tuple[Eigenmode, ...]:
-        """The modes by increasing damping ratio, the unstable ones first.
+        """The unstable modes, the fastest growing first, and the others by damping ratio.
 
         Modes that decay by more than half in a period are left out.
         """
@@ -54,7 +57,8 @@ class OperatingPoint:
         if not self.least_damped:
             return verdict
         mode = self.least_damped[0]
-        largest = [*self.motions(mode), *mode.participants][:2]
+        motions = self.motions(mode)
+        largest = [*motions, *(p for p in mode.participants if p not in motions)][:2]
         names = [p.name for p in largest if p.share > largest[0].share / 2] or ["a mode"]
         verb = ("decay" if mode.is_stable else "grow") + "s" * (len(names) == 1)
         rate = f"{verb} by {abs(mode.growth_1_s):.1f} 1/s"
@@ -62,8 +66,10 @@ class OperatingPoint:
 
 
 def _damping(mode: Eigenmode) -> tuple[bool, float]:
-    """Returns a key for sorting by damping, which is undefined for constants, at z = 1."""
-    return mode.is_stable, mode.damping if mode.frequency_hz > 0 or not mode.is_stable else 1.0
+    """Returns a key for sorting: by growth, or by damping, which is undefined at z = 1."""
+    if not mode.is_stable:
+        return False, -mode.growth_1_s
+    return True, mode.damping if mode.frequency_hz > 0 else 1.0
 
 
 @dataclass(frozen=True)

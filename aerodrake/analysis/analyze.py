@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,10 +19,12 @@ from aerodrake.model.supervision.safe_mode import SafeMode
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Scenario
-from aerodrake.support.errors import BadInput
 from aerodrake.support.threads import single_thread
 
-SETTLE_S = 4.0
+HOVER_STEPS = 3
+"""Number of steps of an analysis before those at times along the path."""
+
+SETTLE_S = 12.0
 """s, longest hover before it is linearised; it ends earlier if the vehicle is at rest."""
 
 CHECK_S = 0.5
@@ -33,6 +36,9 @@ SHORT_SETTLE_S = 0.1
 AT_REST, RUNAWAY = 0.02, 3.0
 """Largest velocities of base and joints, in m/s and rad/s, at rest, and in hover."""
 
+IN_MOTION = 6.0
+"""m/s and rad/s, bound of the velocities of a hover that does not come to rest."""
+
 
 def analyze_hover(scenario: Scenario) -> OperatingPoint:
     """Returns the sampled closed loop of a scenario in hover, without margins and responses.
@@ -41,8 +47,7 @@ def analyze_hover(scenario: Scenario) -> OperatingPoint:
         BadInput: if the scenario cannot be flown.
     """
     with single_thread():
-        quiet = _quiet_loop(scenario)
-        return _point(quiet, LinearLoop(_hover(quiet)), None)
+        return _hover(_quiet_loop(scenario))[1]
 
 
 def analyze_loop(
@@ -57,21 +62,17 @@ def analyze_loop(
 
     Args:
         scenario: The scenario to analyse.
-        times: s, reference times at which to linearise along the path, in any order.
+        times: s, reference times in [0, `duration`] at which to linearise along the path, in any
+            order.
         progress: Called with the name of each step as it begins.
 
     Raises:
-        BadInput: if the scenario cannot be flown, or a time is not within the flight.
+        BadInput: if the scenario cannot be flown.
     """
-    for time in times:
-        if not 0 <= time <= scenario.duration:
-            expected = f"expected times in [0, {scenario.duration:g}] s"
-            raise BadInput("analyze", "times", f"{expected}, got {time:g}")
     with single_thread():
         progress("hover")
         quiet = _quiet_loop(scenario)
-        loop = LinearLoop(_hover(quiet))
-        hover = _point(quiet, loop, None)
+        loop, hover = _hover(quiet)
         progress("margins")
         margins = stability_margins(loop)
         progress("responses")
@@ -87,18 +88,24 @@ def _quiet_loop(scenario: Scenario) -> QuietLoop:
         return QuietLoop(scenario, SETTLE_S + span_s + scenario.rates.mpc_period_s)
 
 
-def _hover(quiet: QuietLoop) -> PeriodJacobian:
+def _hover(quiet: QuietLoop) -> tuple[LinearLoop, OperatingPoint]:
     """Linearises the loop where it comes to rest, or soon after trim if it does not."""
-    if not _comes_to_rest(quiet):
+    is_settled = _comes_to_rest(quiet)
+    if not is_settled:
         quiet.reset()
-        quiet.advance(quiet.start_s(quiet.multiple(SHORT_SETTLE_S)))
-    return _linearized(quiet)
+        quiet.advance(_after(quiet, SHORT_SETTLE_S))
+        is_settled = quiet.fastest() < AT_REST  # An unstable loop rests in trim.
+    period = _linearized(quiet)
+    if not is_settled:
+        period = replace(period, fastest=IN_MOTION)
+    loop = LinearLoop(period)
+    return loop, replace(_point(quiet, loop, None), is_settled=is_settled)
 
 
 def _comes_to_rest(quiet: QuietLoop) -> bool:
     """Simulates from trim until the vehicle rests; returns False if it does not."""
     for end_s in np.arange(CHECK_S, SETTLE_S + CHECK_S / 2, CHECK_S):
-        end_s = quiet.start_s(quiet.multiple(end_s))
+        end_s = _after(quiet, end_s)
         try:
             with np.errstate(over="ignore", invalid="ignore"):
                 quiet.advance(end_s)
@@ -111,6 +118,11 @@ def _comes_to_rest(quiet: QuietLoop) -> bool:
         if fastest < AT_REST:
             return True
     return False
+
+
+def _after(quiet: QuietLoop, settle_s: float) -> float:
+    """Returns the start of the period that is nearest to a time, and not the first one."""
+    return quiet.start_s(max(1, quiet.multiple(settle_s)))
 
 
 def _linearized(quiet: QuietLoop) -> PeriodJacobian:

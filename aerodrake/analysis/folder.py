@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from aerodrake.analysis.analysis import Analysis
@@ -43,7 +44,7 @@ def draw_analysis(
 
 
 def plot_analysis(analysis: Analysis, path: Path) -> None:
-    """Writes the figure: eigenvalues, growth and frequency, and responses.
+    """Writes the figure: eigenvalues, growth and frequency, and the responses of a stable loop.
 
     Args:
         analysis: The analysis to show.
@@ -51,15 +52,22 @@ def plot_analysis(analysis: Analysis, path: Path) -> None:
     """
     modes = analysis.hover.least_damped[:MOST_MODES]
     with rc_context(STYLE):
-        figure = Figure(figsize=(13, 8.5), dpi=110, layout="constrained")
+        rows = 2 if analysis.hover.is_stable else 1
+        figure = Figure(figsize=(13, 4.25 * rows), dpi=110, layout="constrained")
         title = f"{analysis.scenario}: {analysis.sentence}"
         figure.suptitle(title, fontsize=13, color=INK, parse_math=False)
-        (eigenvalues, growth), (steps, gains) = figure.subplots(2, 2)
+        panels = figure.subplots(rows, 2, squeeze=False)
+        eigenvalues, growth = panels[0]
         draw_eigenvalues(eigenvalues, analysis.hover, modes)
         draw_growth(growth, analysis.hover, modes)
-        forces = [r for r in analysis.step_responses if r.input.startswith("force")]
-        draw_steps(steps, forces)
-        steps.set_xlabel("time since a step of the force / s")
-        draw_gains(gains, analysis.frequency_responses)
-        gains.set_xlabel("frequency / Hz")
+        if analysis.hover.is_stable:
+            _draw_responses(*panels[1], analysis)
         write_png(figure, path)
+
+
+def _draw_responses(steps: Axes, gains: Axes, analysis: Analysis) -> None:
+    forces = [r for r in analysis.step_responses if r.input.startswith("force")]
+    draw_steps(steps, forces)
+    steps.set_xlabel("time since a step of the force / s")
+    draw_gains(gains, analysis.frequency_responses)
+    gains.set_xlabel("frequency / Hz")

@@ -3,6 +3,7 @@
 import logging
 from dataclasses import replace
 
+from aerodrake.analysis.analyze import analyze_hover
 from aerodrake.flight.log import FlightLog
 from aerodrake.scenario import Scenario
 
@@ -23,9 +24,6 @@ def hover_instability(scenario: Scenario, log: FlightLog) -> str | None:
     if log.exit_reason in NOT_ANALYSED or has_fault:
         return None
     try:
-        # scipy.signal takes half a second to import, which completed flights do not need.
-        from aerodrake.analysis.analyze import analyze_hover
-
         hover = analyze_hover(replace(scenario, faults=()))
         return None if hover.is_stable or hover.saturated else hover.sentence
     except (Exception, SystemExit) as error:  # Drake raises SystemExit if a check fails.

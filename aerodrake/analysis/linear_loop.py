@@ -177,14 +177,15 @@ class LinearLoop:
 
     def _varied(self, instant: InstantJacobian, variation: Variation) -> np.ndarray:
         """Returns the Jacobian of an instant with the gains of a variation."""
-        J = instant.J.copy()
+        J = instant.J
         for target, source, gain in (
             ("rotors", ("flight_controller", "thrust_command"), variation.rotor_gain),
             ("plant", ("arm_controller", "joint_torque"), variation.joint_gain),
         ):
-            rows = np.isin(instant.rows, self._coordinates(target))
-            columns = np.isin(instant.columns, self._coordinates(*source))
-            J[np.ix_(rows, columns)] *= gain
+            if gain != 1.0:
+                rows = np.isin(instant.rows, self._coordinates(target))
+                columns = np.isin(instant.columns, self._coordinates(*source))
+                J = np.where(np.outer(rows, columns), gain * J, J)
         return J
 
     def _coordinates(self, system: str, group: str = "") -> np.ndarray:

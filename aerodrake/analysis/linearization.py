@@ -55,7 +55,7 @@ class PeriodJacobian:
         steps: Number of plant steps in it.
         delay_steps: Delay of the base's samples, in plant steps.
         joints: Names of the n joints.
-        fastest: Largest velocity of base and joints during it, in m/s and rad/s.
+        fastest: Largest velocity of base and joints at its start, in m/s and rad/s.
         tool: (3, 6 + n) Jacobian of the tool's position in the world with respect to the
             positions of the plant, at the start of the period.
     """

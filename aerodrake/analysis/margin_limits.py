@@ -7,7 +7,7 @@ from scipy.linalg import eig
 
 from aerodrake.analysis.linear_loop import LinearLoop, Variation
 from aerodrake.analysis.margins import StabilityLimit, StabilityMargin
-from aerodrake.analysis.modes import NEUTRAL_1_S, exponent_of
+from aerodrake.analysis.modes import are_stable, exponent_of
 
 LONGEST_DELAY_S = 0.2
 """s, end of the search for the delay margin."""
@@ -82,7 +82,7 @@ def _limit(
 
     def is_stable(value: float) -> bool:
         z = np.linalg.eigvals(loop.matrices(vary(value)).A)
-        return bool(np.log(np.abs(z).max()) / loop.period.dt <= NEUTRAL_1_S)
+        return bool(_are_stable(loop, z).all())
 
     stable = values[0]
     if not is_stable(stable):
@@ -97,10 +97,17 @@ def _limit(
     return None
 
 
+def _are_stable(loop: LinearLoop, z: np.ndarray) -> np.ndarray:
+    """Returns True for each eigenvalue of a stable mode."""
+    with np.errstate(divide="ignore"):  # Deadbeat states have z = 0.
+        exponents = np.log(z.astype(complex)) / loop.period.dt
+    return are_stable(exponents, loop.period.fastest)
+
+
 def _frequency_hz(loop: LinearLoop, variation: Variation) -> float:
     """Returns the frequency of the fastest growing mode of a variation."""
     period = loop.matrices(variation)
     values, left, right = eig(period.A, left=True, right=True)
-    i = np.argmax(np.abs(values))
+    i = np.argmax(np.where(_are_stable(loop, values), 0.0, np.abs(values)))
     exponent = exponent_of(values[i], left[:, i], right[:, i], period)
     return exponent.imag / (2 * np.pi * loop.period.dt)

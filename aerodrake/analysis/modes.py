@@ -58,11 +58,21 @@ def find_modes(loop: LinearLoop) -> tuple[Eigenmode, ...]:
                 frequency_hz=exponent.imag / (2 * np.pi),
                 damping=-exponent.real / abs(exponent) if exponent else 0.0,
                 participants=_participants(names, np.abs(left[:, i] * right[:, i])),
-                is_stable=exponent.real <= NEUTRAL_1_S
-                or abs(exponent) <= CHANGES_PER_VELOCITY * loop.period.fastest,
+                is_stable=bool(are_stable(exponent, loop.period.fastest)),
             )
         )
     return tuple(modes)
+
+
+def are_stable(exponents: np.ndarray | complex, fastest: float) -> np.ndarray:
+    """Returns True for each mode that does not grow, or not faster than the loop itself changes.
+
+    Args:
+        exponents: (N,) 1/s, logarithms of eigenvalues per second.
+        fastest: Largest velocity of base and joints, in m/s and rad/s.
+    """
+    is_slow = np.abs(exponents) <= CHANGES_PER_VELOCITY * fastest
+    return (np.real(exponents) <= NEUTRAL_1_S) | is_slow
 
 
 def exponent_of(z: complex, left: np.ndarray, right: np.ndarray, period: PeriodMatrices) -> complex:

@@ -70,9 +70,10 @@ def _are_stable(analysis: Analysis) -> list[bool]:
 
 def _pictures(analysis: Analysis, modes: Sequence[Eigenmode]) -> Iterator[Picture]:
     yield from _maps(analysis, modes)
-    if oscillations := [mode for mode in modes if mode.eigenvalue.imag]:
+    if oscillations := [mode for mode in modes if mode.frequency_hz > 0]:
         yield _shape(analysis, oscillations[0], modes)
-    yield from _responses(analysis)
+    if analysis.hover.is_stable:  # Responses of an unstable loop grow without bound.
+        yield from _responses(analysis)
     if len(analysis.path) > 1:
         with sheet("along", _height(2)) as (figure, done):
             draw_path(figure.subplots(2, 1, sharex=True), analysis)

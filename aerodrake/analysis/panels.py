@@ -33,6 +33,9 @@ FREQUENCY_TICKS = (0.0, 0.5, 1.0, 2.0, 5.0, 10.0)
 FASTEST_DECAY_1_S = 40.0
 """Decay rate from which on modes are left out of the map of growth and frequency."""
 
+LABEL_ROOM = 0.15
+"""Fraction of the width of the map of growth that is left free for names at the right."""
+
 LEAST_DISTANCE = 0.06
 """Distance of eigenvalues in the z plane below which only the first has its number."""
 
@@ -103,12 +106,15 @@ def draw_growth(axes: Axes, point: OperatingPoint, named: Sequence[Eigenmode]) -
     axes.axvline(0.0, **REFERENCE)
     axes.set_yscale("symlog", linthresh=FREQUENCY_TICKS[1], linscale=0.5)
     nyquist = 0.5 / point.system.dt
-    ticks = [tick for tick in FREQUENCY_TICKS if tick < nyquist]
-    axes.set_yticks([*ticks, nyquist], [f"{tick:g}" for tick in [*ticks, nyquist]])
+    highest = max([nyquist, *(mode.frequency_hz for mode in shown)])
+    ticks = [*(tick for tick in FREQUENCY_TICKS if tick < nyquist), nyquist]
+    ticks += [highest] if highest > 1.5 * nyquist else []
+    axes.set_yticks(ticks, [f"{tick:.3g}" for tick in ticks])
     axes.set_yticks([], minor=True)
-    axes.set_ylim(-0.1, 1.1 * nyquist)
+    axes.set_ylim(-0.1, 1.1 * highest)
     axes.set(xlabel="growth / 1/s", ylabel="frequency / Hz")
-    axes.set_xlim(*axes.get_xlim())
+    low, high = axes.get_xlim()
+    axes.set_xlim(low, high + LABEL_ROOM * (high - low))
     heights: list[float] = []
     numbers = {id(mode): number for number, mode in enumerate(named, start=1)}
     for mode in sorted(named, key=lambda mode: mode.frequency_hz):

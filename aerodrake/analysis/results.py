@@ -24,9 +24,10 @@ def as_figures(analysis: Analysis, scenario: Scenario) -> dict[str, Any]:
         is_stable, sentence: Of hover and the whole path.
         period_s: s, period of the sampled system.
         hover: The loop in hover: `time_s` null, `is_stable`, `sentence`, `saturated` (names of the
-            joints and rotors whose command is at its limit) and `modes`, the fastest growing first,
-            each with its `eigenvalue` z as real and imaginary part, `growth_1_s`, `frequency_hz`,
-            `damping`, `is_stable`, and `participants` with their shares.
+            joints and rotors whose command is at its limit), `is_settled` (false if it does not
+            come to rest), and `modes`, the fastest growing first, each with its `eigenvalue` z as
+            real and imaginary part, `growth_1_s`, `frequency_hz`, `damping`, `is_stable`, and
+            `participants` with their shares.
         path: The same at each requested time.
         ended: Why the flight ended before the last requested time; empty if it did not.
         margins: By name: `kind`, the `nominal` value, the `end` of the search, and `lower` and
@@ -76,6 +77,7 @@ def _point(point: OperatingPoint) -> dict[str, Any]:
         "is_stable": point.is_stable,
         "sentence": point.sentence,
         "saturated": list(point.saturated),
+        "is_settled": point.is_settled,
         "modes": [_mode(mode) for mode in point.modes],
     }
 

@@ -3,12 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
-from scipy.signal import StateSpace
 
 from aerodrake.support.errors import BadInput, nearest
+
+if TYPE_CHECKING:
+    from scipy.signal import StateSpace
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,10 @@ class SampledSystem:
     state_scale: np.ndarray
 
     @property
-    def state_space(self) -> StateSpace:
+    def state_space(self) -> "StateSpace":
         """The same system in SciPy's form, for `scipy.signal` and `control.ss`."""
+        from scipy.signal import StateSpace  # Importing it takes half a second.
+
         return StateSpace(self.A, self.B, self.C, self.D, dt=self.dt)
 
     @cached_property

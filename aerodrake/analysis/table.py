@@ -68,8 +68,9 @@ def highlights(analysis: Analysis) -> list[tuple[str, str, str]]:
     """Returns the label, the value and a note of the least damped mode and of each margin."""
     shown = []
     for mode in analysis.hover.least_damped[:1]:
+        label = "least damped" if mode.is_stable else "fastest growing"
         note = f"damping ratio {mode.damping:.3f}"
-        shown.append(("least damped", f"{mode.frequency_hz:.1f} Hz", note))
+        shown.append((label, f"{mode.frequency_hz:.1f} Hz", note))
     for margin in analysis.margins if analysis.hover.is_stable else ():
         limits = (margin.lower, margin.upper)
         ends = [
@@ -99,8 +100,10 @@ def analysis_table(analysis: Analysis) -> str:
 
 
 def notes(analysis: Analysis) -> list[str]:
-    """Returns notes on commands at their limits, and on a flight that ended early."""
+    """Returns notes on commands at their limits, and on a hover or a flight that is incomplete."""
     sentences = []
+    if not analysis.hover.is_settled:
+        sentences.append("the hover does not come to rest; it is linearised in motion, after trim")
     if names := analysis.hover.saturated:
         limits = f"commands at their limits in hover, where the loop is open: {', '.join(names)}"
         sentences.append(limits)

@@ -2,7 +2,6 @@
 
 import numpy as np
 from scipy.linalg import schur, solve_triangular
-from scipy.signal import dstep
 
 from aerodrake.analysis.linear_loop import FORCES, TOOL, TORQUES
 from aerodrake.analysis.responses import FrequencyResponse, StepResponse
@@ -31,24 +30,29 @@ UNITS = {
 
 def step_responses(system: SampledSystem) -> tuple[StepResponse, ...]:
     """Returns the tool's motion after a step of force and of torque along each axis."""
-    return tuple(_step_response(system, name) for name in (*FORCES, *TORQUES))
-
-
-def _step_response(system: SampledSystem, name: str) -> StepResponse:
-    path = system.between([name], TOOL)
-    steps = round(STEP_S / system.dt)
+    path = system.between((*FORCES, *TORQUES), TOOL)
+    steps = round(STEP_S / path.dt)
+    x, motions = np.zeros(path.B.shape), np.empty((steps + 1, *path.D.shape))
     with np.errstate(over="ignore", invalid="ignore"):  # An unstable response is not finite.
-        time_s, (values,) = dstep(path.state_space, n=steps + 1)
-        peak = float(np.linalg.norm(values, axis=1).max())
-    final = values[-1]
-    away = np.flatnonzero(np.linalg.norm(values - final, axis=1) > SETTLED * peak)
+        for k in range(steps + 1):  # Importing scipy.signal takes half a second.
+            motions[k] = path.C @ x + path.D
+            x = path.A @ x + path.B
+        time_s = path.dt * np.arange(steps + 1)
+        return tuple(
+            _step_response(name, time_s, motions[:, :, i]) for i, name in enumerate(path.inputs)
+        )
+
+
+def _step_response(name: str, time_s: np.ndarray, values: np.ndarray) -> StepResponse:
+    """Returns the response of one input, with its peak and settling time."""
+    peak = float(np.linalg.norm(values, axis=1).max())
+    away = np.flatnonzero(np.linalg.norm(values - values[-1], axis=1) > SETTLED * peak)
     # A response that is away near the end has no final position yet.
     first = int(away[-1]) + 1 if len(away) else 0
-    is_settled = np.isfinite(peak) and first <= 0.9 * steps
+    is_settled = np.isfinite(peak) and first <= 0.9 * (len(time_s) - 1)
     unit = UNITS[name.rpartition("_")[0]]
-    return StepResponse(
-        name, unit, time_s, values, peak, float(time_s[first]) if is_settled else None
-    )
+    settling_s = float(time_s[first]) if is_settled else None
+    return StepResponse(name, unit, time_s, values, peak, settling_s)
 
 
 def frequency_responses(system: SampledSystem) -> tuple[FrequencyResponse, ...]:

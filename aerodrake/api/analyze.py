@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
-from aerodrake.analysis.analyze import analyze_loop
+from aerodrake.analysis.analyze import HOVER_STEPS, analyze_loop
 from aerodrake.api.analysis_result import AnalysisResult
 from aerodrake.api.console import Console
 from aerodrake.flight.notes import scenario_notes
@@ -14,6 +14,7 @@ from aerodrake.scenario import Scenario
 from aerodrake.scenario.inputs import frozen
 from aerodrake.scenario.load import resolve
 from aerodrake.support.arguments import checked
+from aerodrake.support.errors import BadInput
 
 
 @checked
@@ -43,10 +44,15 @@ def analyze(
     console = Console(quiet)
     scenario = resolve(scenario, overrides, **keys)
     instants = times if isinstance(times, Sequence) else [times]
+    for time in instants:
+        if not 0 <= time <= scenario.duration:
+            expected = f"expected times in [0, {scenario.duration:g}] s"
+            raise BadInput("analyze", "times", f"{expected}, got {time:g}")
     with ExitStack() as stack:
         analysed = stack.enter_context(frozen(scenario))
         console.note(scenario_notes(analysed))
-        with console.bar(f"analyze {scenario.name}", None, "step") as bar:
+        steps = HOVER_STEPS + len({*instants})
+        with console.bar(f"analyze {scenario.name}", steps, "step") as bar:
 
             def progress(step: str) -> None:
                 bar.set_postfix_str(step, refresh=False)

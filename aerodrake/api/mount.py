@@ -83,11 +83,16 @@ def mount(
     push_n = min(PUSH * mounted.weight, LARGEST_PUSH_N)
     force = {"force_n": [push_n, 0.0, 0.0]}
     push = {"kind": "push", "start_s": 0.0, "duration_s": PUSH_S, **force}
+    analysis = analyze(path, quiet=quiet)
+    with console.bar(f"hover {request.name}", 1, "flight") as bar:
+        # Its notes are those of the analysis.
+        hover = fly(path, {**HOVER, "faults": [push]}, quiet=True)
+        bar.update()
     return MountResult(
         scenario=path,
         changes=mounted.changes,
         choices=mounted.choices,
-        analysis=analyze(path, quiet=quiet),
+        analysis=analysis,
         push_n=push_n,
-        hover=fly(path, {**HOVER, "faults": [push]}, quiet=quiet),
+        hover=hover,
     )

@@ -205,9 +205,14 @@ class ArmTree:
         return joints
 
     @cached_property
+    def roots(self) -> list[str]:
+        """Names of the links without a joint above them."""
+        return [link.name for link in self.links if link.name not in self.above]
+
+    @property
     def root(self) -> str:
         """Name of the first link without a joint above it."""
-        return next(link.name for link in self.links if link.name not in self.above)
+        return self.roots[0]
 
     @property
     def mass(self) -> float:
@@ -250,9 +255,9 @@ class ArmTree:
 
     def poses(self, positions: dict[str, float] | None = None) -> dict[str, RigidTransform]:
         """Returns the poses of the links in their root, at positions of joints by name."""
-        given, poses = positions or {}, {self.root: RigidTransform()}
-        below = list(self.below(self.root))[1:]
-        for joint in (self.above[link] for link in below):
+        given, poses = positions or {}, {root: RigidTransform() for root in self.roots}
+        links = [link for root in self.roots for link in self.below(root)]
+        for joint in (self.above[link] for link in links if link in self.above):
             fixed = joint.at(given.get(joint.name, 0.0))
             poses[joint.child] = poses[joint.parent] @ fixed.origin.transform()
         return poses

@@ -33,8 +33,8 @@ def select_tree(arm: ArmTree, tool: str, root: str = "") -> Converted:
     removed = [link.name for link in arm.links if link.name not in kept]
     arm, changes = arm.without(set(removed)), []
     if removed:
-        names = f"{len(removed)} links outside the tree below '{root or above[0]}'"
-        changes.append(f"{names} are removed: {listed(removed)}")
+        tree = f"the tree below '{root or above[0]}'"
+        changes.append(f"links outside {tree} are removed: {listed(removed)}")
     while not root and (sentence := _world(arm, tool)):
         changes.append(sentence)
         arm = arm.without({arm.root})

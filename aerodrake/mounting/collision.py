@@ -5,12 +5,33 @@ from dataclasses import replace
 import numpy as np
 
 from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Geometry, Pose
+from aerodrake.mounting.listed import shown
 from aerodrake.mounting.meshes import bounds
+from aerodrake.support.errors import BadInput
 
 SIGNS = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(-1, 3)
 """(8, 3), corners of a cube with edges of 2."""
-LEAST_M = 1e-3
+LEAST_EDGE_M = 1e-3
 """Smallest edge of a box."""
+
+LARGEST_M = 10.0
+"""Largest edge of a mesh's bounding box. A mesh in mm without a scale is larger."""
+
+
+def check_meshes(arm: ArmTree) -> Converted:
+    """Returns the arm as it is.
+
+    Raises:
+        BadInput: if a mesh is too large to be a part of an arm.
+    """
+    for link in arm.links:
+        for geometry in (*link.visuals, *link.collisions):
+            points = corners(geometry) if geometry.file else np.empty((0, 3))
+            if len(points) and (size := np.ptp(points, axis=0).max()) > LARGEST_M:
+                problem = f"expected meshes of {LARGEST_M:g} m or less, got {geometry.file.name} of"
+                advice = 'one in mm needs <mesh scale="0.001 0.001 0.001">'
+                raise BadInput("", f"link {link.name}", f"{problem} {shown(size)} m; {advice}")
+    return Converted(arm)
 
 
 def box_links(arm: ArmTree) -> Converted:
@@ -20,9 +41,9 @@ def box_links(arm: ArmTree) -> Converted:
     need the size of the links, and Drake needs convex shapes.
     """
     links = tuple(replace(link, collisions=_boxes(link)) for link in arm.links)
-    count = sum(len(link.collisions) for link in links)
-    sentence = f"collision geometry becomes one box around each of {count} links"
-    return Converted(replace(arm, links=links), (sentence,) if count else ())
+    sentence = "collision geometry becomes one box around each link"
+    has_some = any(link.collisions for link in links)
+    return Converted(replace(arm, links=links), (sentence,) if has_some else ())
 
 
 def _boxes(link: ArmLink) -> tuple[Geometry, ...]:
@@ -30,10 +51,16 @@ def _boxes(link: ArmLink) -> tuple[Geometry, ...]:
         points = [corners(geometry) for geometry in geometries]
         if points and len(cloud := np.concatenate(points)):
             lower, upper = cloud.min(axis=0), cloud.max(axis=0)
-            size = np.maximum(upper - lower, LEAST_M)
+            size = np.maximum(upper - lower, LEAST_EDGE_M)
             centre = Pose(tuple(((lower + upper) / 2).tolist()))
             return (Geometry(centre, "box", tuple(size.tolist())),)
     return ()
+
+
+def bounding_points(link: ArmLink) -> np.ndarray:
+    """Returns the corners (N, 3) m of the bounding boxes of all geometry of a link."""
+    points = [corners(geometry) for geometry in (*link.visuals, *link.collisions)]
+    return np.concatenate([np.empty((0, 3)), *points])
 
 
 def corners(geometry: Geometry) -> np.ndarray:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from aerodrake.mounting.arm import ArmTree, Converted
 from aerodrake.mounting.chain import select_tree
-from aerodrake.mounting.collision import box_links
+from aerodrake.mounting.collision import box_links, check_meshes
 from aerodrake.mounting.fixing import fix_joints
 from aerodrake.mounting.hulls import estimate_masses
 from aerodrake.mounting.inertias import correct_inertias
@@ -50,13 +50,14 @@ def convert(
         source: The URDF, for messages.
 
     Raises:
-        BadInput: if a link does not exist, a joint is of an unsupported type, or there are no
-            masses or revolute joints.
+        BadInput: if a link does not exist, a joint is of an unsupported type, a mesh is too large,
+            or there are no masses or revolute joints.
     """
     arm, changes = read.arm, list(read.changes)
     steps = (
         lambda arm: select_tree(arm, tool, root),
         lambda arm: fix_joints(arm, tool),
+        check_meshes,
         estimate_masses,
         correct_inertias,
         lambda arm: scale(arm, length, mass),

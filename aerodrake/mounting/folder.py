@@ -29,7 +29,8 @@ def write_vehicle(request: Request, folder: Path) -> Mounted:
             mounted = mount_arm(request, new)
             VehicleModel.load(load_scenario(str(new / f"{request.name}.yaml")))
         except BadInput as error:  # The hidden folder is of no use to anyone.
-            source = request.urdf if str(new) in error.source else error.source
+            is_own = not error.source or str(new) in error.source
+            source = request.urdf if is_own else error.source
             raise BadInput(source, *error.args[1:]) from None
         content = {
             "version": __version__,

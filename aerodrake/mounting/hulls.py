@@ -1,11 +1,12 @@
 """Masses of links, estimated from the convex hulls of their geometry."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Geometry, Inertial, Pose
+from aerodrake.mounting.arm import ArmTree, Converted, Geometry, Inertial, Pose
 from aerodrake.mounting.inertias import DENSITY_KG_M3, moments_of
 from aerodrake.mounting.listed import listed, shown
 from aerodrake.mounting.meshes import load_parts
@@ -17,12 +18,21 @@ if TYPE_CHECKING:
 def estimate_masses(arm: ArmTree) -> Converted:
     """Estimates all masses and inertias of an arm without any; returns other arms unchanged.
 
-    Each link fills the convex hulls of its collision geometry, or of its visual geometry without
-    any, with a typical density. URDFs for planning alone have no masses.
+    Each link fills the convex hulls of its visual geometry with a typical density, or those of its
+    collision geometry if no link that is fixed to it has visual geometry: some URDFs describe a
+    link a second time for collisions alone. URDFs for planning alone have no masses.
     """
     if arm.mass:
         return Converted(arm)
-    links = tuple(replace(link, inertial=_estimated(link)) for link in arm.links)
+    bodies = {link.name: _body(arm, link.name) for link in arm.links}
+    seen = {bodies[link.name] for link in arm.links if link.visuals}
+    links = tuple(
+        replace(
+            link,
+            inertial=_estimated(link.visuals if bodies[link.name] in seen else link.collisions),
+        )
+        for link in arm.links
+    )
     arm = replace(arm, links=links)
     if not arm.mass:
         return Converted(arm)
@@ -32,11 +42,18 @@ def estimate_masses(arm: ArmTree) -> Converted:
     return Converted(arm, (sentence,))
 
 
-def _estimated(link: ArmLink) -> Inertial | None:
-    """Returns the inertia of a link that fills its convex hulls; None without volume."""
+def _body(arm: ArmTree, link: str) -> str:
+    """Returns the highest link that a link is fixed to."""
+    while link in arm.above and not arm.above[link].is_moving:
+        link = arm.above[link].parent
+    return link
+
+
+def _estimated(geometries: Sequence[Geometry]) -> Inertial | None:
+    """Returns the inertia of a link that fills convex hulls; None without volume."""
     import trimesh
 
-    hulls = [_hull(geometry) for geometry in link.collisions or link.visuals]
+    hulls = [_hull(geometry) for geometry in geometries]
     if not (solid := [hull for hull in hulls if hull is not None]):
         return None
     body = trimesh.util.concatenate(solid)

@@ -8,6 +8,7 @@ from pydrake.multibody.tree import RotationalInertia
 from aerodrake.model.vehicle.robot import ball_radius
 from aerodrake.model.vehicle.urdf_links import MARKER_KG, ROUNDING
 from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Inertial, Pose
+from aerodrake.mounting.collision import LEAST_EDGE_M, bounding_points
 from aerodrake.mounting.listed import listed, shown
 from aerodrake.support.errors import BadInput
 
@@ -20,6 +21,10 @@ LEAST_RATIO = 1e-6
 """Smallest principal moment of a corrected inertia, as a share of the largest."""
 MARGIN = 1e-9
 """Relative margin to the triangle inequality of the principal moments."""
+
+LARGEST_GYRATION = 5.0
+"""Radius of gyration over the distance of the link's farthest geometry, above which an inertia is
+a placeholder. No body has more than 1, but published arms with more than 4 fly well."""
 
 
 def correct_inertias(arm: ArmTree) -> Converted:
@@ -63,6 +68,9 @@ def _corrected(link: ArmLink) -> tuple[ArmLink, str]:
         sphere = _sphere(inertial.origin, inertial.mass)
         name = f"a solid sphere of {DENSITY_KG_M3:g} kg/m^3"
         return replace(link, inertial=sphere), f"a zero inertia becomes that of {name}"
+    if (box := _box_inertia(link, inertial)) is not None:
+        change = "an inertia far too large for a link's geometry becomes that of a box around it"
+        return replace(link, inertial=box), change
     moments = physical(inertial.moments)
     if moments == inertial.moments:
         return link, ""
@@ -100,6 +108,19 @@ def inertia_matrix(moments: tuple[float, ...]) -> np.ndarray:
 def moments_of(matrix: np.ndarray) -> tuple[float, ...]:
     """Returns the moments of inertia of a matrix (3, 3), in the order of `Inertial.moments`."""
     return tuple(matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist())
+
+
+def _box_inertia(link: ArmLink, inertial: Inertial) -> Inertial | None:
+    """Returns the inertia of a solid box around a link, if its own is a placeholder; else None."""
+    if not len(points := bounding_points(link)):
+        return None
+    farthest = np.linalg.norm(points - inertial.origin.xyz, axis=1).max()
+    largest = max(np.linalg.eigvalsh(inertia_matrix(inertial.moments)))
+    if largest <= inertial.mass * (LARGEST_GYRATION * farthest) ** 2:
+        return None
+    squares = np.ptp(points, axis=0) ** 2 + LEAST_EDGE_M**2
+    moments = inertial.mass / 12 * (squares.sum() - squares)
+    return Inertial(Pose(inertial.origin.xyz), inertial.mass, (*moments.tolist(), 0.0, 0.0, 0.0))
 
 
 def _sphere(origin: Pose, mass: float) -> Inertial:

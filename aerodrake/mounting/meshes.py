@@ -104,11 +104,11 @@ def write_meshes(arm: ArmTree, folder: Path) -> Converted:
     writer = _MeshWriter(folder)
     links = tuple(writer.write(link) for link in arm.links)
     changes = []
-    if writer.count:
-        megabytes = sum(file.stat().st_size for file in folder.iterdir()) / 1e6
+    if writer.endings:
+        size = sum(file.stat().st_size for file in folder.iterdir())
+        unit = f"{size / 1e6:.1f} MB" if size > 1e6 else f"{size / 1e3:.0f} kB"
         endings = ", ".join(sorted(writer.endings))
-        text = f"{writer.count} meshes ({endings}) are written as .obj, one for each colour"
-        changes.append(f"{text}: {megabytes:.1f} MB")
+        changes.append(f"meshes ({endings}) become .obj files, one for each colour: {unit} in all")
     if writer.coarse:
         text = f"vertices up to {10.0 ** -DIGITS[-1]:g} m apart are merged in meshes with more than"
         changes.append(f"{text} {MOST_FACES} faces: {listed(writer.coarse)}")
@@ -121,8 +121,7 @@ class _MeshWriter:
     """Writer of meshes, each once for a size.
 
     Attributes:
-        count: Number of meshes that were read.
-        endings: Endings of their files.
+        endings: Endings of the files of meshes that were read, in lower case.
         coarse: Names of files with too many faces.
         unreadable: Names of files that cannot be read.
     """
@@ -131,7 +130,7 @@ class _MeshWriter:
         self._folder = folder
         self._written: dict[tuple[Path, tuple[float, ...]], list[tuple[Path, Part]]] = {}
         self._taken: set[str] = set()
-        self.count, self.endings = 0, set[str]()
+        self.endings = set[str]()
         self.coarse, self.unreadable = dict[str, None](), dict[str, None]()
 
     def write(self, link: ArmLink) -> ArmLink:
@@ -149,9 +148,9 @@ class _MeshWriter:
                 (self._write(visual.file, part, visual.numbers), part)
                 for part in load_parts(visual.file)
             ]
-            self.count += bool(self._written[key])
-            self.endings.add(visual.file.suffix)
-        if not self._written[key]:
+        if self._written[key]:
+            self.endings.add(visual.file.suffix.lower())
+        else:
             self.unreadable[visual.file.name] = None
         for path, part in self._written[key]:
             rgba = part.rgba or visual.rgba or GREY

@@ -109,13 +109,18 @@ def _turned(mount: Pose, working: Working) -> Pose:
 
 
 def _check_thrust(multirotor: Multirotor, arm_kg: float, request: Request) -> None:
-    """Raises BadInput if rotors cannot carry the vehicle."""
+    """Raises BadInput if rotors cannot carry the vehicle, or are smaller than any."""
     total, most = arm_kg + multirotor.mass, multirotor.rotors * multirotor.max_thrust / GRAVITY
-    if multirotor.max_thrust > THRUST_N[1]:
-        problem = f"expected an arm that {multirotor.rotors} rotors of {THRUST_N[1]:g} N can carry"
-        factor = 0.9 * request.length * (THRUST_N[1] / multirotor.max_thrust) ** (1 / 3)
-        advice = f"mount a part of it with --root, or scale it, as with --scale {factor:.1g}"
-        raise BadInput(request.urdf, "", f"{problem}, got one of {arm_kg:.4g} kg; {advice}")
+    low, high = THRUST_N
+    thrust = min(max(multirotor.max_thrust, low), high)
+    if thrust != multirotor.max_thrust:
+        expected = f"expected an arm for {multirotor.rotors} rotors of {low:g} to {high:g} N each"
+        factor = (request.mass * thrust / multirotor.max_thrust) ** (1 / 3)
+        factor *= 0.9 if thrust == high else 1.1
+        advice = "mount a part of it with --root, or " if thrust == high else ""
+        advice += f"scale it, as with --scale {factor:.2g}"
+        problem = f"{expected}, got one of {arm_kg:.4g} kg; {advice}"
+        raise BadInput(request.urdf, "", problem)
     if total > LARGEST_SHARE * most:
         expected = f"expected rotors that hover with {LARGEST_SHARE:.0%} of their thrust or less"
         raise BadInput("max_thrust", "", f"{expected}, got {total / most:.0%}")

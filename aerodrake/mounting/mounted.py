@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from aerodrake.model.vehicle.vehicle import GRAVITY
+from aerodrake.mounting.listed import listed
 from aerodrake.mounting.request import PLACE, Request
 from aerodrake.mounting.scenario_yaml import Start
 from aerodrake.mounting.vehicle_urdf import VehicleDesign
@@ -42,7 +43,7 @@ def choices(mounted: Mounted, request: Request) -> Iterator[str]:
     """Yields sentences on the choices."""
     vehicle, working = mounted.vehicle, mounted.working
     multirotor, tool, mount = vehicle.multirotor, vehicle.tool, vehicle.mount
-    yield f"arm: {len(mounted.joints)} joints, {vehicle.arm.mass:.3g} kg"
+    yield f"arm: {vehicle.arm.mass:.3g} kg, moved by {listed(mounted.joints)}"
     axis = " ".join(f"{x:.3g}" for x in tool.direction)
     yield f"tool: link {tool.link} ({tool.reason}), pointing along ({axis}) of its frame"
     if len(request.mount) <= PLACE:
@@ -66,4 +67,4 @@ def choices(mounted: Mounted, request: Request) -> Iterator[str]:
     if working.overlap:
         links = " and ".join(working.overlap.links)
         depth = f"{1000 * working.overlap.depth:.0f} mm"
-        yield f"caution: collision geometry of {links} overlaps by {depth} there"
+        yield f"caution: boxes around {links} overlap by {depth} there"

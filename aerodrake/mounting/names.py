@@ -10,6 +10,8 @@ from aerodrake.mounting.listed import listed
 
 RESERVED = (BASE_FRAME, TOOL_FRAME, PAYLOAD_BODY, "world")
 """Names of links and frames of the vehicle, and of Drake's world."""
+MOUNT = "mount"
+"""Name of the fixed joint between base and arm."""
 ROTOR = "rotor_"
 """Beginning of the names of rotors' frames; Drake names frames after joints, too."""
 PREFIX = "arm_"
@@ -56,7 +58,7 @@ def _renamed(given: Iterable[str], is_link: bool) -> dict[str, str]:
     taken, new = set(names), {}
     for name in names:
         word = UNREADABLE.sub("_", ENDS.sub("", name)) or NAMELESS
-        if (is_link and word in RESERVED) or word.startswith(ROTOR):
+        if word in (RESERVED if is_link else (MOUNT,)) or word.startswith(ROTOR):
             word = PREFIX + word
         if word == name:
             continue

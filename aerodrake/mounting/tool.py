@@ -2,18 +2,22 @@
 
 import itertools
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
 from aerodrake.mounting.arm import ArmJoint, ArmTree
+from aerodrake.mounting.collision import bounding_points
 from aerodrake.support.errors import BadInput, nearest
 
 FINGER = re.compile(r"finger|jaw|claw|thumb|knuckle|index|pinky", re.IGNORECASE)
 """Names of parts of a gripper, and of joints that move them."""
-GRIPPER = re.compile(rf"^(?!.*(roll|rot|wrist)).*(grip|hand|{FINGER.pattern})", re.IGNORECASE)
+GRIPPER = re.compile(
+    rf"^(?!.*((?<!cont)roll|rot|wrist)).*(grip|hand|{FINGER.pattern})", re.IGNORECASE
+)
 """Names of joints of a gripper, but not of the wrist that turns it."""
 MARKERS = (
     re.compile(r"tcp|grasp|pinch", re.IGNORECASE),
@@ -63,12 +67,15 @@ class Tool:
             wanted: Name of the link; empty to guess.
 
         Raises:
-            BadInput: if there is no such link, or no revolute joint above it.
+            BadInput: if there is no such link, or no revolute joint above it; without the URDF's
+                name, if it has no revolute joints.
         """
         names = [link.name for link in arm.links]
         if wanted and wanted not in names:
             problem = f"expected a link, got '{wanted}'; {nearest(wanted, names)}"
             raise BadInput("tool", "", problem)
+        if not any(joint.is_moving for joint in arm.joints):
+            raise BadInput("", "", "expected revolute joints, got none")
         link, reason = (wanted, "as given") if wanted else _guess(arm)
         if not arm.moving(link):
             problem = f"expected a link with revolute joints above it, got '{link}' without"
@@ -78,14 +85,40 @@ class Tool:
         return cls(link, max(0.0, end @ direction) * direction, direction, reason)
 
 
-def _joints(path: Sequence[ArmJoint]) -> list[ArmJoint]:
+def _joints(path: Sequence[ArmJoint], fingers: Collection[str]) -> list[ArmJoint]:
     """Returns the moving joints of a path without those at its end that move a gripper.
 
     If there are no others, only joints that follow another one are left out.
+
+    Args:
+        path: The path.
+        fingers: Names of joints of a hand.
     """
     moving = [joint for joint in path if joint.is_moving]
-    arm = list(itertools.dropwhile(_of_gripper, reversed(moving)))[::-1]
-    return arm or [joint for joint in moving if joint.mimic is None]
+    is_own = [not (joint.name in fingers or _of_gripper(joint)) for joint in moving]
+    count = max((i for i, own in enumerate(is_own, start=1) if own), default=0)
+    return moving[:count] or [joint for joint in moving if joint.mimic is None]
+
+
+def _fingers(arm: ArmTree) -> set[str]:
+    """Returns the names of the joints of hands, whatever they are called.
+
+    A hand is a link from which two or more chains of joints branch, each with fewer joints than the
+    chain that leads to it.
+    """
+    deepest, branches = Counter[str](), Counter[str]()
+    for link in reversed([link for root in arm.roots for link in arm.below(root)]):
+        if (joint := arm.above.get(link)) is None:
+            continue
+        count = deepest[link] + (joint.kind != "fixed" and joint.mimic is None)
+        deepest[joint.parent] = max(deepest[joint.parent], count)
+        branches[joint.parent] += count > 0
+    hands = [
+        link
+        for link, count in branches.items()
+        if count > 1 and deepest[link] < len(arm.moving(link))
+    ]
+    return {arm.above[link].name for hand in hands for link in arm.below(hand) if link != hand}
 
 
 def _after(path: Sequence[ArmJoint], own: Sequence[ArmJoint]) -> list[ArmJoint]:
@@ -101,31 +134,40 @@ def _of_gripper(joint: ArmJoint) -> bool:
 
 def _guess(arm: ArmTree) -> tuple[str, str]:
     """Returns the link of the tool and the reason."""
-    counts = {}
+    counts, fingers = {}, _fingers(arm)
     for link in arm.links:
-        own = _joints(arm.path(link.name))
+        own = _joints(arm.path(link.name), fingers)
         beyond = [joint for joint in _after(arm.path(link.name), own) if joint.kind != "fixed"]
         counts[link.name] = 0 if beyond else len(own)
     most = max(counts.values())
     last = [name for name, count in counts.items() if count == most]
     tips = set(arm.tips())
-    markers = [name for name in last if name in tips and arm.link(name).mass <= FRAME_KG]
+    markers = [name for name in last if name in tips and _is_frame(arm, name)]
     for pattern in MARKERS:
         for name in markers:
             if pattern.search(name):
                 return name, "the frame with this name after the last joint"
     if len(markers) == 1:
-        return markers[0], "the only link without mass after the last joint"
+        return markers[0], "the only frame after the last joint"
     link = last[0]
     while len(below := [j.child for j in arm.joints if j.parent == link and j.child in last]) == 1:
         link = below[0]
     return link, LAST
 
 
-def _centre(arm: ArmTree, link: str) -> np.ndarray:
-    """Returns the centre of mass (3,) m of a link; its origin if it has no mass."""
-    inertial = arm.link(link).inertial
-    return np.array(inertial.origin.xyz) if inertial else np.zeros(3)
+def _is_frame(arm: ArmTree, name: str) -> bool:
+    """Returns True if a link marks a frame: it has no mass, in arms without masses no geometry."""
+    link = arm.link(name)
+    return link.mass <= FRAME_KG and bool(arm.mass or not (link.visuals or link.collisions))
+
+
+def _centre(arm: ArmTree, name: str) -> np.ndarray:
+    """Returns the centre of mass (3,) m of a link, or that of its geometry, or its origin."""
+    link = arm.link(name)
+    if link.inertial:
+        return np.array(link.inertial.origin.xyz)
+    points = bounding_points(link)
+    return (points.min(axis=0) + points.max(axis=0)) / 2 if len(points) else np.zeros(3)
 
 
 def _direction(arm: ArmTree, link: str, end: np.ndarray) -> np.ndarray:
@@ -137,18 +179,21 @@ def _direction(arm: ArmTree, link: str, end: np.ndarray) -> np.ndarray:
     Args:
         arm: The arm.
         link: Name of the tool's link.
-        end: (3,) m, the tool in the link's frame.
+        end: (3,) m, the tool in the link's frame; zero for a frame at the tool.
     """
     poses = arm.poses()
-    joints = _joints(arm.path(link))[::-1]
-    # Origins of the joints in the link's frame, all at zero.
+    joints = _joints(arm.path(link), _fingers(arm))[::-1]
+    # From the origins of the joints to the tool, in the link's frame, all at zero.
     X_ET = poses[link].inverse()
-    offsets = (end - X_ET.multiply(poses[joint.child].translation()) for joint in joints)
+    offsets = [end - X_ET.multiply(poses[joint.child].translation()) for joint in joints]
     axis = (X_ET @ poses[joints[0].child]).rotation() @ np.array(joints[0].axis)
     axis = axis / np.linalg.norm(axis)
     offset = next((d for d in offsets if np.linalg.norm(d) > SMALL_M), axis)
     direction = offset / np.linalg.norm(offset)
-    if abs(along := axis @ direction) > ALONG_AXIS:
+    if abs(axis @ direction) > ALONG_AXIS:
+        along = axis @ direction
+        if end.any() and len(offsets) > 1 and abs(axis @ offsets[1]) > SMALL_M:
+            along = axis @ offsets[1]  # The centre of mass of a short link can be behind its joint.
         direction = np.copysign(1.0, along) * axis
     is_along_axis = np.abs(direction).max() > ALIGNED
     return np.round(direction) + 0.0 if is_along_axis else direction

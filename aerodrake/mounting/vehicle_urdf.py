@@ -16,11 +16,10 @@ from aerodrake.mounting.elements import (
     filter_element,
     joint_element,
 )
+from aerodrake.mounting.names import MOUNT
 from aerodrake.mounting.sizing import Multirotor
 from aerodrake.mounting.tool import Tool
 
-MOUNT = "mount"
-"""Name of the fixed joint between base and arm."""
 XMLNS = "https://drake.mit.edu"
 
 

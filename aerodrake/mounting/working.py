@@ -107,7 +107,7 @@ class WorkingSearch:
         postures = [self._postures.at(q) for q in self._samples]
         values = np.array([self._singular_values(posture) for posture in postures])
         medians = np.median(values, axis=0)
-        if medians[0] < RANK * reach:
+        if medians[0] <= RANK * reach:
             raise BadInput(
                 "tool", "", "expected a tool that the joints move, got one on their axes"
             )
@@ -167,7 +167,7 @@ class WorkingSearch:
         return float(sum(term**2 for term in terms.values()))
 
     def _measured(self, q: np.ndarray, overlap: Overlap | None, cost: float) -> Working:
-        q = np.clip(np.round(q, 4), self._lower, self._upper)
+        q = np.clip(np.round(q, 4), self._lower, self._upper) + 0.0  # The sum has no -0.
         posture, effort = self._postures.at(q), self._postures.effort
         loads = np.abs(self._torques).max(axis=0) / effort
         weakest = int(np.argmax(loads))

@@ -63,7 +63,7 @@ def copy_inputs(scenario: Scenario, folder: Path) -> Scenario:
         home = next(h for h in itertools.chain([folder], homes) if not (h / file.name).exists())
         try:
             home.mkdir(exist_ok=True)
-            if file.suffix == SUFFIX:
+            if file.suffix.lower() == SUFFIX:
                 copy_urdf(file, home / file.name)
             else:
                 (home / file.name).write_bytes(read_bounded(file, MAX_BYTES))

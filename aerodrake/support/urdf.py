@@ -20,6 +20,11 @@ MAX_BYTES = 5_000_000
 
 MAX_DEPTH = 50
 
+XACRO = "xacro:"
+"""Beginning of the names of elements that the command `xacro` expands."""
+DEFINITIONS = ("xacro:arg", "xacro:property")
+"""Such elements that stand for nothing themselves; exporters leave them in expanded files."""
+
 
 def read_urdf(path: Path) -> Document:
     """Reads a URDF and makes the URIs of local meshes and textures absolute.
@@ -46,10 +51,10 @@ def read_document(path: Path) -> Document:
 
     Raises:
         BadInput: if the file cannot be read or does not end in `.urdf`; if its content is not a
-            URDF, has xacro macros, declares a document type (and so can have entities), or is
+            URDF, uses macros of xacro, declares a document type (and so can have entities), or is
             nested too deep.
     """
-    if path.suffix != SUFFIX:
+    if path.suffix.lower() != SUFFIX:
         raise BadInput(path, "", f"expected a URDF, whose name ends in {SUFFIX}{_advice(path)}")
     try:
         document = _UrdfBuilder().parseString(read_bounded(path, MAX_BYTES))
@@ -140,7 +145,7 @@ class _UrdfBuilder(expatbuilder.ExpatBuilder):
         self._depth += 1
         if self._depth > MAX_DEPTH:
             raise ExpatError(f"expected no more than {MAX_DEPTH} levels")
-        if name.startswith("xacro:"):
+        if name.startswith(XACRO) and name not in DEFINITIONS:
             raise ExpatError(f"expected no <{name}>; expand the macros with the command `xacro`")
         super().start_element_handler(name, attributes)
 

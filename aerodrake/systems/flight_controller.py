@@ -34,8 +34,8 @@ class FlightController(LeafSystem):
         out `acceleration` (6): modelled acceleration of the base from this command until
             the next, without disturbances: of its origin, m/s^2 in the world, and
             angular, rad/s^2 in the base frame.
-        out `specific_thrust` (1): m/s^2, modelled collective thrust over mass at the next
-            sample.
+        out `specific_thrust` (1): m/s^2, collective thrust over mass at the next sample, modelled
+            by rotors whose lag is the mean of rise and fall.
         out `reaction` (3): m/s^2, by which the arm's motion reduces the base's acceleration; zero
             unless `feedforward` is whole_body.
         out `disturbance` (6): estimated acceleration by other forces than thrust and gravity,
@@ -49,8 +49,8 @@ class FlightController(LeafSystem):
     State:
         a group for each field of `FlightState`: position observer (9), attitude
         observer (6), integral of the position error (3), desired attitude (9), its
-        filtered rate (3), modelled rotor thrust (k), acceleration (6), filtered q_d'' (n) and
-        measured position (3).
+        filtered rate (3), modelled rotor thrust (k), specific thrust (1), acceleration (6),
+        filtered q_d'' (n) and measured position (3).
         And a group for each other output. The observers start at the first sample, and move with
         a position that jumps.
     Rate:
@@ -58,8 +58,9 @@ class FlightController(LeafSystem):
 
     The observers receive the saturated thrust, which prevents windup. The attitude
     observer receives the modelled thrust of lagging rotors. The slower position observer
-    receives the commanded thrust: rotors that rise faster than they fall give more on average,
-    which it estimates as a disturbance.
+    receives the commanded thrust: if commands oscillate, rotors that rise faster than they fall
+    give more on average, which it estimates as a disturbance. `specific_thrust` therefore has the
+    mean of the command; otherwise the surplus would count twice in its sum with the disturbance.
 
     With `feedforward` torque, inverse dynamics give the torque of the arm's commanded motion, with
     its accelerations filtered by `FEEDFORWARD_FILTER_S`. With whole_body they are not filtered, and
@@ -93,7 +94,7 @@ class FlightController(LeafSystem):
         trim = allocate(self._inner.rotors, vehicle.trim_wrench)
         modelled = vehicle.trim_wrench[1:] * has_feedforward
         trim_h = self._inner.inverse_inertia @ (modelled - vehicle.trim_wrench[1:])
-        at_rest = FlightState.at_rest(vehicle.p_B, trim_h, trim, vehicle.joints)
+        at_rest = FlightState.at_rest(vehicle.p_B, trim_h, trim, vehicle.mass, vehicle.joints)
         self.trim_acceleration = at_rest.acceleration
 
         self._state = self.DeclareVectorInputPort("state", VehicleState.size(vehicle.joints))
@@ -105,12 +106,12 @@ class FlightController(LeafSystem):
             FlightOutputs(
                 thrust_command=trim,
                 reaction=np.zeros(3),
-                specific_thrust=trim.sum() / vehicle.mass,
                 disturbance=np.concatenate([np.zeros(3), trim_h]),
                 saturated=False,
             ),
         )
-        self.DeclareStateOutputPort("acceleration", self._loops.groups["acceleration"])
+        for name in ("acceleration", "specific_thrust"):
+            self.DeclareStateOutputPort(name, self._loops.groups[name])
         for name, group in self._outputs.groups.items():
             self.DeclareStateOutputPort(name, group)
         self.DeclarePeriodicDiscreteUpdateEvent(period, offset, self._update)

@@ -28,3 +28,15 @@ def test_constants_are_not_the_least_damped(growth):
     constant = replace(mode(growth, 0.0, ("sensors", 1.0)), is_stable=True)
     both = replace(point(-2.0), modes=(constant, *point(-2.0).modes))
     assert both.least_damped[0].participants[0].name == "roll"
+
+
+def test_a_motion_is_named_once():
+    alone = replace(point(5.0), modes=(mode(5.0, 9.6, ("roll", 0.4), ("mpc", 0.1)),))
+    assert alone.sentence == "unstable in hover: roll at 9.6 Hz grows by 5.0 1/s"
+
+
+def test_the_fastest_growing_mode_is_the_first():
+    """A growth without oscillation has a damping ratio of -1."""
+    slow, fast = mode(0.7, 0.0, ("x", 1.0)), mode(4.0, 3.8, ("pitch", 1.0))
+    both = replace(point(5.0), modes=(fast, slow))
+    assert both.least_damped == (fast, slow) and "3.8 Hz grows by 4.0 1/s" in both.sentence

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from aerodrake.analysis import analyze
+from aerodrake.analysis import instability
 from aerodrake.analysis.instability import hover_instability
 from aerodrake.scenario import Push, Scenario
 from tests.analyses import point
@@ -24,7 +24,7 @@ def analysed(monkeypatch):
             raise growth[0]
         return point(growth[0])
 
-    monkeypatch.setattr(analyze, "analyze_hover", analyze_hover)
+    monkeypatch.setattr(instability, "analyze_hover", analyze_hover)
     return growth, scenarios
 
 
@@ -42,7 +42,7 @@ def test_a_stable_hover_explains_nothing(analysed):
 
 def test_a_command_at_its_limit_is_a_cause_of_its_own(monkeypatch):
     hover = replace(point(5.0), saturated=("elbow",))
-    monkeypatch.setattr(analyze, "analyze_hover", lambda _: hover)
+    monkeypatch.setattr(instability, "analyze_hover", lambda _: hover)
     assert hover_instability(Scenario(), LOST) is None
 
 

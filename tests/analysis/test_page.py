@@ -45,3 +45,9 @@ def test_each_subject_has_a_picture(desktop):
         "Sensor noise over frequency",
         "Along the path",
     ]
+
+
+def test_responses_of_an_unstable_loop_are_not_drawn(scenario):
+    page = analysis_page(made(5.0), scenario, "", "")
+    assert "Growth and frequency" in page and "since they grow without bound" in page
+    assert "Step of the force" not in page and "over frequency" not in page

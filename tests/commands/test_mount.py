@@ -52,7 +52,7 @@ def test_a_mounted_arm_hovers(arm, tmp_path, capsys, monkeypatch):
         (["--scale", "1", "500"], "got one of 400 kg; mount a part of it with --root, or scale it"),
         (
             ["--base-mass", "9", "--max-thrust", "20"],
-            "--max_thrust: expected rotors that hover with",
+            "--max-thrust: expected rotors that hover with",
         ),
         (["--rotors", "5"], "--rotors: expected an even number, got 5"),
         (["--max-thrust", "0"], "argument --max-thrust: expected a number in [0.1, 1000]"),

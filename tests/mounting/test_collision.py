@@ -5,7 +5,8 @@ import pytest
 import trimesh
 
 from aerodrake.mounting.arm import ArmLink, ArmTree, Geometry, Pose
-from aerodrake.mounting.collision import box_links, corners
+from aerodrake.mounting.collision import box_links, check_meshes, corners
+from aerodrake.support.errors import BadInput
 
 
 def boxed(*collisions: Geometry, visuals: tuple[Geometry, ...] = ()) -> tuple[Geometry, ...]:
@@ -50,6 +51,18 @@ def test_a_mesh_counts_with_scale_and_place(tmp_path):
 def test_links_without_geometry_or_readable_mesh_have_none(tmp_path):
     (tmp_path / "a.stl").write_text("")
     assert boxed() == boxed(Geometry(Pose(), "mesh", (1, 1, 1), tmp_path / "a.stl")) == ()
+
+
+def test_a_mesh_in_mm_is_refused(tmp_path):
+    trimesh.creation.box((30, 40, 150)).export(tmp_path / "a.stl")
+    for scale in (1.0, 0.001):
+        mesh = Geometry(Pose(), "mesh", (scale, scale, scale), tmp_path / "a.stl")
+        arm = ArmTree("arm", (ArmLink("a", visuals=(mesh,)),), ())
+        if scale == 1:
+            with pytest.raises(BadInput, match="link a: expected meshes .* got a.stl of 150 m"):
+                check_meshes(arm)
+        else:
+            assert check_meshes(arm).arm is arm
 
 
 def test_a_flat_mesh_has_a_thin_box(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from pydrake.multibody.tree import SpatialInertia
 
-from aerodrake.mounting.arm import ArmLink, ArmTree, Geometry, Inertial, Pose
+from aerodrake.mounting.arm import ArmJoint, ArmLink, ArmTree, Geometry, Inertial, Pose
 from aerodrake.mounting.hulls import estimate_masses
 
 BOX = Geometry(Pose((1, 2, 3), (0, 0, math.pi / 2)), "box", (0.1, 0.2, 0.4))
@@ -15,7 +15,7 @@ BOX = Geometry(Pose((1, 2, 3), (0, 0, math.pi / 2)), "box", (0.1, 0.2, 0.4))
 
 def inertial(*geometries: Geometry) -> Inertial | None:
     """Returns the estimated inertial of a link with collision geometry."""
-    arm = ArmTree("arm", (ArmLink("a", None, (), geometries),), ())
+    arm = ArmTree("arm", (ArmLink("a", collisions=geometries),), ())
     return estimate_masses(arm).arm.links[0].inertial
 
 
@@ -62,7 +62,15 @@ def test_links_without_volume_have_no_mass(tmp_path):
     assert inertial() is inertial(flat) is None
 
 
-def test_visuals_count_without_collision_geometry_and_arms_with_masses_are_kept():
+def test_a_link_for_collisions_alone_counts_unless_it_is_fixed_to_a_visible_one():
+    """As in the URDFs of Franka."""
+    links = ArmLink("a", visuals=(BOX,), collisions=(BOX,)), ArmLink("a_sc", collisions=(BOX, BOX))
+    for kind, mass in (("fixed", 8), ("revolute", 8 + 16)):
+        arm = ArmTree("arm", links, (ArmJoint("j", kind, "a", "a_sc"),))
+        assert estimate_masses(arm).arm.mass == pytest.approx(mass)
+
+
+def test_visuals_count_and_arms_with_masses_are_kept():
     link = ArmLink("a", visuals=(BOX,))
     arm = ArmTree("arm", (link, ArmLink("b")), ())
     estimated, (sentence,) = estimate_masses(arm)

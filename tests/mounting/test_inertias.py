@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.multibody.tree import RotationalInertia
 
+from aerodrake.mounting.arm import ArmLink, ArmTree, Geometry, Inertial, Pose
 from aerodrake.mounting.inertias import correct_inertias, physical
 from aerodrake.support.errors import BadInput
 from tests.arm_urdfs import joint, link, read, robot
@@ -57,6 +58,19 @@ def test_links_without_mass_or_inertia(tmp_path):
         "an <inertial> without mass is removed: c",
         "moving links with no mass from there on get 0.02 kg, 1% of the arm's mass: c",
     )
+
+
+def test_a_placeholder_becomes_the_inertia_of_a_box():
+    box = Geometry(Pose((0, 0, 0.1)), "box", (0.03, 0.04, 0.2))
+    for moment, is_kept in ((1.0, False), (0.01, True)):
+        given = Inertial(Pose((0, 0, 0.1)), 0.12, (moment, moment, moment, 0.0, 0.0, 0.0))
+        arm = ArmTree("arm", (ArmLink("a", given, (box,)), ArmLink("b", given)), ())
+        corrected, changes = correct_inertias(arm)
+        assert corrected.link("b").inertial == given and is_kept == (not changes)
+        expected = [0.0416, 0.0409, 0.0025] if not is_kept else [1, 1, 1]
+        factor = 0.01 if not is_kept else moment
+        moments = corrected.link("a").inertial.moments
+        assert moments[:3] == pytest.approx(factor * np.array(expected), rel=1e-3)
 
 
 def test_a_link_without_mass_between_others_stays_so(tmp_path):

@@ -10,7 +10,7 @@ from pydrake.math import RollPitchYaw
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.mounting.folder import write_vehicle
 from aerodrake.mounting.request import Request
-from aerodrake.mounting.sizing import Given
+from aerodrake.mounting.sizing import Given, Multirotor
 from aerodrake.scenario.load import load_scenario
 from aerodrake.support.errors import BadInput
 from tests.serial_arms import serial_arm
@@ -69,6 +69,20 @@ def test_given_choices_are_followed(request_, tmp_path):
     assert X.translation() == pytest.approx([0.1, 0, -0.2])
     expected = RollPitchYaw(np.pi, 0, 0.5).ToRotationMatrix()
     assert X.rotation().matrix() == pytest.approx(expected.matrix(), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("mass", "advice"),
+    [(1e-3, "got one of 0.001 kg; scale it"), (900, "900 kg; mount a part of it with --root, or")],
+)
+def test_an_arm_for_no_rotors_is_refused(mass, advice, request_, tmp_path):
+    """The factor of the advice gives masses that rotors can carry."""
+    heavy = replace(request_, scale=(1.0, mass))
+    with pytest.raises(BadInput, match="for . rotors of 0.1 to 1000 N each") as caught:
+        write_vehicle(heavy, tmp_path / "out")
+    assert advice in str(caught.value)
+    kg = float(str(caught.value).split()[-1]) ** 3
+    assert 0.1 < 0.9 * Multirotor.for_arm(kg, 0.5, Given()).max_thrust < 900
 
 
 def test_a_refused_arm_leaves_nothing(tmp_path):

@@ -47,6 +47,12 @@ def test_joints_may_have_names_of_links():
     assert rename(chain("a", "base")).arm.joints[0].name == "base"
 
 
+def test_a_joint_may_not_have_the_name_of_the_mount():
+    arm = rename(chain("mount", "mount_2", "mount")).arm
+    assert [joint.name for joint in arm.joints] == ["mount_2", "arm_mount"]
+    assert arm.links[0].name == "mount"
+
+
 def test_joints_may_not_look_like_rotors():
     """Drake makes frames with the names of joints."""
     assert rename(chain("a", "rotor_1")).arm.joints[0].name == "arm_rotor_1"

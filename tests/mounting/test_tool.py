@@ -1,5 +1,7 @@
 """Guess of an arm's tool and of the direction in which it points."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -24,6 +26,13 @@ def tool(end: str, folder, wanted: str = "", axes: str = "zxx") -> Tool:
         (frame_link("left_finger", "link_3", joint="prismatic"), "link_3"),
         (frame_link("wrist_roll_hand", "link_3", joint="revolute"), "wrist_roll_hand"),
         (frame_link("hand_index_flex_1", "link_3", joint="revolute"), "link_3"),
+        (frame_link("gripper_controller", "link_3", joint="revolute"), "link_3"),
+        (
+            frame_link("pad_1", "link_3", joint="revolute")
+            + frame_link("pad_2", "link_3", joint="revolute")
+            + frame_link("pad_3", "pad_2", joint="revolute"),
+            "link_3",
+        ),
         ("", "link_3"),
     ],
 )
@@ -62,6 +71,34 @@ def test_the_direction(xyz, axes, direction, tmp_path):
 def test_a_tool_on_the_axis_of_the_last_joint_points_away_from_the_joint_before(tmp_path):
     guessed = tool(frame_link("eef", "link_3", "0 0 0"), tmp_path, axes="zxz")
     assert guessed.direction == pytest.approx([0, 0, 1])
+
+
+def test_a_short_last_link_points_away_from_the_joint_before(tmp_path):
+    """Its centre of mass is behind its joint, as that of a flange."""
+    end = '<link name="flange"><inertial><origin xyz="0 0 -0.02"/><mass value="0.1"/></inertial>'
+    end += '</link><joint name="j" type="revolute"><parent link="link_2"/><child link="flange"/>'
+    end += '<origin xyz="0 0 0.12"/><axis xyz="0 0 1"/></joint>'
+    guessed = tool(end, tmp_path, axes="xx")
+    assert guessed.link == "flange" and guessed.direction == pytest.approx([0, 0, 1])
+    assert not guessed.position.any()
+
+
+def test_arms_without_masses_end_at_a_frame_or_at_the_end_of_the_geometry(tmp_path):
+    bare = re.sub("<inertial>.*?</inertial>", "", serial_arm("zxz"), flags=re.DOTALL)
+    guessed = Tool.of(read(bare, tmp_path).arm)
+    assert guessed.link == "link_3" and guessed.position == pytest.approx([0, 0, 0.12])
+    frame = bare.replace("</robot>", frame_link("eighth", "link_3") + "</robot>")
+    assert Tool.of(read(frame, tmp_path).arm).link == "eighth"
+
+
+def test_other_trees_of_links_do_not_matter(tmp_path):
+    text = serial_arm("zxx").replace("<link ", '<link name="floor"/><link ', 1)
+    assert Tool.of(read(text, tmp_path).arm).link == "link_3"
+
+
+def test_an_arm_without_revolute_joints(tmp_path):
+    with pytest.raises(BadInput, match="^expected revolute joints, got none"):
+        Tool.of(read(serial_arm("xx", kind="prismatic"), tmp_path).arm)
 
 
 def test_a_given_link_is_the_tool(tmp_path):

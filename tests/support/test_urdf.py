@@ -64,7 +64,6 @@ def test_a_pipe_is_refused(tmp_path):
     [
         ("robot.sdf", "robot.sdf: expected a URDF, .*; other formats have to be converted"),
         ("robot.urdf.xacro", "expand it with `xacro robot.urdf.xacro > robot.urdf`"),
-        ("robot.URDF", "whose name ends in .urdf$"),
         ("robot", "whose name ends in .urdf$"),
     ],
 )
@@ -72,6 +71,12 @@ def test_other_endings_are_refused(name, problem, tmp_path):
     (tmp_path / name).write_text("<robot/>")
     with pytest.raises(BadInput, match=problem):
         read_urdf(tmp_path / name)
+
+
+def test_capitals_of_the_ending_and_unused_definitions_of_xacro_do_not_matter(tmp_path):
+    path = tmp_path / "ROBOT.URDF"
+    path.write_text('<robot><xacro:property name="w" value="1"/><xacro:arg name="x"/></robot>')
+    assert read_urdf(path).documentElement.tagName == "robot"
 
 
 def test_meshes_and_textures_are_copied_and_other_elements_are_not_read(tmp_path):

@@ -21,6 +21,8 @@ class FlightState(NamedTuple):
         R_d: (3, 3) desired attitude.
         omega_d: (3,) rad/s, filtered rate of R_d in its own frame.
         rotor_thrust: (k,) N, modelled at the next sample.
+        specific_thrust: m/s^2, collective thrust over mass at the next sample, modelled by
+            rotors with one lag, the mean of rise and fall.
         acceleration: (6,) of the base until the next sample, modelled without disturbances:
             m/s^2 in the world and rad/s^2 in the base frame.
         joint_acceleration: (n,) rad/s^2, filtered q_d'' of the feedforward `torque`.
@@ -33,18 +35,22 @@ class FlightState(NamedTuple):
     R_d: np.ndarray
     omega_d: np.ndarray
     rotor_thrust: np.ndarray
+    specific_thrust: float
     acceleration: np.ndarray
     joint_acceleration: np.ndarray
     p_B: np.ndarray
 
     @classmethod
-    def at_rest(cls, p_B: np.ndarray, h_omega: np.ndarray, thrust: np.ndarray, joints: int) -> Self:
+    def at_rest(
+        cls, p_B: np.ndarray, h_omega: np.ndarray, thrust: np.ndarray, mass: float, joints: int
+    ) -> Self:
         """Returns the state in which the base is at rest, and level, at p_B.
 
         Args:
             p_B: (3,) m.
             h_omega: (3,) rad/s^2, disturbance that the modelled acceleration compensates.
             thrust: (k,) N, of the rotors.
+            mass: kg.
             joints: Number of joints.
         """
         zero = np.zeros(3)
@@ -55,6 +61,7 @@ class FlightState(NamedTuple):
             R_d=np.eye(3),
             omega_d=zero,
             rotor_thrust=thrust,
+            specific_thrust=thrust.sum() / mass,
             acceleration=np.concatenate([zero, -h_omega]),
             joint_acceleration=np.zeros(joints),
             p_B=np.full(3, np.nan),
@@ -84,18 +91,16 @@ class FlightState(NamedTuple):
 
 
 class FlightOutputs(NamedTuple):
-    """Outputs of the flight controller, as in its ports, beside `FlightState.acceleration`.
+    """Outputs of the flight controller, as in its ports, beside those of `FlightState`.
 
     Attributes:
         thrust_command: (k,) N.
         reaction: (3,) m/s^2.
-        specific_thrust: m/s^2.
         disturbance: (6,) m/s^2 and rad/s^2.
         saturated: True if the command is less than the control laws demand.
     """
 
     thrust_command: np.ndarray
     reaction: np.ndarray
-    specific_thrust: float
     disturbance: np.ndarray
     saturated: bool

@@ -1,5 +1,6 @@
 """Inner loop of the flight controller: from a desired acceleration to rotor thrusts."""
 
+import math
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -34,6 +35,8 @@ class InnerLoop(NamedTuple):
         eso: Attitude observer.
         rotors: Allocation of a wrench to the rotors.
         lag: Lag of the rotors' thrust.
+        decay: Factor on collective thrust's deviation from its command over a period, with the mean
+            lag.
         mass: kg, base and arm.
         inertia: (3, 3) kg m^2, base and arm.
         inverse_inertia: (3, 3).
@@ -45,6 +48,7 @@ class InnerLoop(NamedTuple):
     eso: ExtendedStateObserver
     rotors: ThrustAllocation
     lag: RotorLag
+    decay: float
     mass: float
     inertia: np.ndarray
     inverse_inertia: np.ndarray
@@ -63,6 +67,7 @@ class InnerLoop(NamedTuple):
             eso=ExtendedStateObserver.make(1, config.attitude_eso_rad_s, period),
             rotors=ThrustAllocation.make(vehicle, rotor),
             lag=RotorLag(rotor.lag_up_s, rotor.lag_down_s, period),
+            decay=math.exp(-2 * period / (rotor.lag_up_s + rotor.lag_down_s)),
             mass=vehicle.mass,
             inertia=np.ascontiguousarray(vehicle.inertia),
             inverse_inertia=np.linalg.inv(vehicle.inertia),
@@ -113,9 +118,11 @@ def inner_loop(
     saturated = not np.abs(missing).max() <= SATURATION_TOLERANCE
     thrust, mean = advance(loop.lag, last.rotor_thrust, command)
     mean_wrench = loop.rotors.mixer @ mean
+    commanded = allocated[0] / loop.mass
+    specific = commanded + (last.specific_thrust - commanded) * loop.decay
 
     halfway = z_B + cross(omega_W, z_B) * (loop.lag.dt / 2)
-    linear = halfway * (allocated[0] / loop.mass) - GRAVITY * UP - reaction
+    linear = halfway * commanded - GRAVITY * UP - reaction
     angular = loop.inverse_inertia @ (mean_wrench[1:] - torque)
     now = FlightState(
         position.observer,
@@ -124,9 +131,10 @@ def inner_loop(
         R_d,
         omega_d,
         thrust,
+        specific,
         np.concatenate((linear, angular)),
         last.joint_acceleration,
         last.p_B,
     )
     disturbance = np.concatenate((position.observer[-1] - reaction, observer[-1]))
-    return now, FlightOutputs(command, reaction, thrust.sum() / loop.mass, disturbance, saturated)
+    return now, FlightOutputs(command, reaction, disturbance, saturated)

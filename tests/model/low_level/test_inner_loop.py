@@ -23,7 +23,7 @@ def inner(scenario, vehicle) -> InnerLoop:
 @pytest.fixture(scope="module")
 def last(vehicle) -> FlightState:
     thrust = np.full(4, vehicle.mass * GRAVITY / 4)
-    return FlightState.at_rest(vehicle.p_B, np.zeros(3), thrust, vehicle.joints)
+    return FlightState.at_rest(vehicle.p_B, np.zeros(3), thrust, vehicle.mass, vehicle.joints)
 
 
 def position_command(u_v: np.ndarray, a_B: np.ndarray, integral=(0.0, 0.0, 0.0)) -> PositionCommand:
@@ -53,19 +53,36 @@ def test_the_modelled_acceleration_solves_the_equations_of_the_rotors_lag(
         tau = np.where(command > thrust, rotor.lag_up_s, rotor.lag_down_s)
         torque = (mixer @ thrust)[1:] - np.cross(state.omega_W, vehicle.inertia @ state.omega_W)
         lift = Rotation.from_rotvec(t * state.omega_W).as_matrix()[:, 2] * command.sum()
+        mean_lag = (rotor.lag_up_s + rotor.lag_down_s) / 2
         return np.concatenate(
             [
                 (command - thrust) / tau,
                 lift / vehicle.mass - [0, 0, GRAVITY],
                 np.linalg.solve(vehicle.inertia, torque),
+                [(command.sum() / vehicle.mass - y[10]) / mean_lag],
             ]
         )
 
     end = solve_ivp(
-        slope, (0, PERIOD), [*last.rotor_thrust, *np.zeros(6)], rtol=1e-10, atol=1e-12
+        slope, (0, PERIOD), [*last.rotor_thrust, *np.zeros(6), GRAVITY], rtol=1e-10, atol=1e-12
     ).y[:, -1]
-    assert outputs.specific_thrust == pytest.approx(end[:4].sum() / vehicle.mass, abs=1e-7)
-    np.testing.assert_allclose(now.acceleration, end[4:] / PERIOD, atol=1e-4)
+    assert now.specific_thrust == pytest.approx(end[10], abs=1e-9)
+    np.testing.assert_allclose(now.rotor_thrust, end[:4], atol=1e-6)
+    np.testing.assert_allclose(now.acceleration, end[4:10] / PERIOD, atol=1e-4)
+
+
+def test_unequal_lags_do_not_change_the_mean_of_the_specific_thrust(vehicle, inner, last):
+    """Rotors with an alternating command give more thrust than commanded, by their model."""
+    position = position_command(np.zeros(3), np.zeros(3))
+    weight = vehicle.mass * GRAVITY
+    now, excess = last, []
+    for k in range(200):
+        effort = np.array([(-1) ** k * 0.2, 0, 0, 0, 0, weight])
+        now, outputs = inner_loop(inner, now, vehicle.trim_state, position, effort)
+        assert outputs.thrust_command.sum() == pytest.approx(weight)
+        assert now.specific_thrust == pytest.approx(GRAVITY, abs=1e-9)
+        excess.append(now.rotor_thrust.sum() - weight)
+    assert min(excess[-2:]) > 0.02
 
 
 @pytest.mark.parametrize(("climb", "expected"), [(0.5, False), (100.0, True)])

@@ -20,7 +20,7 @@ def outer(scenario, vehicle) -> OuterLoop:
 @pytest.fixture(scope="module")
 def last(vehicle) -> FlightState:
     thrust = np.full(4, vehicle.mass * GRAVITY / 4)
-    return FlightState.at_rest(vehicle.p_B, np.zeros(3), thrust, vehicle.joints)
+    return FlightState.at_rest(vehicle.p_B, np.zeros(3), thrust, vehicle.mass, vehicle.joints)
 
 
 @given(setpoint=setpoints)
