@@ -1,9 +1,9 @@
 """Top-level wiring of the station and of the closed loop.
 
-The *station* is what real hardware replaces: plant, rotors, wind, sensors and low-level
-controllers. The *coordinator* is what runs on a companion computer: reference, weight allocator,
-residual estimator, MPC, setpoint integrator and supervisor. The closed loop connects the two
-by the signals in `STATION_INTERFACE` and `SETPOINTS`. The coordinator is wired in
+The *station* is what real hardware replaces: physics (rotors, plant and wind), sensors and
+low-level controllers. The *coordinator* is what runs on a companion computer: reference, weight
+allocator, residual estimator, MPC, setpoint integrator and supervisor. The closed loop connects
+the two by the signals in `STATION_INTERFACE` and `SETPOINTS`. The coordinator is wired in
 `aerodrake.coordinator`, each sub-diagram in a module of `aerodrake.wiring`.
 
 `RATES` lists the periodic events of both. The sensors run a quarter of a plant step before each
@@ -21,6 +21,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPo
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
 from aerodrake.coordinator import make_coordinator
+from aerodrake.model.low_level.thrust_allocation import trim_thrust
 from aerodrake.model.supervision.rotor_monitor import RotorMonitor
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
@@ -30,11 +31,10 @@ from aerodrake.systems.faults.actuators import make_joint_faults, make_pushes
 from aerodrake.systems.flight_controller import FlightController
 from aerodrake.systems.joint_motors import make_joint_motors
 from aerodrake.systems.rotor_monitor import RotorMonitorSystem
-from aerodrake.wiring.physics import add_physics
+from aerodrake.wiring.physics import make_physics
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.sensors import make_sensors
 from aerodrake.wiring.table import Rate, Wiring, outputs, shared_input
-from aerodrake.wiring.wind import make_wind
 
 RATES = (
     Rate(("plant", "rotors", "base_delay"), "plant_step_s"),
@@ -47,16 +47,15 @@ RATES = (
     Rate(("arm_controller",), "arm_period_s", offset_steps=1 / 2),
 )
 """Periodic updates of all systems; values are in the section `rates` of a scenario, for example
-`mpc_period_s`, 20 ms by default. In still air the wind has no updates; sample faults update with
-`sensor_period_s`."""
+`mpc_period_s`, 20 ms by default. The row of the plant is that of the system in it that has its
+state. In still air the wind has no updates; sample faults update with `sensor_period_s`."""
 
 WIRING = Wiring(
     connections=(
-        ("flight_controller", "thrust_command", "rotors", "u0"),
-        ("arm_controller", "joint_torque", "plant", "actuation"),
-        ("wind", "generalized_force", "plant", "applied_generalized_force"),
-        ("plant", "state", "wind", "true_state"),
-        ("plant", "state", "sensors", "true_state"),
+        ("flight_controller", "thrust_command", "physics", "thrust_command"),
+        ("arm_controller", "joint_torque", "physics", "joint_torque"),
+        ("pushes", "y0", "physics", "external_force"),
+        ("physics", "true_state", "sensors", "true_state"),
         ("flight_controller", "acceleration", "sensors", "acceleration"),
         ("flight_controller", "reaction", "sensors", "reaction"),
         ("sensors", "state", "flight_controller", "state"),
@@ -76,7 +75,8 @@ WIRING = Wiring(
         *outputs("flight_controller", "thrust_command", "specific_thrust"),
         *outputs("flight_controller", "disturbance", "saturated"),
         *outputs("rotor_monitor", "rotor_effectiveness"),
-        *outputs("wind", "wind_force"),
+        *outputs("physics", "true_state", "thrust", "body_poses"),
+        *outputs("physics", "wind_velocity", "wind_force"),
     ),
 )
 
@@ -109,15 +109,15 @@ def make_station(
     replacements: Replacements | None = None,
     vehicle: VehicleModel | None = None,
 ) -> Diagram:
-    """Makes the station: plant, rotors, wind, sensors, and flight and arm controllers.
+    """Makes the station: physics, sensors, and flight and arm controllers.
 
     Inputs: `base_setpoint` (9), `joint_setpoint` (3 n).
     Outputs: `sample` and its filtered form `state` (13 + 2 n each), `external_acceleration` (3),
     `sample_health` (6), `joint_oscillation` (n) and `position_offset` (3); `true_state`
     (13 + 2 n); `thrust` (k) N and `joint_torque` (n) N m, as they act; `torque_at_limit` (n), of
     the arm controller; `thrust_command` (k) N, `specific_thrust` (1), `disturbance` (6) and
-    `saturated` (1), of the flight controller; `rotor_effectiveness` (k); `wind_force` (3) N, in
-    the world; `query_object`.
+    `saturated` (1), of the flight controller; `rotor_effectiveness` (k); `body_poses`
+    (abstract), `wind_velocity` (3) m/s and `wind_force` (3) N, of the physics.
     Samples and states are `VehicleState`s, whose parts `split_state` names.
 
     Args:
@@ -132,10 +132,8 @@ def make_station(
     vehicle = vehicle or VehicleModel.load(scenario)
     replacements = replacements or Replacements()
     builder, offset = replacements.builder(), rates.plant_step_s / 2
-    trim_thrust, wiring = add_physics(builder, scenario, vehicle)
-    builder.AddSystem(
-        make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s, replacements.part())
-    )
+    builder.AddSystem(make_physics(scenario, vehicle, replacements.part()))
+    builder.AddNamedSystem("pushes", make_pushes(scenario, vehicle.joints))
     flight_controller = FlightController(
         scenario.flight, rotor, vehicle, rates.flight_period_s, offset
     )
@@ -148,20 +146,20 @@ def make_station(
     arm_controller = ArmController(scenario.arm, vehicle, rates.arm_period_s, offset)
     builder.AddNamedSystem("arm_controller", arm_controller)
     monitor = RotorMonitor.make(
-        vehicle, rotor, trim_thrust, scenario.filter.delay_s, rates.sensor_period_s
+        vehicle,
+        rotor,
+        trim_thrust(vehicle, rotor),
+        scenario.filter.delay_s,
+        rates.sensor_period_s,
     )
     builder.AddNamedSystem("rotor_monitor", RotorMonitorSystem(monitor, vehicle))
-    wiring += WIRING
+    wiring = WIRING
     if (motors := make_joint_motors(scenario.mismatch, vehicle)) is not None:
         builder.AddNamedSystem("joint_motors", motors)
         wiring = wiring.insert("joint_motors", ("arm_controller", "joint_torque"))
-    for name, fault, source in (
-        ("joint_faults", make_joint_faults, ("arm_controller", "joint_torque")),
-        ("pushes", make_pushes, ("wind", "generalized_force")),
-    ):
-        if (system := fault(scenario, vehicle.joints)) is not None:
-            builder.AddNamedSystem(name, system)
-            wiring = wiring.insert(name, source)
+    if (joint_faults := make_joint_faults(scenario, vehicle.joints)) is not None:
+        builder.AddNamedSystem("joint_faults", joint_faults)
+        wiring = wiring.insert("joint_faults", ("arm_controller", "joint_torque"))
     return wiring.build(builder, "station")
 
 

@@ -3,8 +3,9 @@
 import numpy as np
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context
+from pydrake.systems.framework import Context, Diagram
 
+from aerodrake.gallery.graph import systems_by_name
 from aerodrake.model.vehicle.robot import RobotDescription, add_payload, add_robot
 from aerodrake.scenario import Mismatch
 
@@ -18,6 +19,11 @@ def make_plant(
     add_payload(plant, payload_kg)
     plant.Finalize()
     return plant
+
+
+def multibody_plant(diagram: Diagram) -> MultibodyPlant:
+    """Returns Drake's plant in a diagram, at any depth."""
+    return systems_by_name(diagram)["multibody_plant"]
 
 
 def at(plant: MultibodyPlant, state: np.ndarray) -> Context:

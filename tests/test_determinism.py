@@ -14,6 +14,7 @@ from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.scenario import Clover, Mismatch, Mpc, Payload, Residual, Scenario, Sensors, Wind
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.threads import single_thread
+from tests.robots import multibody_plant
 
 
 def noisy(seed: int = 7) -> Scenario:
@@ -119,7 +120,7 @@ def numbers(diagram, context) -> np.ndarray:
     groups = context.get_discrete_state()
     state = [groups.value(i) for i in range(groups.num_groups())]
     ports = map(diagram.get_output_port, range(diagram.num_output_ports()))
-    outputs = [p.Eval(context) for p in ports if p.get_name() != "query_object"]
+    outputs = [p.Eval(context) for p in ports if p.get_name() != "body_poses"]
     return np.concatenate([np.ravel(value) for value in (*state, *outputs)])
 
 
@@ -144,7 +145,7 @@ def test_a_clone_is_independent(closed_loop, context):
     assert context.get_time() == 0.405
 
     # A change of one context does not change another.
-    plant = closed_loop.GetSubsystemByName("station").GetSubsystemByName("plant")
+    plant = multibody_plant(closed_loop)
     pushed = plant.GetMyMutableContextFromRoot(third)
     plant.SetPositions(pushed, plant.GetPositions(pushed) + 0.01 * (np.arange(13) == 4))
     assert np.any(advance(closed_loop, third, 0.6) != ahead)

@@ -11,6 +11,7 @@ from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import SampleFrozen, SampleNan, SampleStale
 from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
+from tests.robots import multibody_plant
 
 SETTLE_S = 3.5
 
@@ -22,7 +23,7 @@ class Flight:
         scenario = replace(load_scenario(name), faults=faults, settle_s=SETTLE_S)
         self.loop = make_closed_loop(scenario)
         self.context = make_context(self.loop, 0)
-        plant = self.loop.GetSubsystemByName("station").GetSubsystemByName("plant")
+        plant = multibody_plant(self.loop)
         own = plant.GetMyMutableContextFromRoot(self.context)
         q = plant.GetPositions(own).copy()
         self.start = self.true_p_B

@@ -13,6 +13,7 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Clover, JointDegraded, Push, RotorDegraded, Scenario
 from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
+from tests.robots import multibody_plant
 
 SETTLE_S, FAULT_S = 0.3, 0.5
 """s, settling time, and reference time of the fault, at which the clover has begun."""
@@ -121,7 +122,7 @@ def test_it_lands_on_its_feet(name, rest_s):
     diagram = make_open_loop(scenario, base, joints)
     context = make_context(diagram, scenario.seed)
     simulator, arm, feet = Simulator(diagram, context), [], []
-    plant = diagram.GetSubsystemByName("station").GetSubsystemByName("plant")
+    plant = multibody_plant(diagram)
     touching = plant.get_contact_results_output_port()
     for k in range(1, round((down_s + rest_s) / 0.02)):
         simulator.AdvanceTo(k * 0.02)

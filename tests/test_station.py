@@ -10,6 +10,7 @@ from aerodrake.model.supervision.conditions import conditions
 from aerodrake.model.vehicle.kinematics import Kinematics
 from aerodrake.scenario import Mpc, Supervisor
 from aerodrake.station import make_closed_loop, make_context, make_coordinator, make_station
+from tests.robots import multibody_plant
 from tests.trim import hovering
 
 N, JOINTS, ROTORS = 15, 6, 4
@@ -34,7 +35,8 @@ STATION_OUTPUTS = {
     "saturated": 1,
     "rotor_effectiveness": ROTORS,
     "wind_force": 3,
-    "query_object": 0,
+    "wind_velocity": 3,
+    "body_poses": 0,
 }
 SETPOINTS = {"base_setpoint": 9, "joint_setpoint": 3 * JOINTS}
 COORDINATOR_OUTPUTS = SETPOINTS | {
@@ -159,7 +161,7 @@ def test_the_vehicle_is_lifted_by_the_thrust_of_lagging_rotors(station, vehicle)
     station.GetInputPort("base_setpoint").FixValue(context, base)
     station.GetInputPort("joint_setpoint").FixValue(context, joints)
     simulator = Simulator(station, context)
-    plant = station.GetSubsystemByName("plant")
+    plant = multibody_plant(station)
     plant_context = plant.GetMyContextFromRoot(context)
 
     def total(port):

@@ -18,6 +18,7 @@ from aerodrake.systems.setpoint_integrator import SetpointIntegrator
 from aerodrake.systems.weight_allocator import WeightAllocator
 from aerodrake.systems.wind_force import WindForce
 from aerodrake.wiring.table import Rate
+from tests.robots import multibody_plant
 
 UPDATES = {
     FlightController: "_update",
@@ -71,7 +72,7 @@ class Recorder:
 def make_moving(scenario) -> Recorder:
     """Returns a closed loop in motion, so that all samples differ."""
     recorder = Recorder(scenario)
-    plant = recorder.diagram.GetSubsystemByName("station").GetSubsystemByName("plant")
+    plant = multibody_plant(recorder.diagram)
     velocities = np.zeros(plant.num_velocities())
     velocities[3:6] = 0.2, -0.1, 0.1
     plant.SetVelocities(plant.GetMyMutableContextFromRoot(recorder.context), velocities)
@@ -128,7 +129,9 @@ def test_table_of_rates(scenario, rates, controller):
     """Every periodic update of the closed loop is in the table, with period and offset."""
     changed = {"sensors": Sensors(base_delay_s=0.02), "filter": Filter(delay_s=0.02)}
     flown = replace(scenario, rates=rates, controller=controller, wind=BREEZE, **changed)
-    systems = {system.get_name(): system for system in leaf_systems(make_closed_loop(flown))}
+    closed_loop = make_closed_loop(flown)
+    systems = {system.get_name(): system for system in leaf_systems(closed_loop)}
+    systems["plant"] = systems.pop("multibody_plant")  # The one with updates in the plant.
     listed = {name for rate in RATES for name in rate.systems}
     assert listed - systems.keys() == {"mpc", "clik"} - {controller}
     for name, system in systems.items():
@@ -229,8 +232,7 @@ def test_commands_of_the_mpc_reach_the_controllers_half_a_step_later(scenario):
 
 def test_from_a_change_of_the_state_to_thrust_and_torque_in_half_a_step(scenario):
     recorder = Recorder(scenario)
-    station = recorder.diagram.GetSubsystemByName("station")
-    plant = station.GetSubsystemByName("plant")
+    plant = multibody_plant(recorder.diagram)
     t = 0.1
     recorder.simulator.AdvanceTo(t - 0.0005)  # Between two steps of the plant.
     trim = {port: recorder.output(port) for port in ("state", "thrust_command", "joint_torque")}

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from pydrake.systems.framework import Diagram, DiscreteValues
+from pydrake.systems.framework import Diagram, DiscreteValues, System
 
 from aerodrake.model.vehicle.rotation import conjugate, product, rotation_vector, turned
 from aerodrake.model.vehicle.state import VehicleState
@@ -26,7 +26,7 @@ class StateGroup:
 
     Attributes:
         index: Of the group in the diagram's discrete state.
-        system: Name of the system that has it.
+        system: Name of the system that has it; `plant` for a part of the plant.
         name: Name of the group.
         coordinates: Name of each coordinate.
         is_vehicle: True for a `VehicleState`, whose attitude has three coordinates: a rotation
@@ -84,7 +84,7 @@ class StateCoordinates:
         vehicle = (*positions, *(f"{name}{RATE}" for name in positions))
         groups: list[StateGroup] = []
         for leaf in leaf_systems(diagram):
-            own, system = group_names(leaf), leaf.get_name()
+            own, system = group_names(leaf), _name(leaf)
             count = leaf.CreateDefaultContext().num_discrete_state_groups()
             for i in range(count):
                 index, name = len(groups), own.get(i, "" if count == 1 else f"{i}")
@@ -116,3 +116,9 @@ class StateCoordinates:
         """Returns the coordinates of one group."""
         keys = [(group.system, group.name) for group in self.groups]
         return self.slices[keys.index((system, name))]
+
+
+def _name(leaf: System) -> str:
+    """Returns the name of a leaf system; that of the plant for the system in it with its state."""
+    is_plant = "plant" in leaf.GetSystemPathname().split("::")
+    return "plant" if is_plant else leaf.get_name()

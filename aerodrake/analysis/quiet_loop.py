@@ -21,7 +21,7 @@ from aerodrake.scenario import Scenario
 from aerodrake.station import RATES, add_closed_loop
 from aerodrake.systems.mpc import MpcSystem
 from aerodrake.wiring.replacements import Replacements
-from aerodrake.wiring.table import Wiring, shared_input
+from aerodrake.wiring.table import Wiring
 
 OUTPUTS = (*MONITORED, "torque_at_limit", "thrust_command")
 """Outputs of station and coordinator that an analysis reads."""
@@ -107,7 +107,7 @@ class QuietLoop:
         self.period_s = math.lcm(*periods) * step_s
         self._solvers: list[SwitchedSolver] = []
         builder = DiagramBuilder()
-        by_name = {"sensor_noise": _silent, "wind": self._disturbed}
+        by_name = {"sensor_noise": _silent, "pushes": self._disturbed}
         if scenario.controller == "mpc":
             by_name["mpc"] = self._switched
         replacements = Replacements(by_name)
@@ -207,26 +207,19 @@ class QuietLoop:
         self._solvers.append(solver)
         return MpcSystem(formulation, solver)
 
-    def _disturbed(self, wind: System) -> System:
-        """Returns the wind with a constant force and torque, in the world, on the base."""
+    def _disturbed(self, pushes: System) -> System:
+        """Returns the pushes with a constant force and torque, in the world, on the base."""
         builder = DiagramBuilder()
-        builder.AddNamedSystem("air_force", wind)
-        size = wind.GetOutputPort("generalized_force").size()
+        builder.AddNamedSystem("faults", pushes)
+        size = pushes.get_output_port().size()
         # Constant: x' = x. Its state is a force that lasts over a whole period.
         hold = AffineSystem(A=np.eye(6), C=np.eye(size, 6), time_period=self.period_s)
         builder.AddNamedSystem("disturbance", hold)
         builder.AddNamedSystem("sum", Adder(2, size))
         return Wiring(
-            connections=(
-                ("air_force", "generalized_force", "sum", "u0"),
-                ("disturbance", "y0", "sum", "u1"),
-            ),
-            inputs=shared_input("true_state", "air_force"),
-            outputs=(
-                ("air_force", "wind_force", "wind_force"),
-                ("sum", "sum", "generalized_force"),
-            ),
-        ).build(builder, "wind")
+            connections=(("faults", "y0", "sum", "u0"), ("disturbance", "y0", "sum", "u1")),
+            outputs=(("sum", "sum", "y0"),),
+        ).build(builder, "pushes")
 
 
 def _silent(noise: System) -> System:

@@ -35,12 +35,21 @@ Rate:
 """
 
 SCENE_GRAPH = """
-The geometry of all bodies, for contact and pictures.
+The collision geometry of all bodies, for contact.
 
 Ports:
-    in `plant_pose` (abstract): poses of the bodies' geometry in the world.
-    in `plant_configuration` (abstract): of deformable bodies; not connected.
-    out `query` (abstract): query object for distances, contacts and pictures.
+    in `multibody_plant_pose` (abstract): poses of the bodies' geometry in the world.
+    in `multibody_plant_configuration` (abstract): of deformable bodies; not connected.
+    out `query` (abstract): query object for distances and contacts.
+"""
+
+FORCES = """
+Sum of the forces on the vehicle, as generalized forces on the plant's velocities.
+
+Ports:
+    in `u0` (6 + n): force of the wind.
+    in `u1` (6 + n): external force, such as pushes.
+    out `sum` (6 + n): their sum, in N and N m.
 """
 
 RANDOM_SOURCE = """
@@ -103,6 +112,7 @@ BY_NAME: dict[str, object] = {
     "rotor_faults": make_rotor_faults,
     "joint_faults": make_joint_faults,
     "pushes": make_pushes,
+    "forces": FORCES,
     "air": AIR,
     "deviation": DEVIATION,
     "base_delay": BASE_DELAY,

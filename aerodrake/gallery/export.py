@@ -118,14 +118,15 @@ def gallery(names: Collection[str] = ()) -> dict[str, System]:
 
     Other scenarios have the systems of the orientation task, of delays, of faults and of CLIK,
     and the station's end of the link. They are built if one of `names` is missing, or if `names`
-    is empty. A system that replaces another one of the same name has the name of its class,
-    such as `faulty_mpc`.
+    is empty. A system of the package that replaces another one of the same name has the name of its
+    class, such as `faulty_mpc`.
     """
     systems: dict[str, System] = {}
     for make in (_default_loop, _all_tasks, _clik_loop, _station_end):
         for name, inner in systems_by_name(make()).items():
             known = systems.get(name)
-            if known is not None and type(known) is not type(inner):
+            is_drakes = type(inner).__module__.startswith("pydrake")
+            if known is not None and type(known) is not type(inner) and not is_drakes:
                 name = "_".join(_camel_words(type(inner).__name__)).lower()
             systems.setdefault(name, inner)
         if names and systems.keys() >= set(names):

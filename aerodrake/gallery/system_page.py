@@ -20,6 +20,8 @@ from aerodrake.station import leaf_systems, make_closed_loop, make_station
 from aerodrake.systems.named_state import NamedState
 from aerodrake.wire.remote_coordinator import make_remote_coordinator
 from aerodrake.wiring.guidance import make_guidance
+from aerodrake.wiring.physics import make_physics
+from aerodrake.wiring.plant import make_plant
 from aerodrake.wiring.sensors import make_sensors
 from aerodrake.wiring.wind import make_wind
 
@@ -29,8 +31,10 @@ MAKERS: dict[str, Callable[..., Diagram]] = {
     "coordinator": make_coordinator,
     "remote_coordinator": make_remote_coordinator,
     "guidance": make_guidance,
-    "sensors": make_sensors,
+    "physics": make_physics,
+    "plant": make_plant,
     "wind": make_wind,
+    "sensors": make_sensors,
 }
 """Function that makes each diagram, by its name; its docstring describes the diagram."""
 

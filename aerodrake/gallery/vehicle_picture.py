@@ -22,7 +22,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
 from aerodrake.gallery.camera import Camera
-from aerodrake.model.vehicle.robot import TOOL_FRAME, add_robot
+from aerodrake.model.vehicle.robot import TOOL_FRAME, add_visible_robot
 from aerodrake.model.vehicle.vehicle import VehicleModel
 
 SHARPER = 2
@@ -121,7 +121,7 @@ def _render(
     """Returns the pixels, (rows, columns, 3), and the poses of the tool and of each joint."""
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 1e-3)
-    add_robot(plant, vehicle.description)
+    add_visible_robot(plant, vehicle.description)
     for i, point in enumerate(path):
         pose, color = RigidTransform(point), np.array(ORANGE)
         plant.RegisterVisualGeometry(plant.world_body(), pose, Sphere(0.004), f"path{i}", color)

@@ -26,8 +26,8 @@ from aerodrake.model.vehicle.drake_log import plain, recorded_log, warn_once
 from aerodrake.model.vehicle.robot import (
     BASE_FRAME,
     add_ground,
-    add_payload,
-    add_robot,
+    add_visible_payload,
+    add_visible_robot,
     make_scene_graph,
 )
 from aerodrake.model.vehicle.vehicle import VehicleModel
@@ -144,8 +144,8 @@ def _add_vehicle(
     plant = builder.AddSystem(MultibodyPlant(0.0))
     scene_graph = builder.AddSystem(make_scene_graph())
     plant.RegisterAsSourceForSceneGraph(scene_graph)
-    add_robot(plant, vehicle.description)
-    add_payload(plant, scenario.payload.mass_kg)
+    add_visible_robot(plant, vehicle.description)
+    add_visible_payload(plant, scenario.payload.mass_kg)
     add_ground(plant)
     plant.Finalize()
     builder.Connect(

@@ -16,9 +16,8 @@ class WindForce(LeafSystem):
         in `true_state` (13 + 2 n): `VehicleState` of the plant.
         in `air_velocity` (3): m/s, wind and gust, in the world.
         out `wind_force` (3): N, in the world, at the base's origin.
-        out `generalized_force` (6 + n): `wind_force` as the plant's input
-            `applied_generalized_force`, on the velocities [omega_W, v_B, q']; at the base's
-            origin it acts on v_B alone.
+        out `generalized_force` (6 + n): `wind_force` on the velocities [omega_W, v_B, q'] of the
+            plant; at the base's origin it acts on v_B alone.
     State:
         the force (3) N.
     Rate:

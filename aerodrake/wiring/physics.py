@@ -1,69 +1,76 @@
-"""Plant, scene graph, rotors and propellers, connected."""
+"""Wiring of the physics: rotors, plant, wind, and the sum of the forces on the vehicle."""
 
-import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.framework import Diagram
+from pydrake.systems.primitives import Adder
 
-from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
-from aerodrake.model.vehicle.robot import (
-    BASE_FRAME,
-    add_ground,
-    add_payload,
-    add_robot,
-    make_scene_graph,
-)
+from aerodrake.model.low_level.thrust_allocation import trim_thrust
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.arguments import checked
-from aerodrake.support.errors import file_at
 from aerodrake.systems.faults.actuators import make_rotor_faults
-from aerodrake.systems.rotors import make_propellers, make_rotors
-from aerodrake.wiring.table import Wiring
+from aerodrake.systems.rotors import make_rotors
+from aerodrake.wiring.plant import make_plant
+from aerodrake.wiring.replacements import Replacements
+from aerodrake.wiring.table import Wiring, outputs
+from aerodrake.wiring.wind import make_wind
 
 WIRING = Wiring(
     connections=(
-        ("rotors", "y0", "propellers", "command"),
-        ("propellers", "spatial_forces", "plant", "applied_spatial_force"),
-        ("plant", "body_poses", "propellers", "body_poses"),
-        ("plant", "geometry_pose", "scene_graph", "plant_pose"),
-        ("scene_graph", "query", "plant", "geometry_query"),
+        ("rotors", "y0", "plant", "thrust"),
+        ("plant", "state", "wind", "true_state"),
+        ("wind", "generalized_force", "forces", "u0"),
+        ("forces", "sum", "plant", "generalized_force"),
+    ),
+    inputs=(
+        ("thrust_command", "rotors", "u0"),
+        ("joint_torque", "plant", "joint_torque"),
+        ("external_force", "forces", "u1"),
     ),
     outputs=(
-        ("rotors", "y0", "thrust"),
         ("plant", "state", "true_state"),
-        ("scene_graph", "query", "query_object"),
+        ("rotors", "y0", "thrust"),
+        *outputs("plant", "body_poses"),
+        *outputs("wind", "wind_velocity", "wind_force"),
     ),
 )
 
 
 @checked
-def add_physics(
-    builder: DiagramBuilder, scenario: Scenario, vehicle: VehicleModel
-) -> tuple[np.ndarray, Wiring]:
-    """Adds the scenario's plant, with its payload and mismatch, in trim by default.
+def make_physics(
+    scenario: Scenario, vehicle: VehicleModel, replacements: Replacements | None = None
+) -> Diagram:
+    """Makes the physics: rotors, plant and wind, in trim by default.
 
-    Returns:
-        (k,) N, thrusts in trim; connections and outputs of the added systems. Inputs left to
-        connect: `u0` of `rotors`, the commanded thrusts; `actuation` and
-        `applied_generalized_force` of `plant`.
+    A system with these ports can replace it, by the name `physics`; one with the ports of
+    `aerodrake.wiring.plant.make_plant` can replace the plant alone.
+
+    Inputs: `thrust_command` (k) N; `joint_torque` (n) N m, as it acts; `external_force` (6 + n),
+    a generalized force on the plant's velocities [omega_W, v_B, q']: torque in N m and force in N
+    on the base, in the world, at its origin, and torques in N m on the joints.
+    Outputs: `true_state` (13 + 2 n), a `VehicleState`; `thrust` (k) N, as it acts. Optional:
+    `body_poses` (abstract), as of the plant; `wind_velocity` (3) m/s, of the air at the base, and
+    `wind_force` (3) N on it, in the world.
+
+    Args:
+        scenario: Vehicle, payload, mismatch, wind, rotor faults and rates.
+        vehicle: The scenario's vehicle.
+        replacements: Replacements of its systems; None for none.
+
+    Raises:
+        BadInput: if the scenario's robot is invalid, or a replacement does not fit.
     """
-    step, rotor = scenario.rates.plant_step_s, scenario.vehicle.rotor
-    plant = builder.AddNamedSystem("plant", MultibodyPlant(step))
-    scene_graph = builder.AddNamedSystem("scene_graph", make_scene_graph())
-    plant.RegisterAsSourceForSceneGraph(scene_graph)
-    with file_at(scenario.source, "vehicle.robot"):
-        add_robot(plant, vehicle.description, scenario.mismatch)
-    add_payload(plant, scenario.payload.mass_kg)
-    add_ground(plant)
-    plant.SetUseSampledOutputPorts(False)  # True would make a step an unrestricted update.
-    plant.Finalize()
-    plant.SetDefaultPositions(vehicle.trim_state[: plant.num_positions()])
-    trim = allocate(ThrustAllocation.make(vehicle, rotor), vehicle.trim_wrench)
-    builder.AddNamedSystem("rotors", make_rotors(rotor, scenario.mismatch, trim, step))
-    base = plant.GetBodyByName(BASE_FRAME).index()
-    builder.AddNamedSystem("propellers", make_propellers(rotor, vehicle.rotors, base))
-    wiring = WIRING
+    replacements = replacements or Replacements()
+    rates, rotor = scenario.rates, scenario.vehicle.rotor
+    builder, wiring = replacements.builder(), WIRING
+    trim = trim_thrust(vehicle, rotor)
+    builder.AddSystem(make_plant(scenario, vehicle, replacements.part()))
+    rotors = make_rotors(rotor, scenario.mismatch, trim, rates.plant_step_s)
+    builder.AddNamedSystem("rotors", rotors)
     if (rotor_faults := make_rotor_faults(scenario, len(trim))) is not None:
         builder.AddNamedSystem("rotor_faults", rotor_faults)
         wiring = wiring.insert("rotor_faults", ("rotors", "y0"))
-    return trim, wiring
+    builder.AddSystem(
+        make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s, replacements.part())
+    )
+    builder.AddNamedSystem("forces", Adder(2, 6 + vehicle.joints))
+    return wiring.build(builder, "physics")

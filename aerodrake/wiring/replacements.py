@@ -16,9 +16,6 @@ The result must have every port of the default one, by name, size and type, but 
 outputs. Rates and state are its own.
 """
 
-FIXED = frozenset({"plant", "scene_graph"})
-"""Systems that cannot be replaced: others read their bodies and geometry without ports."""
-
 
 class Replacements:
     """Replacements by name, an argument of `make_station`, `make_coordinator`,
@@ -55,8 +52,6 @@ class Replacements:
         Raises:
             BadInput: if the replacement is no new system, or its ports do not match.
         """
-        if name in FIXED:
-            return ours
         self._used.add(name)
         if name not in self._by_name:
             return ours

@@ -18,7 +18,10 @@ WIRING = Wiring(
         ("air", "y0", "wind_force", "air_velocity"),
     ),
     inputs=shared_input("true_state", "wind_force"),
-    outputs=outputs("wind_force", "wind_force", "generalized_force"),
+    outputs=(
+        ("air", "y0", "wind_velocity"),
+        *outputs("wind_force", "wind_force", "generalized_force"),
+    ),
 )
 
 
@@ -29,8 +32,8 @@ def make_wind(
     """Makes the wind; in still air it is the same diagram and exerts no force.
 
     Input: `true_state` (13 + 2 n), a `VehicleState`.
-    Outputs: `wind_force` (3) N in the world, and `generalized_force` (6 + n), the same force
-    for the plant's input `applied_generalized_force` (connected in `aerodrake.station`).
+    Outputs: `wind_velocity` (3) m/s, of the air at the base, and `wind_force` (3) N on the base,
+    in the world; `generalized_force` (6 + n), the same force on the velocities of the plant.
 
     Args:
         config: Wind, gusts and drag.

@@ -22,9 +22,8 @@ def python_systems(diagram):
 def test_has_no_python_systems(scenario):
     diagram = make_bare_plant(scenario)
     names = {system.get_name() for system in leaves(diagram)}
-    assert names == {
-        "plant", "scene_graph", "rotors", "propellers", "thrust_command", "joint_torque"
-    }  # fmt: skip
+    inputs = {"thrust_command", "joint_torque", "no_force"}
+    assert names == {"multibody_plant", "scene_graph", "propellers", "rotors", *inputs}
     assert not python_systems(diagram)
     assert python_systems(make_closed_loop(scenario))
 

@@ -67,7 +67,7 @@ def corrupted(port: str, number: float, after_s: float):
     [
         ("flight_controller", "thrust_command", "station::flight_controller::corruption"),
         ("arm_controller", "joint_torque", "station::arm_controller::corruption"),
-        ("wind", "generalized_force", "station::wind::corruption"),
+        ("wind", "generalized_force", "station::physics::wind::corruption"),
         ("sensors", "state", "station::sensors::corruption"),
         ("mpc", "u", "coordinator::mpc::corruption"),
         ("supervisor", "mode", "coordinator::supervisor::corruption"),
@@ -92,7 +92,10 @@ def test_from_the_first_instant_on():
 def test_values_that_are_too_large_for_the_plant():
     force = corrupted("generalized_force", np.inf, after_s=0.35)
     log = FlightSimulation(SHORT, Replacements({"wind": force})).fly()
-    assert log.exit_reason == "lost" and "station::wind::corruption: corrupted" in log.exit_cause
+    assert (
+        log.exit_reason == "lost"
+        and "station::physics::wind::corruption: corrupted" in log.exit_cause
+    )
 
 
 @pytest.mark.parametrize("error", [BadInput("/tmp", "", "full"), OSError("full"), MemoryError()])

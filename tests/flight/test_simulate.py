@@ -28,6 +28,7 @@ from aerodrake.scenario import (
 )
 from aerodrake.support.errors import BadInput
 from aerodrake.wiring.replacements import Replacements
+from tests.robots import multibody_plant
 
 WEAK = Vehicle(rotor=Rotor(max_thrust_n=2.0))
 """Four rotors with 8 N in total; the vehicle weighs 37 N."""
@@ -145,7 +146,7 @@ def test_lost_by_a_state_that_is_not_finite(number, part, monkeypatch):
 
     original = aerodrake.flight.simulate.make_context
     monkeypatch.setattr(aerodrake.flight.simulate, "make_context", make_context)
-    plant = flight.closed_loop.GetSubsystemByName("station").GetSubsystemByName("plant")
+    plant = multibody_plant(flight.closed_loop)
 
     def poison(t):
         if t >= 0.2:

@@ -55,14 +55,17 @@ def inside(boxes, name):
 def test_every_system_has_its_name(closed_loop, systems):
     sides = [closed_loop.GetSubsystemByName(name) for name in ("station", "coordinator")]
     inner = [system.get_name() for side in sides for system in side.GetSystems()]
+    in_physics = ["plant", "rotors", "wind", "forces"]
+    in_plant = ["multibody_plant", "scene_graph", "propellers"]
     in_wind = ["gust_noise", "air", "wind_force"]
     in_sensors = ["sensor_noise", "sampler", "state_filter"]
     in_guidance = ["reference", "reference_guard"]
     opened = {
-        "closed_loop", "station", "coordinator", *inner, *in_wind, *in_sensors, *in_guidance
+        *("closed_loop", "station", "coordinator"), *inner, *in_physics, *in_plant, *in_wind,
+        *in_sensors, *in_guidance,
     }  # fmt: skip
     assert set(systems) == opened
-    assert {"plant", "mpc", "sensors", "wind"} <= set(inner)
+    assert {"physics", "mpc", "sensors", "pushes"} <= set(inner)
     assert systems["closed_loop"] is closed_loop
 
 
@@ -88,8 +91,7 @@ def test_two_builds_give_the_same_bytes(systems, draw):
 def test_signal_order(closed_loop):
     graph = graph_of(closed_loop, DEPTH)
     assert inside(graph.boxes, "station") == [
-        *("flight_controller", "rotors", "propellers", "arm_controller", "plant", "scene_graph"),
-        *("wind", "sensors", "rotor_monitor"),
+        *("pushes", "flight_controller", "arm_controller", "physics", "sensors", "rotor_monitor"),
     ]
     assert inside(graph.boxes, "coordinator") == [
         *("guidance", "kinematics", "weight_allocator", "equivalent_state", "residual_estimator"),
@@ -101,7 +103,6 @@ def test_signal_order(closed_loop):
     assert back == {
         *(("setpoint_integrator", target) for target in setpoints + models),
         *(("sensors", target) for target in ("flight_controller", "arm_controller")),
-        *(("plant", "propellers"), ("scene_graph", "plant"), ("wind", "plant")),
     }
 
 
@@ -142,9 +143,9 @@ def test_signals_are_followed_into_and_out_of_diagrams(closed_loop):
     for consumer in ("flight_controller", "equivalent_state", "mpc"):
         assert drawn["setpoint_integrator", consumer] == ("base_setpoint", "joint_setpoint")
     opened = arrows(graph_of(closed_loop, DEPTH + 1))
-    force, state = ("generalized_force",), ("state",)
-    assert drawn["wind", "plant"] == opened["wind_force", "plant"] == force
-    assert drawn["plant", "wind"] == opened["plant", "wind_force"] == state
+    assert drawn["arm_controller", "physics"] == opened["arm_controller", "plant"]
+    assert drawn["physics", "sensors"] == ("true_state",)
+    assert opened["plant", "wind"] == opened["plant", "sampler"] == ("state",)
 
 
 def test_depth(closed_loop, systems):
@@ -157,8 +158,8 @@ def test_depth(closed_loop, systems):
         ("coordinator", "station"): ("base_setpoint", "joint_setpoint"),
     }
     leaves = {name for name, system in systems.items() if not isinstance(system, Diagram)}
-    assert set(labels(graph_of(closed_loop, DEPTH + 1))) == leaves
-    assert graph_of(closed_loop, 9) == graph_of(closed_loop, DEPTH + 1)
+    assert set(labels(graph_of(closed_loop, DEPTH + 2))) == leaves
+    assert graph_of(closed_loop, 9) == graph_of(closed_loop, DEPTH + 2)
 
 
 def test_some_systems_are_left_out(closed_loop):
@@ -172,7 +173,9 @@ def test_ports_of_the_drawn_system(systems):
     ports = [box.label for box in graph.leaves if box.system is None]
     assert "end_effector (abstract)" in ports and "u (9)" in ports
     assert len(ports) == systems["mpc"].num_input_ports() + systems["mpc"].num_output_ports()
-    assert not any("WorldModelInstance" in box.label for box in graph_of(systems["plant"], 0).boxes)
+    assert not any(
+        "WorldModelInstance" in box.label for box in graph_of(systems["multibody_plant"], 0).boxes
+    )
     drawn = arrows(graph_of(systems["coordinator"], 1))
     assert drawn["inputs", "mpc"] == ("state",)
     assert drawn["mpc", "outputs"] == ("delta", "plan", "prediction", "status", "u", "weights")

@@ -63,5 +63,5 @@ def test_every_box_and_arrow_is_written():
 def test_diagrams_are_subgraphs():
     text = to_mermaid(SYSTEMS["closed_loop"], 3)
     opened = re.findall(r"(?m)^ +subgraph (\w+)$", text)
-    assert opened == ["station", "wind", "sensors", "coordinator", "guidance"]
+    assert opened == ["station", "physics", "sensors", "coordinator", "guidance"]
     assert len(re.findall(r"(?m)^ +end$", text)) == len(opened)

@@ -106,7 +106,7 @@ def test_direct_feedthrough_is_shown():
 def test_rates():
     page = system_page("closed_loop", SYSTEMS["closed_loop"], 2)
     rates = {row["system"].strip("`"): (row["every"], row["after"]) for row in table(page, "Rates")}
-    assert rates["mpc"] == ("20 ms", "") and rates["plant"] == ("1 ms", "")
+    assert rates["mpc"] == ("20 ms", "") and rates["multibody_plant"] == ("1 ms", "")
     assert rates["flight_controller"] == ("10 ms", "0.5 ms")
     page = system_page("arm_controller", SYSTEMS["arm_controller"], 1)
     assert "A discrete update every 5 ms, after 0.5 ms." in page
@@ -120,7 +120,9 @@ def test_links_lead_to_other_pages(pages):
     assert {"mpc", "guidance", "reference"} <= set(re.findall(r"[`\[](\w+)[`\]]", parts))
 
 
-@pytest.mark.parametrize("name", ["closed_loop", "station", "coordinator", "wind"])
+@pytest.mark.parametrize(
+    "name", ["closed_loop", "station", "coordinator", "physics", "plant", "wind"]
+)
 def test_connections_are_those_of_the_diagram(name):
     rows = table(system_page(name, SYSTEMS[name], 1), "Connections")
     assert len(rows) == len(SYSTEMS[name].connection_map())

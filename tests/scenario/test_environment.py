@@ -13,6 +13,7 @@ from aerodrake.model.vehicle.robot import TOOL_FRAME, add_robot
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Mismatch, Payload, Scenario, Sensors, Wind
 from aerodrake.station import make_context, make_station
+from tests.robots import multibody_plant
 from tests.trim import hovering
 
 
@@ -61,7 +62,7 @@ def test_the_sensor_noise_does_not_depend_on_the_wind(scenario):
 
 def test_the_plant_of_a_default_context_has_the_mismatch(scenario, vehicle):
     station = make_station(replace(scenario, mismatch=Mismatch(mass_scale=1.2)))
-    plant = station.GetSubsystemByName("plant")
+    plant = multibody_plant(station)
     context = plant.GetMyContextFromRoot(station.CreateDefaultContext())
     assert plant.CalcTotalMass(context) == pytest.approx(1.2 * vehicle.mass)
 

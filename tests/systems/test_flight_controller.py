@@ -209,12 +209,11 @@ class Flight:
 
     def push(self, torque_and_force) -> None:
         """Applies a wrench at the base origin from now on, [N m, N] in the world frame."""
-        plant = self.station.GetSubsystemByName("plant")
-        forces = np.zeros(plant.num_velocities())
-        forces[:6] = torque_and_force
-        plant.get_applied_generalized_force_input_port().FixValue(
-            plant.GetMyContextFromRoot(self.context), forces
-        )
+        force = np.zeros(6 + (self.output("true_state").size - 13) // 2)
+        force[:6] = torque_and_force
+        physics = self.station.GetSubsystemByName("physics")
+        port = physics.GetInputPort("external_force")
+        port.FixValue(physics.GetMyContextFromRoot(self.context), force)
 
     def advance(self, base_setpoint, duration: float) -> np.ndarray:
         """Returns base positions (samples, 3) m over the next `duration` s."""

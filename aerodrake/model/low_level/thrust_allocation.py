@@ -58,6 +58,15 @@ class ThrustAllocation(NamedTuple):
         return allocation
 
 
+def trim_thrust(vehicle: VehicleModel, rotor: Rotor) -> np.ndarray:
+    """Returns the thrusts (k,) N in trim, within the rotors' limits.
+
+    Raises:
+        ScenarioError: as `ThrustAllocation.make`.
+    """
+    return allocate(ThrustAllocation.make(vehicle, rotor), vehicle.trim_wrench)
+
+
 def thrust_notes(scenario: Scenario, vehicle: VehicleModel) -> list[str]:
     """Returns a note for each thrust limit of the rotors that prevents hovering."""
     rotor = scenario.vehicle.rotor

@@ -68,31 +68,21 @@ class RobotDescription:
             raise BadInput(robot, *error.args[1:]) from None
         return cls(robot, document)
 
-    def urdf(self, mismatch: Mismatch) -> str:
-        """Returns the URDF with the mass and central inertia of every link scaled.
+    @property
+    def has_collision_geometry(self) -> bool:
+        """True if a link can touch the ground or another link."""
+        return bool(self.document.getElementsByTagName("collision"))
 
-        The base's centre of mass is moved. The numbers are changed in the description, since a body
-        welded to a link could not add to its mass without adding to its inertia.
+    def invisible_urdf(self, mismatch: Mismatch) -> str:
+        """Returns the URDF without visual geometry, most of which is meshes to be read.
+
+        The mass and central inertia of every link are scaled, and the base's centre of mass is
+        moved. The numbers are changed in the description, since a body welded to a link could not
+        add to its mass without adding to its inertia.
+
+        Raises:
+            BadInput: if a base without mass has a centre of mass to move.
         """
-        is_scaled = mismatch.mass_scale != 1 or mismatch.inertia_scale != 1
-        if not is_scaled and not any(mismatch.centre_of_mass_m):
-            return self.document.toxml()
-        document = self.document.cloneNode(deep=True)
-        for link in children(document.documentElement, "link"):
-            for inertial in children(link, "inertial"):
-                _scale(child(inertial, "mass"), ("value",), mismatch.mass_scale)
-                _scale(child(inertial, "inertia"), MOMENTS, mismatch.inertia_scale)
-        if any(mismatch.centre_of_mass_m):
-            links = children(document.documentElement, "link")
-            base = next(link for link in links if link.getAttribute("name") == BASE_FRAME)
-            if (inertial := child(base, "inertial")) is None:
-                problem = "expected a mass, whose centre mismatch.centre_of_mass_m can move"
-                raise BadInput(self.robot, f"link {BASE_FRAME}", problem)
-            _move(inertial, mismatch.centre_of_mass_m)
-        return document.toxml()
-
-    def invisible_urdf(self) -> str:
-        """Returns the URDF without visual geometry, most of which is meshes to be read."""
         robot = self.document.documentElement
         invisible = robot.cloneNode(deep=False)
         for element in children(robot):
@@ -102,6 +92,18 @@ class RobotDescription:
                     if part.tagName != "visual":
                         copy.appendChild(part.cloneNode(deep=True))
             invisible.appendChild(copy)
+        if mismatch.mass_scale != 1 or mismatch.inertia_scale != 1:
+            for link in children(invisible, "link"):
+                for inertial in children(link, "inertial"):
+                    _scale(child(inertial, "mass"), ("value",), mismatch.mass_scale)
+                    _scale(child(inertial, "inertia"), MOMENTS, mismatch.inertia_scale)
+        if any(mismatch.centre_of_mass_m):
+            links = children(invisible, "link")
+            base = next(link for link in links if link.getAttribute("name") == BASE_FRAME)
+            if (inertial := child(base, "inertial")) is None:
+                problem = "expected a mass, whose centre mismatch.centre_of_mass_m can move"
+                raise BadInput(self.robot, f"link {BASE_FRAME}", problem)
+            _move(inertial, mismatch.centre_of_mass_m)
         return invisible.toxml()
 
 
@@ -122,12 +124,24 @@ def _move(inertial: Element, offset: tuple[float, ...]) -> None:
 def add_robot(
     plant: MultibodyPlant, description: RobotDescription, mismatch: Mismatch = EXACT
 ) -> None:
-    """Adds a robot to an unfinalised plant, with factors of its links' masses and inertias.
+    """Adds a robot without visual geometry to an unfinalised plant.
+
+    In a plant that is registered with a SceneGraph it has its collision geometry.
+
+    Args:
+        plant: The plant.
+        description: The robot.
+        mismatch: Factors of its links' masses and inertias.
 
     Raises:
         BadInput: if Drake cannot parse it.
     """
-    parse_urdf(plant, description.urdf(mismatch), description.robot)
+    parse_urdf(plant, description.invisible_urdf(mismatch), description.robot)
+
+
+def add_visible_robot(plant: MultibodyPlant, description: RobotDescription) -> None:
+    """Adds a robot with visual geometry, as `add_robot` otherwise does."""
+    parse_urdf(plant, description.document.toxml(), description.robot)
 
 
 def arm_joints(plant: MultibodyPlant) -> list[RevoluteJoint]:
@@ -145,8 +159,7 @@ def add_payload(plant: MultibodyPlant, mass: float) -> None:
     """Welds a steel ball to the tool of an unfinalised plant that contains a robot.
 
     The controllers' model does not include it. The ball's centre is the origin of the tool
-    frame. It has mass and inertia, but no collision geometry; in a plant that is registered
-    with a SceneGraph it is visible.
+    frame. It has mass and inertia, but no geometry.
 
     Args:
         plant: The plant; the ball becomes its last body.
@@ -158,9 +171,14 @@ def add_payload(plant: MultibodyPlant, mass: float) -> None:
     inertia = SpatialInertia.SolidSphereWithMass(mass, radius)
     body = plant.AddRigidBody(PAYLOAD_BODY, plant.AddModelInstance(PAYLOAD_BODY), inertia)
     plant.WeldFrames(plant.GetFrameByName(TOOL_FRAME), body.body_frame())
-    if plant.geometry_source_is_registered():
-        ball, pose = Sphere(radius), RigidTransform()
-        plant.RegisterVisualGeometry(body, pose, ball, PAYLOAD_BODY, STEEL_COLOR)
+
+
+def add_visible_payload(plant: MultibodyPlant, mass: float) -> None:
+    """Adds a payload as `add_payload` does, and the ball's visual geometry."""
+    add_payload(plant, mass)
+    if mass > 0:
+        ball, body = Sphere(ball_radius(mass, STEEL_KG_M3)), plant.GetBodyByName(PAYLOAD_BODY)
+        plant.RegisterVisualGeometry(body, RigidTransform(), ball, PAYLOAD_BODY, STEEL_COLOR)
 
 
 def ball_radius(mass: float, density: float) -> float:
@@ -192,6 +210,6 @@ def make_nominal_plant(description: RobotDescription) -> tuple[MultibodyPlant, S
     """
     plant, scene_graph = MultibodyPlant(0.0), make_scene_graph()
     plant.RegisterAsSourceForSceneGraph(scene_graph)
-    parse_urdf(plant, description.invisible_urdf(), description.robot)
+    add_robot(plant, description)
     plant.Finalize()
     return plant, scene_graph

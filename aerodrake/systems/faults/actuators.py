@@ -1,12 +1,13 @@
-"""Faults between actuators and plant, and pushes, as `SymbolicVectorSystem`s.
+"""Faults between actuators and plant, and pushes, as systems of Drake.
 
-Each function returns None for a scenario without such faults. A fault is active from
-`settle_s` plus its start until before its end.
+The functions for degraded actuators return None for a scenario without such faults. A fault is
+active from `settle_s` plus its start until before its end.
 """
 
 import numpy as np
 from pydrake.symbolic import Expression, Formula, Variable, if_then_else, logical_and
-from pydrake.systems.primitives import SymbolicVectorSystem
+from pydrake.systems.framework import System
+from pydrake.systems.primitives import ConstantVectorSource, SymbolicVectorSystem
 
 from aerodrake.scenario import Fault, JointDegraded, Push, RotorDegraded, Scenario
 from aerodrake.support.arguments import Count, checked
@@ -45,24 +46,22 @@ def make_joint_faults(scenario: Scenario, joints: Count) -> SymbolicVectorSystem
 
 
 @checked
-def make_pushes(scenario: Scenario, joints: Count) -> SymbolicVectorSystem | None:
-    """Makes the system that adds pushes on the base to other forces, with n = `joints`.
+def make_pushes(scenario: Scenario, joints: Count) -> System:
+    """Makes the pushes on the base, with n = `joints`; zero for a scenario without them.
 
     Ports:
-        in `u0` (6 + n): generalized force on the plant's velocities [omega_W, v_B, q'].
-        out `y0` (6 + n): that force plus the pushes, which act at the base's origin and thus
-            on v_B alone.
+        out `y0` (6 + n): generalized force on the plant's velocities [omega_W, v_B, q']. Pushes
+            act at the base's origin and thus on v_B alone.
     """
     pushes = [fault for fault in scenario.faults if isinstance(fault, Push)]
     if not pushes:
-        return None
-    time, force = Variable("t"), [Variable(f"f{i}") for i in range(6 + joints)]
-    output = [Expression(f) for f in force]
+        return ConstantVectorSource(np.zeros(6 + joints))
+    time, output = Variable("t"), [Expression(0.0) for _ in range(6 + joints)]
     for push in pushes:
         is_active = _is_active(push, scenario.settle_s, time)
         for axis, newtons in enumerate(push.force_n):
             output[3 + axis] += if_then_else(is_active, newtons, 0.0)
-    return SymbolicVectorSystem(time, input=np.array(force), output=np.array(output))
+    return SymbolicVectorSystem(time, output=np.array(output))
 
 
 def _degraded(

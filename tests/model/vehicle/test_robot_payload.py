@@ -13,6 +13,7 @@ from aerodrake.model.vehicle.robot import (
     TOOL_FRAME,
     add_payload,
     add_robot,
+    add_visible_payload,
 )
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Payload
@@ -84,10 +85,16 @@ def test_order_of_states_bodies_and_actuators_is_unchanged(bare, loaded):
         assert loaded.GetBodyByName(name).index() == bare.GetBodyByName(name).index()
 
 
-def test_it_is_visible_without_collision_geometry(bare, loaded):
-    payload = loaded.GetBodyByName(PAYLOAD_BODY)
-    assert len(loaded.GetVisualGeometriesForBody(payload)) == 1
-    assert not loaded.GetCollisionGeometriesForBody(payload)
+def test_it_has_no_geometry_unless_it_is_drawn(vehicle, scene_graph, bare, loaded):
+    drawn = MultibodyPlant(0.0)
+    drawn.RegisterAsSourceForSceneGraph(scene_graph)
+    add_robot(drawn, vehicle.description)
+    add_visible_payload(drawn, MASS)
+    drawn.Finalize()
+    for plant, count in ((drawn, 1), (loaded, 0)):
+        payload = plant.GetBodyByName(PAYLOAD_BODY)
+        assert len(plant.GetVisualGeometriesForBody(payload)) == count
+        assert not plant.GetCollisionGeometriesForBody(payload)
     assert loaded.num_collision_geometries() == bare.num_collision_geometries()
 
 
