@@ -30,7 +30,8 @@ class JointTransmissionSystem(LeafSystem):
         in `motor_torque` (n): N m.
         in `true_state` (13 + 2 n): `VehicleState` of the plant.
         out `joint_torque` (n): N m, on the links until the next step; it feeds through.
-        out `motor_angle` (n): rad, of each link plus the twist; encoders measure it.
+        out `encoder_state` (13 + 2 n): the true state with angles and rates of the motors, which
+            encoders measure: those of the links plus the twist, and its mean rate in this step.
     State:
         `twist` (n) rad, at first that of trim.
     Rate:
@@ -51,14 +52,13 @@ class JointTransmissionSystem(LeafSystem):
         self._true_state = self.DeclareVectorInputPort("true_state", VehicleState.size(n))
         initial = self._transmission.at_rest(vehicle.trim_torque)
         self._last = NamedState(self, TransmissionState(initial))
+        tickets = {self.xd_ticket(), self._motor_torque.ticket()}
+        self.DeclareVectorOutputPort("joint_torque", n, self._calc_torque, tickets)
         self.DeclareVectorOutputPort(
-            "joint_torque",
-            n,
-            self._calc_torque,
-            {self.xd_ticket(), self._motor_torque.ticket()},
-        )
-        self.DeclareVectorOutputPort(
-            "motor_angle", n, self._calc_angle, {self.xd_ticket(), self._true_state.ticket()}
+            "encoder_state",
+            VehicleState.size(n),
+            self._calc_encoder_state,
+            {*tickets, self._true_state.ticket()},
         )
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
@@ -66,9 +66,13 @@ class JointTransmissionSystem(LeafSystem):
         last, torque = self._last.read(context).twist, self._motor_torque.Eval(context)
         output.set_value(transmitted(self._transmission, last, torque))
 
-    def _calc_angle(self, context: Context, output: BasicVector) -> None:
-        link = split_state(self._true_state.Eval(context)).q
-        output.set_value(link + self._last.read(context).twist)
+    def _calc_encoder_state(self, context: Context, output: BasicVector) -> None:
+        output.set_value(self._true_state.Eval(context))
+        last = self._last.read(context).twist
+        turned = twist(self._transmission, last, self._motor_torque.Eval(context)) - last
+        measured = split_state(output.get_mutable_value())
+        measured.q[:] += last
+        measured.qdot[:] += turned / self._transmission.dt
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         last, torque = self._last.read(context).twist, self._motor_torque.Eval(context)

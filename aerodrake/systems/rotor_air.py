@@ -1,5 +1,6 @@
 """Effects of the air on the rotors as a system between rotors and plant."""
 
+import numpy as np
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import BasicVector, Context, LeafSystem, ValueProducer
 
@@ -16,7 +17,8 @@ class RotorAirSystem(LeafSystem):
     Ports:
         in `thrust` (k): N, without these effects.
         in `true_state` (13 + 2 n): `VehicleState` of the plant.
-        in `wind_velocity` (3): m/s, velocity of the air at the base, in the world.
+        in `wind_velocity` (3): m/s, velocity of the air at the base, in the world; still air if it
+            is not connected.
         out `thrust` (k): N, as it acts.
         out `generalized_force` (6 + n): drag of the rotors on the plant's velocities
             [omega_W, v_B, q'].
@@ -48,8 +50,9 @@ class RotorAirSystem(LeafSystem):
         )
 
     def _calc_forces(self, context: Context, forces: AbstractValue) -> None:
-        inputs = (port.Eval(context) for port in (self._thrust, self._wind, self._true_state))
-        forces.set_value(rotor_forces(self._air, *inputs))
+        wind = self._wind.Eval(context) if self._wind.HasValue(context) else np.zeros(3)
+        thrust, state = self._thrust.Eval(context), self._true_state.Eval(context)
+        forces.set_value(rotor_forces(self._air, thrust, wind, state))
 
     def _calc_thrust(self, context: Context, output: BasicVector) -> None:
         output.set_value(self._forces.Eval(context).thrust)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
+from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Actuation
 from aerodrake.systems.joint_transmission import make_joint_transmission
 
@@ -22,12 +23,13 @@ def test_trim_is_an_equilibrium_with_the_motors_ahead_of_the_links(vehicle):
     transmission.GetInputPort("motor_torque").FixValue(context, trim)
     transmission.GetInputPort("true_state").FixValue(context, vehicle.trim_state)
     simulator.AdvanceTo(0.05)
-    torque, angle = (
-        transmission.GetOutputPort(name).Eval(context) for name in ("joint_torque", "motor_angle")
+    torque, measured = (
+        transmission.GetOutputPort(name).Eval(context) for name in ("joint_torque", "encoder_state")
     )
     np.testing.assert_allclose(torque, trim, atol=1e-12)
-    twist = 0.02 * trim + 0.005 * np.sign(trim)
-    np.testing.assert_allclose(angle, vehicle.working + twist, atol=1e-14)
+    expected = split_state(vehicle.trim_state.copy())
+    expected.q[:] += 0.02 * trim + 0.005 * np.sign(trim)
+    np.testing.assert_allclose(measured, expected.to_vector(), atol=1e-12)
 
 
 @pytest.mark.parametrize("torque", [0.3, -0.3])
@@ -40,7 +42,10 @@ def test_a_torque_turns_the_motor_first_and_then_the_link(vehicle, torque):
     transmission.GetInputPort("motor_torque").FixValue(context, motor)
     transmission.GetInputPort("true_state").FixValue(context, vehicle.trim_state)
     assert transmission.GetOutputPort("joint_torque").Eval(context)[0] == pytest.approx(0)
+    encoder_state = transmission.GetOutputPort("encoder_state")
+    speed = torque / (vehicle.effort[0] / vehicle.velocity[0])
+    assert split_state(encoder_state.Eval(context)).qdot[0] == pytest.approx(speed)
     simulator.AdvanceTo(1.0)
     assert transmission.GetOutputPort("joint_torque").Eval(context)[0] == pytest.approx(torque)
-    angle = transmission.GetOutputPort("motor_angle").Eval(context)[0] - vehicle.working[0]
-    assert angle == pytest.approx(0.02 * torque + np.copysign(0.005, torque))
+    twist = split_state(encoder_state.Eval(context)).q[0] - vehicle.working[0]
+    assert twist == pytest.approx(0.02 * torque + np.copysign(0.005, torque))
