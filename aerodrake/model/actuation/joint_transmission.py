@@ -56,8 +56,9 @@ class JointTransmission(NamedTuple):
         )
 
     def at_rest(self, torque: np.ndarray) -> np.ndarray:
-        """Returns the twists (n,) rad at rest under `torque` (n,) N m."""
-        return self.flexibility * torque + np.sign(torque) * self.gap
+        """Returns the twists (n,) rad at rest under `torque` (n,) N m; without torque mid-gap."""
+        side = np.sign(np.round(torque, 9))  # Joints without load have torques of rounding alone.
+        return self.flexibility * torque + side * self.gap
 
 
 @compiled

@@ -116,7 +116,7 @@ def rotor_forces(
     """
     x = split_state(state)
     R = rotation_matrix(x.quaternion)
-    axis = R[:, 2]
+    axis = R[:, 2].copy()
     changed, drag = np.empty(len(thrust)), np.zeros(6)
     for i in range(len(thrust)):
         arm = R @ air.p_B[i]
