@@ -21,7 +21,8 @@ FORCE_WEIGHT = 0.1
 FAST_FIT, SLOW_FIT = 0.7, 0.7
 """Least goodness of fit, 1 - |residual left|^2 / |residual|^2, at which a loss is isolated."""
 FAST_LOSS, SLOW_LOSS = 0.2, 0.08
-"""Detection thresholds: least fraction of thrust lost that is reported for a healthy rotor."""
+"""Detection thresholds: least fraction of thrust lost that is reported for a healthy rotor. For
+small losses it is larger while the time constant of the baseline is shorter than `BASELINE_S`."""
 FAST_CHANGE, SLOW_CHANGE = 0.05, 0.02
 """Least change by which the reported loss of a faulty rotor is updated."""
 FAST_SAMPLES = 3
@@ -181,7 +182,8 @@ def update_monitor(
             filtered[SLOW] = filtered[FAST]  # The slow filter still contains the time before.
         if not is_detected:
             rotor, lost, fit = isolate(monitor, signatures, filtered[SLOW], loss)
-            least = SLOW_CHANGE if loss[rotor] > 0 else SLOW_LOSS
+            # Rotors that differ from each other from the start are absorbed by the baseline.
+            least = SLOW_CHANGE if loss[rotor] > 0 else SLOW_LOSS * BASELINE_S / baseline_s
             is_detected = fit > SLOW_FIT and abs(lost - loss[rotor]) > least
             if is_detected:
                 loss[rotor] = lost if lost > SLOW_LOSS / 2 else 0.0

@@ -161,6 +161,24 @@ def test_a_degraded_rotor_is_isolated_within_a_second(monitor, rotor):
     assert np.all(np.delete(estimate, rotor, axis=1) == 1)
 
 
+@pytest.mark.parametrize("rotor", [0, 2])
+def test_a_rotor_that_is_weaker_from_the_start_raises_no_alarm_and_hides_no_later_loss(
+    monitor, rotor
+):
+    unequal, later = effectiveness_with(rotor, 0.88), effectiveness_with(rotor, 0.88)
+    later[1] = 0.8
+    body = Body(monitor)
+    estimator = Estimator(monitor, body.sample)
+    for _ in range(500):
+        np.testing.assert_array_equal(
+            estimator.update(monitor.trim, body.step(monitor.trim, unequal)), 1
+        )
+    for _ in range(100):
+        estimate = estimator.update(monitor.trim, body.step(monitor.trim, later))
+    assert estimate[1] == pytest.approx(0.8, abs=0.04)
+    np.testing.assert_array_equal(np.delete(estimate, 1), 1)
+
+
 def test_a_recovery_is_detected(monitor):
     body = Body(monitor)
     estimator = Estimator(monitor, body.sample)
