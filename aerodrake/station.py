@@ -72,6 +72,8 @@ WIRING = Wiring(
         *outputs("arm_controller", "joint_torque", "torque_at_limit"),
         *outputs("sensors", "sample", "state", "external_acceleration", "sample_health"),
         *outputs("sensors", "joint_oscillation", "position_offset"),
+        *outputs("sensors", "specific_force", "specific_force_stamp"),
+        *outputs("sensors", "tool_position", "tool_stamp"),
         *outputs("flight_controller", "thrust_command", "specific_thrust"),
         *outputs("flight_controller", "disturbance", "saturated"),
         *outputs("rotor_monitor", "rotor_effectiveness"),
@@ -117,7 +119,10 @@ def make_station(
     (13 + 2 n); `thrust` (k) N and `joint_torque` (n) N m, as they act; `torque_at_limit` (n), of
     the arm controller; `thrust_command` (k) N, `specific_thrust` (1), `disturbance` (6) and
     `saturated` (1), of the flight controller; `rotor_effectiveness` (k); `body_poses`
-    (abstract), `wind_velocity` (3) m/s and `wind_force` (3) N, of the physics.
+    (abstract), `wind_velocity` (3) m/s and `wind_force` (3) N, of the physics. With an
+    accelerometer, `specific_force` (3) m/s^2 in the base frame, the mean of its last samples, and
+    its stamp `specific_force_stamp` (1) s. With a tool sensor, `tool_position` (3) m in the
+    world, its last sample, and `tool_stamp` (1) s.
     Samples and states are `VehicleState`s, whose parts `split_state` names.
 
     Args:
@@ -140,7 +145,11 @@ def make_station(
     builder.AddNamedSystem("flight_controller", flight_controller)
     builder.AddSystem(
         make_sensors(
-            scenario, vehicle.trim_state, flight_controller.trim_acceleration, replacements.part()
+            scenario,
+            vehicle.trim_state,
+            flight_controller.trim_acceleration,
+            replacements.part(),
+            vehicle,
         )
     )
     arm_controller = ArmController(scenario.arm, vehicle, rates.arm_period_s, offset)

@@ -4,7 +4,7 @@ The package exports every section, every kind of reference, orientation and faul
 """
 
 from aerodrake.scenario.actuation import Actuation
-from aerodrake.scenario.environment import Air, Mismatch, Payload, Sensors, Wind
+from aerodrake.scenario.environment import Air, Mismatch, Payload, Wind
 from aerodrake.scenario.faults import (
     SAMPLE_GROUPS,
     AnyFault,
@@ -59,4 +59,13 @@ from aerodrake.scenario.sections import (
     Supervisor,
     Vehicle,
     Weights,
+)
+from aerodrake.scenario.sensors import (
+    Accelerometer,
+    AttitudeSensor,
+    JointSensors,
+    PositionSensor,
+    Sampling,
+    Sensors,
+    ToolSensor,
 )

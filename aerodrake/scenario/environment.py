@@ -1,21 +1,8 @@
-"""Environment sections of a scenario: sensors, wind, air, payload and model mismatch."""
+"""Environment sections of a scenario: wind, air, payload and model mismatch."""
 
 from dataclasses import dataclass
 
 from aerodrake.scenario.schema import Section, quantity
-
-
-@dataclass(frozen=True)
-class Sensors(Section):
-    """Standard deviations of the samples' white noise, per axis, and the samples' delay."""
-
-    position_noise_m: float = quantity(0.0, "m", 0.0, 1.0)
-    velocity_noise_m_s: float = quantity(0.0, "m/s", 0.0, 1.0)
-    attitude_noise_rad: float = quantity(0.0, "rad", 0.0, 0.2)
-    rate_noise_rad_s: float = quantity(0.0, "rad/s", 0.0, 1.0)
-    joint_noise_rad: float = quantity(0.0, "rad", 0.0, 0.2)
-    # Delay of the base's position, attitude and velocities; joint samples have none.
-    base_delay_s: float = quantity(0.0, "s", 0.0, 0.5)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from aerodrake.scenario.actuation import Actuation
-from aerodrake.scenario.environment import Air, Mismatch, Payload, Sensors, Wind
+from aerodrake.scenario.environment import Air, Mismatch, Payload, Wind
 from aerodrake.scenario.faults import SAMPLE_GROUPS, AnyFault, MpcFault
 from aerodrake.scenario.references import (
     SHORTEST_AXIS,
@@ -40,6 +40,7 @@ from aerodrake.scenario.sections import (
     Supervisor,
     Vehicle,
 )
+from aerodrake.scenario.sensors import Sensors
 from aerodrake.support.errors import ScenarioError, sourced
 from aerodrake.support.limits import SEED
 
@@ -113,7 +114,7 @@ Violation = tuple[str, str]
 def _rates(scenario: Scenario) -> Iterator[Violation]:
     rates = scenario.rates
     times = {f"rates.{name}": value for name, value in dataclasses.asdict(rates).items()}
-    times["sensors.base_delay_s"] = scenario.sensors.base_delay_s
+    times |= scenario.sensors.times
     times["actuation.rotor_dead_time_s"] = scenario.actuation.rotor_dead_time_s
     times["filter.delay_s"] = scenario.filter.delay_s
     pairs = [(key, "rates.plant_step_s") for key in times if key != "filter.delay_s"]
@@ -130,6 +131,21 @@ def _rates(scenario: Scenario) -> Iterator[Violation]:
         expected = f"expected rates.sensor_period_s ({rates.sensor_period_s:g} s) or more, since "
         got = f"the observers take one new sample a tick; got {rates.flight_period_s:g} s"
         yield "rates.flight_period_s", expected + got
+
+
+def _sensors(scenario: Scenario) -> Iterator[Violation]:
+    """Yields inconsistent values, and samples too rare for the supervisor or for the filter."""
+    sensors, supervisor = scenario.sensors, scenario.supervisor
+    yield from sensors.violations()
+    for group in SAMPLE_GROUPS:
+        outage_s, period_s = getattr(supervisor, f"{group}_outage_s"), sensors.each[group].period_s
+        if period_s >= outage_s:
+            expected = f"expected less than supervisor.{group}_outage_s ({outage_s:g} s)"
+            yield f"sensors.{group}.period_s", f"{expected}, got {period_s:g} s"
+    if scenario.filter.accelerometer_noise_m_s2 > 0 and sensors.accelerometer.period_s == 0:
+        expected = "expected 0, since there is no accelerometer (sensors.accelerometer.period_s 0)"
+        got = f"got {scenario.filter.accelerometer_noise_m_s2:g} m/s^2"
+        yield "filter.accelerometer_noise_m_s2", f"{expected}; {got}"
 
 
 def _name(scenario: Scenario) -> Iterator[Violation]:
@@ -217,6 +233,6 @@ def _allocation(scenario: Scenario) -> Iterator[Violation]:
 
 
 RULES = (
-    *(_rates, _name, _reference, _rotor, _air, _setpoint_link, _model, _clik, _supervisor),
-    _allocation,
+    *(_rates, _sensors, _name, _reference, _rotor, _air, _setpoint_link, _model, _clik),
+    *(_supervisor, _allocation),
 )

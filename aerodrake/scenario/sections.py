@@ -65,6 +65,8 @@ class Filter(Section):
     attitude_noise_rad: float = quantity(0.0035, "rad", 1e-6, 0.2)
     rate_noise_rad_s: float = quantity(0.01, "rad/s", 1e-6, 10.0)
     joint_noise_rad: float = quantity(0.0009, "rad", 1e-6, 0.2)
+    # The same of the accelerometer's mean over a sensor period; 0 leaves it out.
+    accelerometer_noise_m_s2: float = quantity(0.0, "m/s^2", 0.0, 100.0)
     # Random-walk intensities of the disturbances of the base's linear and angular acceleration.
     disturbance_m_s3: float = quantity(0.2, "m/s^2/sqrt(s)", 1e-3, 1e3)
     disturbance_rad_s3: float = quantity(3.0, "rad/s^2/sqrt(s)", 1e-3, 1e4)

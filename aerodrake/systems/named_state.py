@@ -40,14 +40,19 @@ class NamedState(Generic[State]):
             self.groups[name] = group
             self._fields.append((int(group), np.shape(value), type(value)))
 
-    def read(self, context: Context) -> State:
-        """Returns a copy of the state in a Context, in the shapes and types of the defaults."""
-        value_of = context.get_discrete_state().value
-        values = (
+    def read(self, source: Context | DiscreteValues) -> State:
+        """Returns a copy of the state, in the shapes and types of the defaults.
+
+        Args:
+            source: A Context, or the values that several updates of one instant change in turn.
+        """
+        values = source if isinstance(source, DiscreteValues) else source.get_discrete_state()
+        value_of = values.value
+        parts = (
             value_of(index).reshape(shape).copy() if shape else kind(value_of(index)[0])
             for index, shape, kind in self._fields
         )
-        return _nested(self._initial, values)
+        return _nested(self._initial, parts)
 
     def write(self, discrete: DiscreteValues, state: State) -> None:
         """Sets all groups, as in a discrete update."""

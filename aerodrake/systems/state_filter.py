@@ -3,10 +3,16 @@
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from pydrake.systems.framework import Context, LeafSystem, State
+from pydrake.systems.framework import Context, DiscreteValues, InputPort, LeafSystem, State
 
 from aerodrake.model.sensing.sample import Sample
-from aerodrake.model.sensing.state_filter import FilterState, StateFilter, replace_rejected, update
+from aerodrake.model.sensing.state_filter import (
+    NO_FORCE,
+    FilterState,
+    StateFilter,
+    replace_rejected,
+    update,
+)
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.support.arguments import StateVector, Timed, Vector6, checked
 from aerodrake.systems.named_state import NamedState
@@ -33,6 +39,8 @@ class StateFilterSystem(LeafSystem):
             since the last sample.
         in `reaction` (3): m/s^2, from the flight controller, contained in `acceleration`.
         in `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
+        in `specific_force` (3) and `specific_force_stamp` (1): m/s^2 in the base frame and s, from
+            the accelerometer. Only a filter that uses one has these ports.
         out `state` (13 + 2 n): the estimated present `VehicleState`; the last sample if
             samples are exact.
         out `external_acceleration` (3): m/s^2 in the world, acceleration of the base by
@@ -46,7 +54,8 @@ class StateFilterSystem(LeafSystem):
         a group for each field of `FilterState`: of the sample check the previous sample,
         time stamps, accepted values, travel, health and jump; of the estimate disturbance and
         state; the accelerations since the base's last sample; the position offset; of the joints'
-        oscillation half-waves and amplitude. And the other two outputs.
+        oscillation half-waves and amplitude. And the other two outputs. With an accelerometer,
+        `specific_force_stamp`, of its last mean.
     Rate:
         `state_filter.dt`, by an *unrestricted* update: these run before the discrete updates of
         the same instant, so that a controller that ticks with the sensors sees the new state.
@@ -74,6 +83,13 @@ class StateFilterSystem(LeafSystem):
         self._reaction = self.DeclareVectorInputPort("reaction", 3)
         joints = len(split_state(initial).q)
         self._joint_setpoint = self.DeclareVectorInputPort("joint_setpoint", 3 * joints)
+        self._accelerometer: tuple[InputPort, InputPort, int] | None = None
+        if len(state_filter.accelerometer):
+            self._accelerometer = (
+                self.DeclareVectorInputPort("specific_force", 3),
+                self.DeclareVectorInputPort("specific_force_stamp", 1),
+                self.DeclareDiscreteState([-np.inf]),
+            )
         first = FilterState.before_samples(state_filter, initial, trim_acceleration)
         self._state = NamedState(self, first)
         self._outputs = NamedState(self, FilterOutputs(initial, np.zeros(3)))
@@ -92,10 +108,22 @@ class StateFilterSystem(LeafSystem):
         sample = Sample(self._sample.Eval(context), self._stamps.Eval(context))
         last, setpoint = self._state.read(context), self._joint_setpoint.Eval(context)
         acceleration = self._acceleration.Eval(context)
-        now, estimate = update(self._filter, last, sample, acceleration, setpoint)
+        force = self._specific_force(context, discrete)
+        now, estimate = update(self._filter, last, sample, acceleration, setpoint, force)
         output = estimate.state
         if self._passes:
             output = replace_rejected(sample.state, estimate.state, now.check.health)
         external = estimate.disturbance[:3] - self._reaction.Eval(context)
         self._state.write(discrete, now)
         self._outputs.write(discrete, FilterOutputs(output, external))
+
+    def _specific_force(self, context: Context, discrete: DiscreteValues) -> np.ndarray:
+        """Returns the measured specific force (3,) m/s^2; NaN if there is no new one."""
+        if self._accelerometer is None:
+            return NO_FORCE
+        force, stamp, group = self._accelerometer
+        newest = stamp.Eval(context)
+        if not newest > discrete.value(group):
+            return NO_FORCE
+        discrete.set_value(group, newest)
+        return force.Eval(context)

@@ -22,6 +22,11 @@ OPTIONAL = frozenset(
         *((name, "position_offset") for name in ("setpoint_integrator", "coordinator")),
         *((name, "joint_oscillation") for name in ("state_filter", "sensors", "station")),
         *((name, "joint_oscillation") for name in ("supervisor", "coordinator")),
+        *(
+            (name, port)
+            for name in ("sensors", "station")
+            for port in ("specific_force", "specific_force_stamp", "tool_position", "tool_stamp")
+        ),
         *((name, "torque_at_limit") for name in ("arm_controller", "station")),
         *((name, "torque_at_limit") for name in ("supervisor", "coordinator")),
         ("setpoint_integrator", "state"),
@@ -31,7 +36,8 @@ OPTIONAL = frozenset(
         *((name, "requested_reference") for name in ("guidance", "coordinator")),
     }
 )
-"""Systems and their ports that a replacement may lack; a `Wiring` then skips their rows."""
+"""Systems and their ports that a replacement or a scenario may lack; a `Wiring` then skips their
+rows."""
 
 
 @dataclass(frozen=True)

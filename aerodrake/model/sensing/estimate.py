@@ -13,6 +13,7 @@ from aerodrake.model.vehicle.rotation import (
     turned,
 )
 from aerodrake.model.vehicle.state import split_state
+from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.support.compiled import compiled
 
 ARM_DECAY_S = 0.1
@@ -112,6 +113,36 @@ def correct_attitude(estimate: Estimate, sample: np.ndarray, L: np.ndarray) -> N
         delta[i] += L[2, 0] * theta + L[2, 1] * rate
     quaternion[:] = turned(quaternion, turn)
     omega_W[:] = apply(R, omega)
+
+
+@compiled
+def correct_acceleration(
+    estimate: Estimate,
+    specific_force: np.ndarray,
+    acceleration: np.ndarray,
+    gain: np.ndarray,
+    dt: float,
+) -> None:
+    """Corrects position, velocity and d by a measured specific force, in place.
+
+    Args:
+        estimate: At the end of the time over which the force is the mean.
+        specific_force: (3,) m/s^2, in the base frame.
+        acceleration: (6,) modelled during that time, as in `predict_base`.
+        gain: (3,) of [p, v, d] for d as measured.
+        dt: s, the time.
+    """
+    d = estimate.disturbance[:3]
+    quaternion, p_B, _, omega_W, v_B, _ = split_state(estimate.state)
+    omega = apply(rotation_matrix(quaternion).T, omega_W)
+    R = rotation_matrix(turned(quaternion, -dt / 2 * omega))  # Halfway.
+    measured = apply(R, specific_force)
+    measured[2] -= GRAVITY
+    for i in range(3):
+        error = measured[i] - acceleration[i] - d[i]
+        p_B[i] += gain[0] * error
+        v_B[i] += gain[1] * error
+        d[i] += gain[2] * error
 
 
 @compiled

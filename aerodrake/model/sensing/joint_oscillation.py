@@ -5,6 +5,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from aerodrake.model.sensing.sample import JOINTS, group_of
+from aerodrake.model.sensing.sample_check import SampleCheck
 from aerodrake.model.sensing.sample_health import Verdict, is_accepted
 from aerodrake.support.compiled import compiled
 
@@ -55,7 +56,7 @@ def track(
     sample: np.ndarray,
     verdict: float,
     joint_setpoint: np.ndarray,
-    dt: float,
+    bounds: SampleCheck,
 ) -> JointOscillation:
     """Returns the state after one more sample.
 
@@ -68,9 +69,10 @@ def track(
         previous, sample: (13 + 2 n,) as they arrived.
         verdict: `Verdict` on the joints of the sample.
         joint_setpoint: (3 n,) q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
-        dt: s, between samples.
+        bounds: Time between samples, and bound of the noise on the rates, by which rate errors are
+            reduced.
     """
-    n = len(last.sign)
+    n, dt, noise = len(last.sign), bounds.dt, bounds.rate_noise[JOINTS]
     peaks, sign = last.peaks.copy(), last.sign.copy()
     duration_s, amplitude = last.duration_s.copy(), last.amplitude.copy()
     q_previous, qdot_previous = group_of(JOINTS, previous)
@@ -82,6 +84,7 @@ def track(
         is_motion = np.abs(step).max() <= STEP_RAD
     for i in range(n):
         error = qdot[i] - joint_setpoint[n + i] if is_motion else 0.0
+        error = np.sign(error) * max(abs(error) - noise, 0.0)
         if error * sign[i] < 0 or sign[i] == 0:
             for k in range(4, 0, -1):
                 peaks[k, i] = peaks[k - 1, i]

@@ -23,6 +23,32 @@ POSITION, ATTITUDE, JOINTS = range(3)
 """Indices of the groups."""
 
 
+ACCELEROMETER, TOOL = 3, 4
+"""Indices of the other sensors, after the groups."""
+
+INERTIAL_NOISE = 9
+"""Number of normal draws of the inertial sensors for one sample."""
+
+
+class InertialNoise(NamedTuple):
+    """Standard normal draws for the inertial sensors.
+
+    Attributes:
+        rate_walk: (3,) random walk of the gyroscope's bias.
+        accelerometer: (3,) noise of the accelerometer.
+        accelerometer_walk: (3,) random walk of its bias.
+    """
+
+    rate_walk: np.ndarray
+    accelerometer: np.ndarray
+    accelerometer_walk: np.ndarray
+
+
+def split_inertial_noise(noise: np.ndarray) -> InertialNoise:
+    """Returns the parts of draws `noise` (9,) as views."""
+    return InertialNoise(noise[:3], noise[3:6], noise[6:])
+
+
 class Sample(NamedTuple):
     """One sample of the vehicle's state.
 
@@ -131,3 +157,10 @@ def group_of(g: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if g == ATTITUDE:
         return quaternion, omega_W
     return q, qdot
+
+
+@compiled
+def replace_group(g: int, x: np.ndarray, source: np.ndarray) -> None:
+    """Replaces group `g` of the state x by that of the state `source`, (13 + 2 n,) each."""
+    value, rate = group_of(g, x)
+    value[:], rate[:] = group_of(g, source)

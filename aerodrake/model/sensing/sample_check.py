@@ -8,6 +8,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from aerodrake.model.sensing.encoder import Encoder
 from aerodrake.model.sensing.estimate import Estimate
 from aerodrake.model.sensing.position_jump import (
     Jump,
@@ -16,7 +17,7 @@ from aerodrake.model.sensing.position_jump import (
     has_jumped,
     is_lasting,
 )
-from aerodrake.model.sensing.sample import ATTITUDE, POSITION, Sample, group_of
+from aerodrake.model.sensing.sample import ATTITUDE, GROUPS, JOINTS, POSITION, Sample, group_of
 from aerodrake.model.sensing.sample_health import Verdict, is_accepted, split_health
 from aerodrake.model.vehicle.rotation import conjugate, length, product, rotation_vector
 from aerodrake.scenario import Filter, Sensors
@@ -29,7 +30,10 @@ UNIT_LENGTH = 0.1
 """Tolerated deviation of a quaternion's length from 1; the plant's drifts slightly."""
 
 RESOLUTION = np.array([3e-4, 3e-4, 1e-3])
-"""m, rad, rad: motion after which the same values cannot be measured again."""
+"""m, rad, rad: motion after which sensors of floating-point resolution measure other values."""
+
+QUANTA = 4.0
+"""Motion of all joints together, in steps of their encoders, after which one measures another."""
 
 NOISE_DEVIATIONS = 8.0
 """Bound of the noise in standard deviations."""
@@ -68,18 +72,27 @@ class SampleCheck(NamedTuple):
     Attributes:
         noise: (3,) m, rad, rad: bound of the noise on a value.
         rate_noise: (3,) m/s, rad/s, rad/s: bound of the noise on its velocity.
+        period: (3,) s, between the samples of a group: `dt`, or more if its sensor is slower.
+        jitter: (3,) s, largest difference of two latencies.
+        resolution: (3,) m, rad, rad: motion after which the same values cannot be measured again.
         jump: Limits of a lasting step of the position.
         dt: s, between samples.
     """
 
     noise: np.ndarray
     rate_noise: np.ndarray
+    period: np.ndarray
+    jitter: np.ndarray
+    resolution: np.ndarray
     jump: JumpLimits
     dt: float
 
     @classmethod
     def make(cls, config: Filter, sensors: Sensors, dt: float) -> Self:
-        """Returns the bounds for the noise that the filter assumes, or the sensors' if larger."""
+        """Returns the bounds for the noise that the filter assumes, or the sensors' if larger.
+
+        Slow sensors, latencies and the encoders' resolution widen them.
+        """
         noise = np.maximum(
             [config.position_noise_m, config.attitude_noise_rad, config.joint_noise_rad],
             [sensors.position_noise_m, sensors.attitude_noise_rad, sensors.joint_noise_rad],
@@ -88,8 +101,17 @@ class SampleCheck(NamedTuple):
             [config.velocity_noise_m_s, config.rate_noise_rad_s, 0.0],
             [sensors.velocity_noise_m_s, sensors.rate_noise_rad_s, 0.0],
         )
-        bounds = NOISE_DEVIATIONS * noise, NOISE_DEVIATIONS * rate_noise
-        return cls(*bounds, JumpLimits.make(config), dt)
+        periods = np.array([sensors.each[group].period_s or dt for group in GROUPS])
+        jitter = np.array([np.ptp(sensors.each[group].latency_s) for group in GROUPS])
+        bounds, resolution = NOISE_DEVIATIONS * noise, RESOLUTION.copy()
+        rate_bounds = NOISE_DEVIATIONS * rate_noise
+        encoder = Encoder.make(sensors.joints)
+        bounds[JOINTS] += encoder.quantum_rad
+        resolution[JOINTS] = max(resolution[JOINTS], QUANTA * encoder.quantum_rad)
+        rate_deviation = encoder.rate_deviation(sensors.joint_noise_rad, periods[JOINTS])
+        rate_bounds[JOINTS] += NOISE_DEVIATIONS * rate_deviation
+        times = np.maximum(periods, dt), jitter
+        return cls(bounds, rate_bounds, *times, resolution, JumpLimits.make(config), dt)
 
 
 class CheckState(NamedTuple):
@@ -158,7 +180,7 @@ def check(bounds: SampleCheck, last: CheckState, predicted: Estimate, sample: Sa
             verdict = Verdict.STALE.value
         elif not _is_finite(g, x, rate):
             verdict = Verdict.NOT_FINITE.value
-        elif travel[g] > RESOLUTION[g]:
+        elif travel[g] > bounds.resolution[g]:
             verdict = Verdict.FROZEN.value
         elif not has_begun(g, last):
             starts_late = g == POSITION and split_health(last.health).ages[g] > 0
@@ -180,12 +202,12 @@ def check(bounds: SampleCheck, last: CheckState, predicted: Estimate, sample: Sa
 
 
 @compiled
-def is_outage(bounds: SampleCheck, age: float) -> bool:
-    """Returns True if too many samples of a group were rejected to compare with the last accepted.
+def is_outage(bounds: SampleCheck, g: int, age: float) -> bool:
+    """Returns True if the last accepted sample of group `g` is too old to compare with.
 
     `age` in s is the time from the last accepted sample to the previous sample.
     """
-    return age > (OUTAGE_SAMPLES - 0.5) * bounds.dt
+    return age > (OUTAGE_SAMPLES - 0.5) * bounds.period[g]
 
 
 @compiled
@@ -198,12 +220,14 @@ def _is_plausible(
     """
     age, (x, rate) = split_health(last.health).ages[g], group_of(g, state)
     since = age + bounds.dt
-    if not is_outage(bounds, age):
+    if not is_outage(bounds, g, age):
         noise, rate_noise = bounds.noise[g], bounds.rate_noise[g]
         a, (x_accepted, rate_accepted) = ACCELERATION[g], group_of(g, last.accepted)
         step = _difference(g, x_accepted, x) - since / 2 * (rate_accepted + rate)
-        is_within = length(step) <= 2 * noise + since * rate_noise + a * since**2 / 4
-        return is_within and length(rate - rate_accepted) <= 2 * rate_noise + a * since
+        jitter, most = bounds.jitter[g], since + bounds.jitter[g]
+        late = jitter * max(length(rate_accepted), length(rate))
+        is_within = length(step) <= 2 * noise + since * rate_noise + a * most**2 / 4 + late
+        return is_within and length(rate - rate_accepted) <= 2 * rate_noise + a * most
     bound, rate_bound = _prediction_bounds(bounds, g, predicted, since)
     x_predicted, rate_predicted = group_of(g, predicted.state)
     is_within = length(_difference(g, x_predicted, x)) <= bound
@@ -225,6 +249,9 @@ def _prediction_bounds(
         disturbance = length(predicted.disturbance[3:])
     a = DRIFT[g] + DRIFT_RATIO * disturbance
     drift, rate_drift = a * since**2 / 2 + a * since**3 / 6, a * since + a * since**2 / 2
+    _, rate = group_of(g, predicted.state)
+    drift += bounds.jitter[g] * length(rate)
+    rate_drift += bounds.jitter[g] * ACCELERATION[g]
     return SLACK[g] + bounds.noise[g] + drift, RATE_SLACK[g] + bounds.rate_noise[g] + rate_drift
 
 
@@ -243,12 +270,13 @@ def _check_jump(
     if is_plausible:
         jumped = has_jumped(last.jump, deviation)
         return Verdict.RESET.value if jumped else Verdict.OK.value, Jump(np.zeros(3), 0.0)
-    since_jump = last.jump.duration_s + bounds.dt
+    period = bounds.period[POSITION]
+    since_jump = last.jump.duration_s + period
     tolerance, _ = _prediction_bounds(bounds, POSITION, predicted, since_jump)
-    jump = extend_jump(last.jump, deviation, tolerance + bounds.noise[POSITION], bounds.dt)
+    jump = extend_jump(last.jump, deviation, tolerance + bounds.noise[POSITION], period)
     since_accepted = split_health(last.health).ages[POSITION] + bounds.dt
     tolerance, rate_bound = _prediction_bounds(bounds, POSITION, predicted, since_accepted)
-    is_reset = is_lasting(bounds.jump, jump, tolerance, bounds.dt)
+    is_reset = is_lasting(bounds.jump, jump, tolerance, period)
     if is_reset and length(velocity - predicted_velocity) <= rate_bound:
         return Verdict.RESET.value, Jump(np.zeros(3), 0.0)
     return Verdict.JUMP.value, jump

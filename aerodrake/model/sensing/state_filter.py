@@ -3,10 +3,11 @@
 from typing import NamedTuple, Self
 
 import numpy as np
-from scipy.linalg import solve_discrete_are
 
+from aerodrake.model.sensing.chain import Chain
 from aerodrake.model.sensing.estimate import (
     Estimate,
+    correct_acceleration,
     correct_attitude,
     correct_joints,
     correct_position,
@@ -14,7 +15,15 @@ from aerodrake.model.sensing.estimate import (
     predict_base,
 )
 from aerodrake.model.sensing.joint_oscillation import JointOscillation, track
-from aerodrake.model.sensing.sample import ATTITUDE, JOINTS, POSITION, Sample, group_of
+from aerodrake.model.sensing.sample import (
+    ATTITUDE,
+    GROUPS,
+    JOINTS,
+    POSITION,
+    Sample,
+    group_of,
+    replace_group,
+)
 from aerodrake.model.sensing.sample_check import (
     CheckState,
     SampleCheck,
@@ -32,6 +41,10 @@ JOINT_WALK_RAD = 1e-4
 """Standard deviation, per sample, of the joints' motion beyond their measured rates."""
 
 
+NO_FORCE = np.full(3, np.nan)
+"""Specific force without a new sample of the accelerometer."""
+
+
 class StateFilter(NamedTuple):
     """Steady-state Kalman filters of the base's translation, its rotation, and the joints.
 
@@ -39,7 +52,11 @@ class StateFilter(NamedTuple):
     are measured; a is the acceleration that the flight controller models. Rotation about each
     axis is the same chain, with attitude errors as rotation vectors in the base frame. Each
     joint is q' = q_m' + noise. The Riccati equation gives the gains once, from the scenario's
-    noise.
+    noise. A group that is sampled less often than the filter ticks has the gains of its own
+    period.
+
+    An accelerometer measures d as well: its specific force less the modelled one. The gains are
+    then those of the periodic Riccati equation, by the ticks since the last position.
 
     A delayed base sample corrects the estimate of its own time. The modelled accelerations
     since then predict the present.
@@ -47,6 +64,8 @@ class StateFilter(NamedTuple):
     Attributes:
         translation: (3, 2) gains of [p, v, d] for [p, v] as measured.
         rotation: (3, 2) gains of [attitude, rate, delta] for [attitude, rate] as measured.
+        accelerometer: (ticks, 3) gains of [p, v, d] for d as measured, by the ticks since the last
+            position; (0, 3) without an accelerometer.
         joint: Gain of a joint's angle.
         check: Bounds for accepting a sample.
         steps: Assumed delay of the base's samples, in samples.
@@ -55,6 +74,7 @@ class StateFilter(NamedTuple):
 
     translation: np.ndarray
     rotation: np.ndarray
+    accelerometer: np.ndarray
     joint: float
     check: SampleCheck
     steps: int
@@ -65,17 +85,23 @@ class StateFilter(NamedTuple):
     def make(cls, config: Filter, sensors: Sensors, dt: Period) -> Self:
         """Returns the filter for the noise, disturbances and delay that a scenario assumes.
 
-        The actual noise of `sensors` only widens the bounds of the sample check; dt in s.
+        The actual noise and flaws of `sensors` only widen the bounds of the sample check, but for
+        the periods of its groups; dt in s.
         """
-        r, q = config.joint_noise_rad**2, JOINT_WALK_RAD**2
+        ticks = [max(1, round(sensors.each[group].period_s / dt)) for group in GROUPS]
+        base = Chain(config.position_noise_m, config.velocity_noise_m_s, config.disturbance_m_s3)
+        turn = Chain(config.attitude_noise_rad, config.rate_noise_rad_s, config.disturbance_rad_s3)
+        translation, accelerometer = base.gain(dt, ticks[POSITION]), np.empty((0, 3))
+        if config.accelerometer_noise_m_s2 > 0:
+            translation, accelerometer = base.periodic_gains(
+                config.accelerometer_noise_m_s2, dt, ticks[POSITION]
+            )
+        r, q = config.joint_noise_rad**2, ticks[JOINTS] * JOINT_WALK_RAD**2
         P = (q + np.sqrt(q**2 + 4 * q * r)) / 2
         return cls(
-            translation=_chain_gain(
-                config.position_noise_m, config.velocity_noise_m_s, config.disturbance_m_s3, dt
-            ),
-            rotation=_chain_gain(
-                config.attitude_noise_rad, config.rate_noise_rad_s, config.disturbance_rad_s3, dt
-            ),
+            translation=translation,
+            rotation=turn.gain(dt, ticks[ATTITUDE]),
+            accelerometer=accelerometer,
             joint=float(P / (P + r)),
             check=SampleCheck.make(config, sensors, dt),
             steps=round(config.delay_s / dt),
@@ -142,6 +168,7 @@ def update(
     sample: Sample,
     acceleration: np.ndarray,
     joint_setpoint: np.ndarray,
+    specific_force: np.ndarray,
 ) -> tuple[FilterState, Estimate]:
     """Corrects the estimate by the accepted groups of a sample, and predicts the others.
 
@@ -155,6 +182,8 @@ def update(
         sample: The base's groups are delayed, the joints' are not.
         acceleration: (6,) modelled since the previous sample, as in `predict_base`.
         joint_setpoint: (3 n,) now.
+        specific_force: (3,) m/s^2 in the base frame, measured mean over the period before the
+            base's sample; `NO_FORCE` without a new one.
 
     Returns:
         The new state of the filter; the estimate of the present.
@@ -173,7 +202,7 @@ def update(
         if not is_accepted(verdicts[g]):
             if g == JOINTS:
                 replace_group(g, at_sample.state, predicted.state)
-        elif is_reset or is_outage(gains.check, ages[g]) or not has_begun(g, last.check):
+        elif is_reset or is_outage(gains.check, g, ages[g]) or not has_begun(g, last.check):
             replace_group(g, at_sample.state, sample.state)
         elif g == POSITION:
             correct_position(at_sample, sample.state, gains.translation)
@@ -181,6 +210,11 @@ def update(
             correct_attitude(at_sample, sample.state, gains.rotation)
         else:
             correct_joints(at_sample, sample.state, gains.joint, gains.dt)
+    if len(gains.accelerometer) and np.all(np.isfinite(specific_force)):
+        age = split_health(check_state.health).ages[POSITION]
+        k = min(round(age / gains.dt), len(gains.accelerometer) - 1)
+        gain = gains.accelerometer[k]
+        correct_acceleration(at_sample, specific_force, accelerations[0], gain, gains.dt)
     now = at_sample
     for k in range(1, len(accelerations)):
         now = predict_base(now, accelerations[k], gains.dt)
@@ -190,7 +224,7 @@ def update(
         sample.state,
         verdicts[JOINTS],
         joint_setpoint,
-        gains.dt,
+        gains.check,
     )
     new = FilterState(check_state, at_sample, accelerations[1:], position_offset, oscillation)
     return new, now
@@ -207,23 +241,3 @@ def replace_rejected(sample: np.ndarray, predicted: np.ndarray, health: np.ndarr
         if not is_accepted(split_health(health).verdicts[g]):
             replace_group(g, state, predicted)
     return state
-
-
-@compiled
-def replace_group(g: int, x: np.ndarray, source: np.ndarray) -> None:
-    """Replaces group `g` of the state x by that of the state `source`, (13 + 2 n,) each."""
-    value, rate = group_of(g, x)
-    value[:], rate[:] = group_of(g, source)
-
-
-def _chain_gain(value: float, rate: float, walk: float, dt: float) -> np.ndarray:
-    """Returns the gains (3, 2) of [x, x', d] for noisy [x, x'] and a random walk d.
-
-    Standard deviations are `value` of x, `rate` of x', and `walk` of d per square root of 1 s.
-    """
-    F = np.array([[1, dt, dt**2 / 2], [0, 1, dt], [0, 0, 1]])
-    H = np.eye(2, 3)
-    G = np.array([dt**2 / 6, dt / 2, 1]) * walk * np.sqrt(dt)
-    R = np.diag(np.square([value, rate]))
-    P = solve_discrete_are(F.T, H.T, np.outer(G, G), R)
-    return P @ H.T @ np.linalg.inv(H @ P @ H.T + R)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from pydrake.math import VectorToSkewSymmetric
+from pydrake.math import RigidTransform, VectorToSkewSymmetric
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from scipy.optimize import minimize
@@ -90,9 +90,13 @@ class Kinematics:
     def tool(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Returns position p_EB (3,) m and axis t (3,) of the tool in the base frame, at joint
         angles q (n,) rad."""
-        self._set(q)
-        X_BE = self._plant.CalcRelativeTransform(self._context, self._base, self._tool)
+        X_BE = self.tool_pose(q)
         return X_BE.translation(), X_BE.rotation().multiply(TOOL_AXIS)
+
+    def tool_pose(self, q: np.ndarray) -> RigidTransform:
+        """Returns the pose of the frame `tool` in the base frame, at joint angles q (n,) rad."""
+        self._set(q)
+        return self._plant.CalcRelativeTransform(self._context, self._base, self._tool)
 
     def arm(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Returns p_EB (3,) m and its Jacobian J_B (3, n) m/rad in the base frame, at joint angles

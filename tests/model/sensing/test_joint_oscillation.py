@@ -6,18 +6,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aerodrake.model.sensing.joint_oscillation import LONGEST_S, RELEASE, JointOscillation, track
+from aerodrake.model.sensing.sample import JOINTS as JOINT_GROUP
+from aerodrake.model.sensing.sample_check import SampleCheck
 from aerodrake.model.sensing.sample_health import Verdict
 from aerodrake.model.vehicle.state import VehicleState, split_state
+from aerodrake.scenario import Filter, JointSensors, Sensors
 
 DT, JOINTS = 0.01, 3
+BOUNDS = SampleCheck.make(Filter(), Sensors(), DT)
 OK, JUMP = Verdict.OK, Verdict.JUMP
 
 
 class Joints:
     """Samples of joints of which one moves at given rates, and the detection."""
 
-    def __init__(self, joint: int = 1):
-        self.joint = joint
+    def __init__(self, joint: int = 1, bounds: SampleCheck = BOUNDS):
+        self.joint, self.bounds = joint, bounds
         self.sample = np.zeros(VehicleState.size(JOINTS))
         self.setpoint = np.zeros(3 * JOINTS)
         self.state = JointOscillation.none(JOINTS)
@@ -29,7 +33,7 @@ class Joints:
             q, qdot = split_state(sample).q, split_state(sample).qdot
             q[self.joint] += DT / 2 * (last.qdot[self.joint] + rate) + offset
             qdot[self.joint] = rate
-            arguments = self.sample, sample, float(verdict), self.setpoint, DT
+            arguments = self.sample, sample, float(verdict), self.setpoint, self.bounds
             self.state, self.sample = track(self.state, *arguments), sample
         return self.state.amplitude[self.joint]
 
@@ -117,3 +121,14 @@ def test_a_slow_motion_is_no_oscillation():
     joints = Joints()
     times = np.arange(0.0, 4.0, DT)
     assert max(joints.move(x) for x in 3.0 * np.sin(2 * np.pi * 1.5 * times)) == 0.0
+
+
+def test_the_noise_of_differenced_rates_is_no_oscillation():
+    """Amplitudes are reduced by the bound of the noise on the rates."""
+    encoders = JointSensors(resolution_bits=12, rate="difference", rate_filter_s=0.005)
+    bounds = SampleCheck.make(Filter(), Sensors(joint_noise_rad=1e-3, joints=encoders), DT)
+    noise = bounds.rate_noise[JOINT_GROUP]
+    rates = [2.0, -2.0] * 10
+    reduced = Joints(bounds=bounds).move(*rates)
+    assert reduced == pytest.approx(Joints().move(*rates) - noise)
+    assert Joints(bounds=bounds).move(*[noise, -noise] * 10) == 0

@@ -9,7 +9,7 @@ from hypothesis.extra.numpy import arrays
 from aerodrake.model.sensing.estimate import Estimate
 from aerodrake.model.sensing.sample import POSITION, Sample
 from aerodrake.model.sensing.sample_health import Verdict, split_health
-from aerodrake.model.sensing.state_filter import FilterState, StateFilter, update
+from aerodrake.model.sensing.state_filter import NO_FORCE, FilterState, StateFilter, update
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.scenario import Filter, Sensors
 
@@ -40,7 +40,7 @@ class Flight:
         split_state(state).p_B[:] = position + noise
         sample = Sample(state, np.full(3, self.time))
         self.state, self.now = update(
-            self.gains, self.state, sample, np.zeros(6), np.zeros(3 * JOINTS)
+            self.gains, self.state, sample, np.zeros(6), np.zeros(3 * JOINTS), NO_FORCE
         )
         return Verdict(int(split_health(self.state.check.health).verdicts[POSITION]))
 
@@ -120,7 +120,7 @@ def test_the_first_sample_replaces_the_estimate_wherever_it_is():
         for k in range(lost + 1):
             sample = np.full_like(at, np.nan) if k < lost else at
             stamped = Sample(sample, np.full(3, DT * k))
-            state, now = update(FILTER, state, stamped, np.zeros(6), np.zeros(3 * JOINTS))
+            state, now = update(FILTER, state, stamped, np.zeros(6), np.zeros(3 * JOINTS), NO_FORCE)
         assert isinstance(now, Estimate)
         np.testing.assert_array_equal(now.state, at)
         expected = [5.0, -3.0, 1.0] if lost else np.zeros(3)

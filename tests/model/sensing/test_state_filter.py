@@ -13,6 +13,7 @@ from aerodrake.model.sensing.sample import GROUPS, Sample, group_columns
 from aerodrake.model.sensing.sample_health import Verdict, split_health
 from aerodrake.model.sensing.state_filter import (
     JOINT_WALK_RAD,
+    NO_FORCE,
     FilterState,
     StateFilter,
     replace_rejected,
@@ -75,6 +76,7 @@ def test_a_delayed_sample_corrects_the_estimate_of_its_own_time(steps):
             Sample(samples[k], np.full(3, k * DT)),
             accelerations[steps + k],
             np.zeros(3 * JOINTS),
+            NO_FORCE,
         )
         np.testing.assert_array_equal(state.check.health, 0)
         expected = first
@@ -94,12 +96,12 @@ def test_a_rejected_group_is_predicted_and_the_others_corrected(group, wrong):
     last = FilterState.at_rest(gains, start, np.zeros(6))
     setpoint = np.linspace(0.9, 1.1, 3 * JOINTS)
     sample = Sample(start + 1e-3, np.zeros(3))
-    state, corrected = update(gains, last, sample, a, setpoint)
+    state, corrected = update(gains, last, sample, a, setpoint, NO_FORCE)
     np.testing.assert_array_equal(state.check.health, 0)
     columns = group_columns(group, JOINTS)
     broken = sample.state.copy()
     broken[columns[-1]] = wrong
-    state, now = update(gains, last, sample._replace(state=broken), a, setpoint)
+    state, now = update(gains, last, sample._replace(state=broken), a, setpoint, NO_FORCE)
     expected = predict_arm(predict_base(last.estimate, a, DT), setpoint, DT).state
     rejected = np.isin(np.arange(len(start)), columns)
     np.testing.assert_array_equal(now.state[rejected], expected[rejected])
