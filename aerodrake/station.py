@@ -27,13 +27,15 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.arguments import Seed, checked
 from aerodrake.systems.arm_controller import ArmController
-from aerodrake.systems.faults.actuators import make_joint_faults, make_pushes
+from aerodrake.systems.faults.actuators import make_pushes
 from aerodrake.systems.flight_controller import FlightController
-from aerodrake.systems.joint_motors import make_joint_motors
+from aerodrake.systems.joint_transmission import is_rigid
 from aerodrake.systems.rotor_monitor import RotorMonitorSystem
+from aerodrake.wiring.joints import add_joint_actuation
 from aerodrake.wiring.physics import make_physics
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.sensors import make_sensors
+from aerodrake.wiring.setpoint_link import make_setpoint_link
 from aerodrake.wiring.table import Rate, Wiring, outputs, shared_input
 
 RATES = (
@@ -48,7 +50,9 @@ RATES = (
 )
 """Periodic updates of all systems; values are in the section `rates` of a scenario, for example
 `mpc_period_s`, 20 ms by default. The row of the plant is that of the system in it that has its
-state. In still air the wind has no updates; sample faults update with `sensor_period_s`."""
+state. In still air the wind has no updates. Systems that only some scenarios have are not listed:
+sample faults update with `sensor_period_s`, flaws of rotors and joints with `plant_step_s`, the
+setpoint link with `mpc_period_s`."""
 
 WIRING = Wiring(
     connections=(
@@ -99,10 +103,15 @@ STATION_INTERFACE = (
 SETPOINTS = ("base_setpoint", "joint_setpoint")
 """Signals from the coordinator to the station."""
 
-CLOSED_LOOP_WIRING = Wiring(
-    tuple(("station", port, "coordinator", port) for port in STATION_INTERFACE)
-    + tuple(("coordinator", port, "station", port) for port in SETPOINTS)
+INTERFACE = Wiring(tuple(("station", port, "coordinator", port) for port in STATION_INTERFACE))
+DIRECT = Wiring(tuple(("coordinator", port, "station", port) for port in SETPOINTS))
+LINKED = Wiring(
+    (
+        ("coordinator", "segment", "setpoint_link", "segment"),
+        *(("setpoint_link", port, "station", port) for port in SETPOINTS),
+    )
 )
+"""Connections of the closed loop; those of the setpoints are direct, or over a link with flaws."""
 
 
 @checked
@@ -150,6 +159,7 @@ def make_station(
             flight_controller.trim_acceleration,
             replacements.part(),
             vehicle,
+            has_encoder_state=not is_rigid(scenario.actuation),
         )
     )
     arm_controller = ArmController(scenario.arm, vehicle, rates.arm_period_s, offset)
@@ -162,13 +172,7 @@ def make_station(
         rates.sensor_period_s,
     )
     builder.AddNamedSystem("rotor_monitor", RotorMonitorSystem(monitor, vehicle))
-    wiring = WIRING
-    if (motors := make_joint_motors(scenario.mismatch, vehicle)) is not None:
-        builder.AddNamedSystem("joint_motors", motors)
-        wiring = wiring.insert("joint_motors", ("arm_controller", "joint_torque"))
-    if (joint_faults := make_joint_faults(scenario, vehicle.joints)) is not None:
-        builder.AddNamedSystem("joint_faults", joint_faults)
-        wiring = wiring.insert("joint_faults", ("arm_controller", "joint_torque"))
+    wiring = add_joint_actuation(builder, scenario, vehicle, WIRING)
     return wiring.build(builder, "station")
 
 
@@ -203,8 +207,12 @@ def add_closed_loop(
         builder.AddSystem(replacements.instead_of(side.get_name(), side))
         for side in (station, coordinator)
     ]
+    wiring = INTERFACE + DIRECT
+    if (link := make_setpoint_link(scenario, vehicle, replacements.part())) is not None:
+        builder.AddSystem(replacements.instead_of(link.get_name(), link))
+        wiring = INTERFACE + LINKED
     replacements.check_used()
-    CLOSED_LOOP_WIRING.apply(builder)
+    wiring.apply(builder)
     ports = [side.get_output_port(i) for side in sides for i in range(side.num_output_ports())]
     return {port.get_name(): port for port in ports}
 

@@ -8,6 +8,9 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.arguments import checked
 from aerodrake.systems.faults.actuators import make_rotor_faults
+from aerodrake.systems.rotor_air import make_rotor_air
+from aerodrake.systems.rotor_commands import make_rotor_dead_time, make_rotor_levels
+from aerodrake.systems.rotor_strength import make_rotor_strength
 from aerodrake.systems.rotors import make_rotors
 from aerodrake.wiring.plant import make_plant
 from aerodrake.wiring.replacements import Replacements
@@ -34,6 +37,15 @@ WIRING = Wiring(
     ),
 )
 
+ROTOR_AIR = Wiring(
+    connections=(
+        ("plant", "state", "rotor_air", "true_state"),
+        ("wind", "wind_velocity", "rotor_air", "wind_velocity"),
+        ("rotor_air", "generalized_force", "forces", "u2"),
+    ),
+)
+"""Connections of the effects of the air on the rotors, if there are any."""
+
 
 @checked
 def make_physics(
@@ -52,7 +64,7 @@ def make_physics(
     `wind_force` (3) N on it, in the world.
 
     Args:
-        scenario: Vehicle, payload, mismatch, wind, rotor faults and rates.
+        scenario: Vehicle, payload, mismatch, wind, air, rotors with their flaws and faults, rates.
         vehicle: The scenario's vehicle.
         replacements: Replacements of its systems; None for none.
 
@@ -61,16 +73,31 @@ def make_physics(
     """
     replacements = replacements or Replacements()
     rates, rotor = scenario.rates, scenario.vehicle.rotor
-    builder, wiring = replacements.builder(), WIRING
-    trim = trim_thrust(vehicle, rotor)
+    builder, trim = replacements.builder(), trim_thrust(vehicle, rotor)
     builder.AddSystem(make_plant(scenario, vehicle, replacements.part()))
     rotors = make_rotors(rotor, scenario.mismatch, trim, rates.plant_step_s)
     builder.AddNamedSystem("rotors", rotors)
-    if (rotor_faults := make_rotor_faults(scenario, len(trim))) is not None:
-        builder.AddNamedSystem("rotor_faults", rotor_faults)
-        wiring = wiring.insert("rotor_faults", ("rotors", "y0"))
     builder.AddSystem(
         make_wind(scenario.wind, vehicle.joints, rates.sensor_period_s, replacements.part())
     )
-    builder.AddNamedSystem("forces", Adder(2, 6 + vehicle.joints))
+    wiring, summands = WIRING, 2
+    for name, system in {
+        "rotor_dead_time": make_rotor_dead_time(scenario.actuation, trim, rates.plant_step_s),
+        "rotor_levels": make_rotor_levels(scenario.actuation, rotor, len(trim)),
+    }.items():
+        if system is not None:
+            builder.AddNamedSystem(name, system)
+            wiring = wiring.insert_before(name, ("rotors", "u0"))
+    if (rotor_air := make_rotor_air(scenario.air, vehicle)) is not None:
+        builder.AddNamedSystem("rotor_air", rotor_air)
+        wiring = wiring.insert("rotor_air", ("rotors", "y0"), "thrust", "thrust") + ROTOR_AIR
+        summands += 1
+    for name, system in {
+        "rotor_faults": make_rotor_faults(scenario, len(trim)),
+        "rotor_strength": make_rotor_strength(scenario, len(trim)),
+    }.items():
+        if system is not None:
+            builder.AddNamedSystem(name, system)
+            wiring = wiring.insert(name, ("rotors", "y0"))
+    builder.AddNamedSystem("forces", Adder(summands, 6 + vehicle.joints))
     return wiring.build(builder, "physics")

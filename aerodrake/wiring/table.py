@@ -88,6 +88,24 @@ class Wiring:
             outputs=tuple(map(moved, self.outputs)),
         )
 
+    def insert_before(
+        self, name: str, target: tuple[str, str], input_port: str = "u0", output_port: str = "y0"
+    ) -> Self:
+        """Returns these rows with a system inserted before the input port `target`.
+
+        The source or input of `target`, (system, port), moves to the input port of the inserted
+        system `name`. Default port names are those of a `SymbolicVectorSystem`.
+        """
+
+        def moved(row: tuple[str, ...]) -> tuple[str, ...]:
+            return (*row[:-2], name, input_port) if row[-2:] == target else row
+
+        return replace(
+            self,
+            connections=(*map(moved, self.connections), (name, output_port, *target)),
+            inputs=tuple(map(moved, self.inputs)),
+        )
+
     def apply(self, builder: DiagramBuilder) -> None:
         """Connects and exports the ports of systems that are in the builder.
 

@@ -5,9 +5,10 @@ from pydrake.common import RandomDistribution
 from pydrake.systems.framework import Diagram
 from pydrake.systems.primitives import AffineSystem, RandomSource
 
-from aerodrake.model.vehicle.wind import discrete_gusts, is_at_rest
+from aerodrake.model.vehicle.wind import discrete_gusts, is_at_rest, is_uniform
 from aerodrake.scenario import Wind
 from aerodrake.support.arguments import Count, Period, checked
+from aerodrake.systems.wind_field import WindFieldSystem
 from aerodrake.systems.wind_force import WindForce
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.table import Wiring, outputs, shared_input
@@ -50,4 +51,9 @@ def make_wind(
     air = builder.AddNamedSystem("air", gusts)
     is_windy = air is not gusts or not is_at_rest(config)  # A replacement may always blow.
     builder.AddNamedSystem("wind_force", WindForce(config, joints, period, is_windy))
-    return WIRING.build(builder, "wind")
+    wiring = WIRING
+    if not is_uniform(config):
+        builder.AddNamedSystem("wind_field", WindFieldSystem(config, joints))
+        wiring = wiring.insert("wind_field", ("air", "y0"), "air_velocity", "wind_velocity")
+        wiring += Wiring(inputs=shared_input("true_state", "wind_field"))
+    return wiring.build(builder, "wind")

@@ -44,6 +44,16 @@ def test_an_inserted_system_feeds_targets_and_exports():
     np.testing.assert_array_equal(evaluate(diagram, "total"), [1.0, 2.0])
 
 
+def test_a_system_inserted_before_a_port_takes_its_source_or_input():
+    builder = make_builder()
+    builder.AddNamedSystem("double", Gain(2.0, 2))
+    builder.AddNamedSystem("triple", Gain(3.0, 2))
+    wiring = WIRING.insert_before("double", ("sum", "u1")).insert_before("triple", ("half", "u0"))
+    diagram = wiring.build(builder, "both")
+    np.testing.assert_array_equal(evaluate(diagram, "half"), [3.0, 6.0])
+    np.testing.assert_array_equal(evaluate(diagram, "total"), [8.0, 16.0])
+
+
 def test_rename_and_sum():
     wiring = Wiring(outputs=outputs("mpc", "u", "plan")) + Wiring(
         inputs=shared_input("x", "a", "mpc")

@@ -113,3 +113,27 @@ def test_still_air_exerts_no_force_on_a_moving_base(vehicle):
     Simulator(wind, context).AdvanceTo(1.0)
     np.testing.assert_array_equal(wind.GetOutputPort("wind_force").Eval(context), 0)
     np.testing.assert_array_equal(wind.GetOutputPort("generalized_force").Eval(context), 0)
+
+
+def test_wind_that_varies_in_space_is_that_at_the_base(vehicle):
+    """The base is at p = (0, 0, 1.5) m, where the wave is zero, and then a quarter wave ahead."""
+    config = Wind(
+        velocity_m_s=(1.0, 0.0, 0.0),
+        shear_exponent=1.0,
+        reference_height_m=3.0,
+        wave_m_s=(0.0, 2.0, 0.0),
+        wave_rad_m=(np.pi / 2, 0.0, 0.0),
+        quadratic_drag_n_s2_m2=0.0,
+        linear_drag_n_s_m=0.5,
+    )
+    wind = make_wind(config, JOINTS, PERIOD)
+    simulator = Simulator(wind)
+    context, x = simulator.get_mutable_context(), vehicle.trim_state.copy()
+    for ahead, wave in ((0.0, 0.0), (1.0, 2.0)):
+        x[4] = ahead
+        wind.get_input_port().FixValue(context, x)
+        velocity = wind.GetOutputPort("wind_velocity").Eval(context)
+        np.testing.assert_allclose(velocity, [0.5, wave, 0.0], atol=1e-12)
+        simulator.AdvanceTo(context.get_time() + PERIOD)
+        force = wind.GetOutputPort("wind_force").Eval(context)
+        np.testing.assert_allclose(force, 0.5 * velocity, atol=1e-12)
