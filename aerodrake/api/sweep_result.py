@@ -6,7 +6,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from aerodrake.sweeps.folder import FIGURE, read_rows
+from aerodrake.sweeps.folder import read_rows
+from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.report import sweep_table
 
 
@@ -32,8 +33,9 @@ class SweepResult:
         return sweep_table(self.summary)
 
     def _repr_html_(self) -> str:
-        if not (self.folder / FIGURE).exists():  # It could not be drawn.
+        figure = self.folder / Plan.files.figure
+        if not figure.exists():  # It could not be drawn.
             return f"<pre>{escape(str(self))}</pre>"
-        picture = base64.b64encode((self.folder / FIGURE).read_bytes()).decode()
+        picture = base64.b64encode(figure.read_bytes()).decode()
         image = f'<img alt="Results of the trials" src="data:image/png;base64,{picture}">'
         return f"<pre>{escape(str(self))}</pre>{image}"

@@ -55,7 +55,7 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.api.console import Console
     from aerodrake.api.sweep import sweep
-    from aerodrake.sweeps.folder import FILES
+    from aerodrake.sweeps.plan import Plan
     from aerodrake.sweeps.trial import FAILURES
 
     target = arguments.out or options.new_folder(f"{scenario.name}-sweep")
@@ -73,7 +73,7 @@ def main(arguments: argparse.Namespace) -> int:
     except (KeyboardInterrupt, ProcessDied):
         _say_how_to_resume(arguments, target)
         raise
-    Console(arguments.quiet).say(f"{result}\n\n{target}: {', '.join(FILES)}")
+    Console(arguments.quiet).say(f"{result}\n\n{target}: {', '.join(Plan.files.all)}")
     return 1 if any(result.summary["endings"].get(reason) for reason in FAILURES) else 0
 
 
@@ -94,11 +94,11 @@ def _distributions(assignments: list[str]) -> Iterator[tuple[str, str]]:
 def _say_how_to_resume(arguments: argparse.Namespace, target: Path) -> None:
     """Prints the number of recorded trials, and the command that continues the sweep."""
     from aerodrake.sweeps.folder import read_rows
-    from aerodrake.sweeps.match import PLAN
+    from aerodrake.sweeps.plan import Plan
 
-    if not (target / PLAN).is_file():
+    if not (target / Plan.files.plan).is_file():
         return  # No trial was flown.
-    trials = json.loads((target / PLAN).read_text())["trials"]
+    trials = json.loads((target / Plan.files.plan).read_text())["trials"]
     done = f"{len(list(read_rows(target)))} of {trials} trials are in {target}"
     words = ["aerodrake", "sweep", arguments.scenario]
     for option in ("set", "vary"):

@@ -15,16 +15,9 @@ from aerodrake.scenario.load import load_scenario, save_scenario
 from aerodrake.support.errors import BadInput, writing
 from aerodrake.support.files import write_atomically
 from aerodrake.support.run_folder import run_folder
-from aerodrake.sweeps.match import PLAN, SCENARIO, check_same
+from aerodrake.sweeps.match import check_same
 from aerodrake.sweeps.plan import Plan
-
-ROWS, TIMINGS = "trials.jsonl", "timings.jsonl"
-SUMMARY, FIGURE = "sweep_summary.json", "sweep.png"
-FILES = (SCENARIO, PLAN, ROWS, TIMINGS, SUMMARY, FIGURE)
-"""Files of a finished sweep; an unfinished one has no summary."""
-
-RESULTS = FILES[:-1]
-"""Files that every finished sweep has, also if it could not be drawn."""
+from aerodrake.sweeps.study_files import ROWS, SCENARIO, TIMINGS
 
 
 class SweepFolder:
@@ -104,17 +97,17 @@ def read_rows(path: Path) -> Iterator[dict[str, Any]]:
 
 def _begin(target: Path, plan: Plan, locks: contextlib.ExitStack) -> None:
     """Creates the folder of a new sweep, or replaces that of a finished one."""
-    is_new = not target.exists()
+    is_new, files = not target.exists(), plan.files
     target.mkdir(parents=True, exist_ok=True)
     try:
         with contextlib.ExitStack() as earlier:
             _lock(target, earlier)
-            if (target / PLAN).is_file() and not (target / SUMMARY).is_file():
-                unfinished = "contains an unfinished sweep; `resume` continues it"
+            if (target / files.plan).is_file() and not (target / files.summary).is_file():
+                unfinished = f"contains an unfinished {files.kind}; `resume` continues it"
                 raise BadInput(target, "", unfinished)
-            with run_folder(target, RESULTS) as folder:
+            with run_folder(target, files.results) as folder:
                 save_scenario(plan.scenario, folder)
-                (folder / PLAN).write_text(to_json(plan.as_mapping()), encoding="utf-8")
+                (folder / files.plan).write_text(to_json(plan.as_mapping()), encoding="utf-8")
                 for name in (ROWS, TIMINGS):
                     (folder / name).touch()
                 # Before the folder gets its name, so that no other sweep can lock it first.
@@ -127,10 +120,11 @@ def _begin(target: Path, plan: Plan, locks: contextlib.ExitStack) -> None:
 
 
 def _reopen(target: Path, plan: Plan) -> None:
-    if json.loads((target / PLAN).read_text())["trials"] < plan.trials:
-        for name in (SUMMARY, FIGURE):
+    files = plan.files
+    if json.loads((target / files.plan).read_text())["trials"] < plan.trials:
+        for name in (files.summary, files.figure):
             (target / name).unlink(missing_ok=True)
-        write_atomically(target / PLAN, to_json(plan.as_mapping()).encode())
+        write_atomically(target / files.plan, to_json(plan.as_mapping()).encode())
 
 
 def _lock(folder: Path, locks: contextlib.ExitStack) -> None:

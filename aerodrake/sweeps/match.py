@@ -13,9 +13,7 @@ from aerodrake.support.errors import BadInput
 from aerodrake.support.files import read_bounded
 from aerodrake.sweeps.distributions import Linspace, parse_distribution
 from aerodrake.sweeps.plan import Plan
-
-SCENARIO, PLAN = "scenario.yaml", "sweep.json"
-"""Files that define a sweep, beside the files that the scenario names."""
+from aerodrake.sweeps.study_files import SCENARIO, StudyFiles
 
 MAX_BYTES = 10_000_000
 
@@ -27,7 +25,7 @@ def check_same(target: Path, plan: Plan) -> None:
         BadInput: if the folder contains no sweep, or another one: with the first key that differs.
         OSError: if the folder cannot be read.
     """
-    stored = _values(target, _read_plan(target))
+    stored = _values(target, _read_plan(target, plan.files))
     with tempfile.TemporaryDirectory() as temporary:
         saved = Path(temporary)
         save_scenario(plan.scenario, saved)
@@ -41,7 +39,9 @@ def check_same(target: Path, plan: Plan) -> None:
     for key in {**stored, **expected}:
         if stored.get(key) != expected.get(key):
             one, other = (f"{values.get(key, 'none')}"[:60] for values in (stored, expected))
-            raise BadInput("resume", key, f"the sweep in {target} has {one}, not {other}")
+            raise BadInput(
+                "resume", key, f"the {plan.files.kind} in {target} has {one}, not {other}"
+            )
 
 
 def _values(folder: Path, plan: dict[str, Any]) -> dict[str, Any]:
@@ -57,11 +57,11 @@ def _values(folder: Path, plan: dict[str, Any]) -> dict[str, Any]:
     return flat(scenario) | flat(plan) | {"vary": grid}
 
 
-def _read_plan(target: Path) -> dict[str, Any]:
+def _read_plan(target: Path, files: StudyFiles) -> dict[str, Any]:
     """Returns the plan with parsed distributions, since their notation is not unique."""
-    path = target / PLAN
+    path = target / files.plan
     if not path.is_file():
-        raise BadInput("resume", "", f"{target} contains no sweep")
+        raise BadInput("resume", "", f"{target} contains no {files.kind}")
     try:
         plan = json.loads(read_bounded(path, MAX_BYTES))
         if isinstance(plan["trials"], int):
@@ -69,7 +69,7 @@ def _read_plan(target: Path) -> dict[str, Any]:
             return {**plan, "vary": vary}
     except (BadInput, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         pass
-    raise BadInput(path, "", "expected the plan of a sweep")
+    raise BadInput(path, "", f"expected the plan of a {files.kind}")
 
 
 def _content(*files: Path) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
 from operator import getitem
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.inputs import named_files
@@ -19,6 +19,7 @@ from aerodrake.support.limits import SEED, TRIALS
 from aerodrake.support.version import __version__
 from aerodrake.sweeps.distributions import VARY, Choice, Distribution, Linspace, make_rng
 from aerodrake.sweeps.distributions import parse_distribution as parse
+from aerodrake.sweeps.study_files import StudyFiles
 from aerodrake.sweeps.trial import Trial
 
 TRIED = 10
@@ -30,11 +31,14 @@ class Plan:
     """Plan of a sweep, from which each trial follows independently of the others.
 
     Attributes:
+        files: Names of its files.
         scenario: Scenario that all trials share; its seed is the sweep's.
         trials: Number of trials.
         vary: Distribution of each varied key.
         integer_keys: Varied keys whose values are whole numbers.
     """
+
+    files: ClassVar[StudyFiles] = StudyFiles("sweep")
 
     scenario: Scenario
     trials: int

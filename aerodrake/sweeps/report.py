@@ -12,10 +12,10 @@ from aerodrake.reports.drawing import drawing
 from aerodrake.support.files import write_atomically
 from aerodrake.support.interrupts import deferred_interrupts
 from aerodrake.sweeps.figure import plot_sweep
-from aerodrake.sweeps.folder import FIGURE, SUMMARY, SweepFolder
-from aerodrake.sweeps.match import SCENARIO
+from aerodrake.sweeps.folder import SweepFolder
 from aerodrake.sweeps.outcomes import Outcomes, three_digits
 from aerodrake.sweeps.plan import Plan
+from aerodrake.sweeps.study_files import SCENARIO
 
 QUANTILES = {"median_m": 50, "p90_m": 90, "p95_m": 95, "max_m": 100}
 
@@ -35,8 +35,8 @@ def write_report(folder: SweepFolder) -> dict[str, Any]:
     summary = summarize_sweep(outcomes, folder.plan, folder.path)
     title = f"{summary['scenario']}, {summary['trials']} trials, seed {summary['seed']}"
     with deferred_interrupts():
-        write_atomically(folder.path / SUMMARY, to_json(summary).encode())
-        path = folder.path / FIGURE
+        write_atomically(folder.path / folder.plan.files.summary, to_json(summary).encode())
+        path = folder.path / folder.plan.files.figure
         with drawing(path):
             plot_sweep(outcomes, title, path)
     return summary

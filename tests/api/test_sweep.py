@@ -6,7 +6,7 @@ import pytest
 
 import aerodrake
 from aerodrake.sweeps import loop
-from aerodrake.sweeps.folder import FILES
+from aerodrake.sweeps.plan import Plan
 from tests.in_this_process import call_in_this_process
 
 SHORT = {"duration": 0.04, "settle_s": 0.0}
@@ -39,7 +39,7 @@ def test_a_sweep_in_a_folder_can_get_more_trials(result, tmp_path):
     out = tmp_path / "sweep"
     options = {"vary": VARY, "out": out, "jobs": 1, "quiet": True, "seed": 4}
     first = aerodrake.sweep("hover", SHORT, trials=1, **options)
-    assert {path.name for path in out.iterdir()} == {*FILES}
+    assert {path.name for path in out.iterdir()} == {*Plan.files.all}
     more = aerodrake.sweep("hover", SHORT, trials=2, resume=True, **options)
     assert first.summary["trials"] == 1 and more.rows == result.rows
 

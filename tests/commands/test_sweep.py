@@ -6,7 +6,9 @@ import pytest
 
 from aerodrake.cli import main
 from aerodrake.sweeps import loop as module
-from aerodrake.sweeps.folder import ROWS, SUMMARY, read_rows
+from aerodrake.sweeps.folder import read_rows
+from aerodrake.sweeps.plan import Plan
+from aerodrake.sweeps.study_files import ROWS
 from tests.in_this_process import call_in_this_process
 
 
@@ -36,7 +38,7 @@ def test_lost_flights_are_a_success(tmp_path):
     options += ["--trials", "1", "--jobs", "1", "--quiet", "--out", str(out)]
     assert main(["sweep", "hover", *options]) == 0
     assert [row["exit_reason"] for row in read_rows(out)] == ["lost"]
-    assert json.loads((out / SUMMARY).read_text())["error"] is None
+    assert json.loads((out / Plan.files.summary).read_text())["error"] is None
 
 
 @pytest.mark.parametrize(

@@ -15,9 +15,10 @@ from aerodrake.scenario.load import load_with_options
 from aerodrake.support.errors import BadInput
 from aerodrake.sweeps import cluster as module
 from aerodrake.sweeps.cluster import cluster
-from aerodrake.sweeps.folder import ROWS, TIMINGS, sweep_folder
+from aerodrake.sweeps.folder import sweep_folder
 from aerodrake.sweeps.loop import fly_trials
 from aerodrake.sweeps.plan import Plan
+from aerodrake.sweeps.study_files import ROWS, TIMINGS
 from aerodrake.sweeps.trial import fly_trial
 from tests.plans import by_key
 

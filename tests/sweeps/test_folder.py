@@ -8,8 +8,9 @@ import pytest
 from aerodrake.scenario.load import load_with_options
 from aerodrake.scenario.schema import as_mapping
 from aerodrake.support.errors import BadInput
-from aerodrake.sweeps.folder import FILES, ROWS, SUMMARY, TIMINGS, read_rows, sweep_folder
+from aerodrake.sweeps.folder import read_rows, sweep_folder
 from aerodrake.sweeps.plan import Plan
+from aerodrake.sweeps.study_files import ROWS, TIMINGS
 from tests.plans import by_key
 
 GUSTS = "wind.gust_m_s[0]=uniform(0, 1)"
@@ -44,7 +45,7 @@ def files(folder: Path) -> dict[str, bytes]:
 def test_the_folder_contains_the_plan_and_a_row_for_each_trial(tmp_path):
     target, plan = tmp_path / "deep" / "sweep", make()
     with sweep_folder(target, plan, resumes=False) as folder:
-        assert {path.name for path in target.iterdir()} == {*FILES[:4]}
+        assert {path.name for path in target.iterdir()} == {*Plan.files.all[:4]}
         assert as_mapping(folder.plan.scenario) == as_mapping(plan.scenario)
         folder.append(row(3), None)
         assert [*read_rows(target)] == [row(3)] and folder.recorded == {3}
@@ -100,11 +101,11 @@ def test_a_missing_file_is_named(name, tmp_path):
 def test_a_sweep_is_resumed_with_more_trials_but_not_with_fewer(tmp_path):
     target = tmp_path / "sweep"
     begin(target, make(), 0, 1, 2, 3, 4)
-    (target / SUMMARY).touch()
+    (target / Plan.files.summary).touch()
     with sweep_folder(target, make(), True):
-        assert (target / SUMMARY).exists()
+        assert (target / Plan.files.summary).exists()
     with sweep_folder(target, make(trials=7), True) as folder:
-        assert not (target / SUMMARY).exists() and folder.recorded == {0, 1, 2, 3, 4}
+        assert not (target / Plan.files.summary).exists() and folder.recorded == {0, 1, 2, 3, 4}
     assert json.loads((target / "sweep.json").read_text())["trials"] == 7
     assert "resume: trials: the sweep in" in refusal(target, make(), True)
 
@@ -168,10 +169,12 @@ def test_an_unfinished_sweep_is_not_replaced_but_a_finished_one_is(tmp_path):
     before = files(target)
     assert "`resume` continues it" in refusal(target, make(), False)
     assert files(target) == before
-    for name in (SUMMARY, "sweep.png"):
+    for name in (Plan.files.summary, "sweep.png"):
         (target / name).touch()
     begin(target, make(trials=2), 0)
-    assert [r["trial"] for r in read_rows(target)] == [0] and not (target / SUMMARY).exists()
+    assert [r["trial"] for r in read_rows(target)] == [0] and not (
+        target / Plan.files.summary
+    ).exists()
 
 
 @pytest.mark.parametrize("resumes", [False, True])
@@ -211,7 +214,7 @@ def test_a_folder_is_locked_by_one_sweep(resumes, tmp_path):
 def test_a_finished_sweep_is_not_replaced_while_trials_are_added(tmp_path):
     target = tmp_path / "sweep"
     begin(target, make(), 0)
-    for name in (SUMMARY, "sweep.png"):
+    for name in (Plan.files.summary, "sweep.png"):
         (target / name).touch()
     with sweep_folder(target, make(), True):
         assert "another sweep writes to" in refusal(target, make(), False)

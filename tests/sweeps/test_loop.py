@@ -16,9 +16,10 @@ from aerodrake.cli import main
 from aerodrake.scenario.load import load_with_options
 from aerodrake.support.errors import ProcessDied
 from aerodrake.sweeps import loop as module
-from aerodrake.sweeps.folder import ROWS, SUMMARY, TIMINGS, read_rows, sweep_folder
+from aerodrake.sweeps.folder import read_rows, sweep_folder
 from aerodrake.sweeps.loop import fly_trials, processes
 from aerodrake.sweeps.plan import Plan
+from aerodrake.sweeps.study_files import ROWS, TIMINGS
 from aerodrake.sweeps.trial import fly_trial
 from tests.in_this_process import call_in_this_process
 from tests.plans import by_key
@@ -195,12 +196,12 @@ def test_a_sweep_killed_at_any_time_can_be_resumed(flown, tmp_path, long):
         process.kill()
         process.communicate()
         wait_until(lambda helpers=helpers: not any(is_alive(pid) for pid in helpers))
-        assert not (out / SUMMARY).exists()
+        assert not (out / Plan.files.summary).exists()
         process = call(out, "--jobs", "1", "--resume")
     output, error = process.communicate(timeout=120)
     assert process.returncode == 0 and "Traceback" not in error
     assert rows(out) == flown and f"{TRIALS} trials, {TRIALS} completed" in output
-    assert json.loads((out / SUMMARY).read_text())["endings"] == {"completed": TRIALS}
+    assert json.loads((out / Plan.files.summary).read_text())["endings"] == {"completed": TRIALS}
 
 
 def rows_now(folder: Path) -> list[bytes]:
@@ -233,7 +234,7 @@ def test_an_interrupted_sweep_ends_at_once_and_prints_how_to_resume(tmp_path):
     ]  # fmt: skip
     assert words[words.index("--vary") + 1] == "duration=choice(3000, 3001)"
     wait_until(lambda: not any(is_alive(pid) for pid in helpers))
-    assert not (out / SUMMARY).exists()
+    assert not (out / Plan.files.summary).exists()
 
 
 @pytest.mark.usefixtures("_without_children")

@@ -10,9 +10,10 @@ from aerodrake.cli import main
 from aerodrake.scenario.load import load_scenario
 from aerodrake.support.errors import ProcessDied
 from aerodrake.sweeps import loop as module
-from aerodrake.sweeps.folder import ROWS, read_rows, sweep_folder
+from aerodrake.sweeps.folder import read_rows, sweep_folder
 from aerodrake.sweeps.loop import fly_trials, processes
 from aerodrake.sweeps.plan import Plan
+from aerodrake.sweeps.study_files import ROWS
 from tests.room import room_for
 
 SCENARIO = ("hover", "--set", "settle_s=0", "--set", "duration=0.2")

@@ -10,7 +10,7 @@ from scipy.stats import rankdata
 
 from aerodrake.cli import main
 from aerodrake.scenario.load import load_scenario
-from aerodrake.sweeps.folder import FIGURE, SUMMARY, read_rows, sweep_folder
+from aerodrake.sweeps.folder import read_rows, sweep_folder
 from aerodrake.sweeps.outcomes import Outcomes
 from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.report import sweep_table, write_report
@@ -34,8 +34,8 @@ def write(folder: Path, rows, vary=VARY) -> tuple[Plan, dict]:
         for index in reversed(range(len(rows))):
             opened.append(row(opened.plan.trial(index), **rows[index]), None)
         summary = write_report(opened)
-    assert json.loads((folder / SUMMARY).read_text()) == summary
-    assert (folder / FIGURE).read_bytes().startswith(b"\x89PNG")
+    assert json.loads((folder / Plan.files.summary).read_text()) == summary
+    assert (folder / Plan.files.figure).read_bytes().startswith(b"\x89PNG")
     return plan, summary
 
 
@@ -133,7 +133,7 @@ def test_the_command_of_the_worst_trial_repeats_its_error(tmp_path, monkeypatch,
     options = ["--trials", "2", "--vary", VARY[0], *short, "--jobs", "1", "--out", str(out)]
     assert main(["sweep", "hover", *options]) == 0
     output = capsys.readouterr().out
-    worst = json.loads((out / SUMMARY).read_text())["worst"][0]
+    worst = json.loads((out / Plan.files.summary).read_text())["worst"][0]
     (line,) = (line for line in output.splitlines() if line.endswith(worst["command"]))
     assert line.startswith(f"  trial {worst['trial']}, {1e3 * worst['error_m']:.3f} mm: aerodrake")
     _, *words = shlex.split(worst["command"])
