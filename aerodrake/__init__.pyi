@@ -1,5 +1,7 @@
 from .api.analysis_result import AnalysisResult
 from .api.analyze import analyze
+from .api.budget import budget
+from .api.budget_result import BudgetResult
 from .api.compare import compare
 from .api.flight_result import FlightResult, load_run
 from .api.fly import fly
@@ -21,6 +23,7 @@ from .wiring.replacements import Replacements
 __all__ = [
     "AnalysisResult",
     "BadInput",
+    "BudgetResult",
     "FlightResult",
     "LiveView",
     "MountResult",
@@ -31,6 +34,7 @@ __all__ = [
     "VehicleState",
     "__version__",
     "analyze",
+    "budget",
     "compare",
     "fly",
     "graph",

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from aerodrake.commands import (
     analyze,
     bench,
+    budget,
     compare,
     coordinator,
     graph,
@@ -21,7 +22,7 @@ from aerodrake.support.interrupts import termination_as_interrupt
 from aerodrake.support.streams import output_streams
 from aerodrake.support.version import __version__
 
-_MODULES = (run, mount, coordinator, analyze, compare, identify, train, sweep, graph, bench)
+_MODULES = (run, mount, coordinator, analyze, compare, identify, train, sweep, budget, graph, bench)
 COMMANDS = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
 """Commands by name, in the order of `aerodrake --help`."""
 

@@ -29,6 +29,7 @@ ROOMS = (
     "mounting",
     "comparison",
     "sweeps",
+    "budget",
     "bench",
     "api",
     "commands",

@@ -1,17 +1,14 @@
 """Results of a sweep."""
 
-import base64
-from collections.abc import Mapping
-from html import escape
-from pathlib import Path
 from typing import Any
 
-from aerodrake.sweeps.folder import read_rows
+from aerodrake.api.study_result import StudyResult
+from aerodrake.sweeps.folder import SweepFolder, read_rows
 from aerodrake.sweeps.plan import Plan
-from aerodrake.sweeps.report import sweep_table
+from aerodrake.sweeps.report import sweep_table, write_report
 
 
-class SweepResult:
+class SweepResult(StudyResult):
     """Results of a sweep. `print` shows its table, a notebook also its figure.
 
     Attributes:
@@ -20,22 +17,16 @@ class SweepResult:
         folder: Folder of the sweep.
     """
 
-    def __init__(self, summary: Mapping[str, Any], folder: Path):
-        self.summary = summary
-        self.folder = folder
+    files = Plan.files
 
     @property
     def rows(self) -> list[dict[str, Any]]:
         """Row of each trial, in their order, with `parameters`, `error`, `exit_reason`, ..."""
         return sorted(read_rows(self.folder), key=lambda row: row["trial"])
 
+    @staticmethod
+    def write(folder: SweepFolder) -> dict[str, Any]:
+        return write_report(folder)
+
     def __str__(self) -> str:
         return sweep_table(self.summary)
-
-    def _repr_html_(self) -> str:
-        figure = self.folder / Plan.files.figure
-        if not figure.exists():  # It could not be drawn.
-            return f"<pre>{escape(str(self))}</pre>"
-        picture = base64.b64encode(figure.read_bytes()).decode()
-        image = f'<img alt="Results of the trials" src="data:image/png;base64,{picture}">'
-        return f"<pre>{escape(str(self))}</pre>{image}"

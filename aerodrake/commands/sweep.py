@@ -1,13 +1,9 @@
 """Command `aerodrake sweep SCENARIO`."""
 
 import argparse
-import json
-import shlex
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
-from aerodrake.commands import options
+from aerodrake.commands import options, study_options
 from aerodrake.support.errors import BadInput, ProcessDied
 from aerodrake.support.limits import TRIALS
 
@@ -34,13 +30,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--seed", metavar="N", help="seed of the sweep; default: the scenario's seed"
     )
-    engine = command.add_mutually_exclusive_group()
-    options.add_jobs(engine)
-    engine.add_argument("--scheduler", metavar="ADDRESS", help="fly the trials on a Dask cluster")
-    command.add_argument(
-        "--resume", action="store_true", help="continue the sweep in --out, or add trials to it"
-    )
-    options.add_output(command, "runs/SCENARIO-sweep-TIME; replaces a finished sweep in it")
+    study_options.add_study(command, "sweep", "trials")
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -48,8 +38,7 @@ def main(arguments: argparse.Namespace) -> int:
 
     Each trial adds a row to trials.jsonl when it ends. --resume continues an interrupted sweep.
     """
-    if arguments.resume and not arguments.out:
-        raise BadInput("resume", "", "expected --out DIR with the folder of a sweep")
+    study_options.check_resume(arguments, "sweep")
     scenario = options.load(arguments)
     vary = dict(_distributions(arguments.vary))
 
@@ -71,7 +60,8 @@ def main(arguments: argparse.Namespace) -> int:
             quiet=arguments.quiet,
         )
     except (KeyboardInterrupt, ProcessDied):
-        _say_how_to_resume(arguments, target)
+        own = ("vary", "trials", "seed")
+        study_options.say_how_to_resume(arguments, "sweep", target, own)
         raise
     Console(arguments.quiet).say(f"{result}\n\n{target}: {', '.join(Plan.files.all)}")
     return 1 if any(result.summary["endings"].get(reason) for reason in FAILURES) else 0
@@ -89,23 +79,3 @@ def _distributions(assignments: list[str]) -> Iterator[tuple[str, str]]:
             raise BadInput("vary", key, "expected each key once")
         seen.add(key)
         yield key, distribution
-
-
-def _say_how_to_resume(arguments: argparse.Namespace, target: Path) -> None:
-    """Prints the number of recorded trials, and the command that continues the sweep."""
-    from aerodrake.sweeps.folder import read_rows
-    from aerodrake.sweeps.plan import Plan
-
-    if not (target / Plan.files.plan).is_file():
-        return  # No trial was flown.
-    trials = json.loads((target / Plan.files.plan).read_text())["trials"]
-    done = f"{len(list(read_rows(target)))} of {trials} trials are in {target}"
-    words = ["aerodrake", "sweep", arguments.scenario]
-    for option in ("set", "vary"):
-        words += [word for value in getattr(arguments, option) for word in (f"--{option}", value)]
-    for option in ("trials", "seed", "jobs", "scheduler"):
-        value = getattr(arguments, option)
-        if value is not None:
-            words += [f"--{option}", str(value)]
-    again = shlex.join([*words, "--resume", "--out", str(target)])
-    print(f"aerodrake: {done}; continue with: {again}", file=sys.stderr)

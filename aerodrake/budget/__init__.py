@@ -1,0 +1,1 @@
+"""Error budget: what each flaw of sensors, actuators and environment costs."""

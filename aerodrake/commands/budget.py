@@ -1,0 +1,54 @@
+"""Command `aerodrake budget SCENARIO`."""
+
+import argparse
+
+from aerodrake.commands import options, study_options
+from aerodrake.support.errors import ProcessDied
+
+HELP = "find what each flaw of sensors, actuators and environment costs"
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Declares the arguments of the command."""
+    options.add_scenario(command)
+    options.add_short_forms(command)
+    command.add_argument(
+        "--seeds",
+        type=options.whole_number(1, 1000),
+        default=5,
+        metavar="N",
+        help="number of seeds, which count up from the scenario's; default: 5",
+    )
+    study_options.add_study(command, "budget", "seeds")
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Flies a scenario without flaws, with each flaw alone, with all, and without each of them.
+
+    Each flight adds a row to trials.jsonl when it ends. --resume continues an interrupted budget.
+    """
+    study_options.check_resume(arguments, "budget")
+    scenario = options.load(arguments)
+
+    from aerodrake.api.budget import budget
+    from aerodrake.api.console import Console
+    from aerodrake.budget.plan import BudgetPlan
+
+    target = arguments.out or options.new_folder(f"{scenario.name}-budget")
+    try:
+        result = budget(
+            scenario,
+            seeds=arguments.seeds,
+            out=target,
+            resume=arguments.resume,
+            jobs=arguments.jobs,
+            scheduler=arguments.scheduler,
+            quiet=arguments.quiet,
+        )
+    except (KeyboardInterrupt, ProcessDied):
+        own = ("seeds", "seed", "duration")
+        study_options.say_how_to_resume(arguments, "budget", target, own)
+        raise
+    files = ", ".join(BudgetPlan.files.all)
+    Console(arguments.quiet).say(f"{result}\n\n{target}: {files}")
+    return 0
