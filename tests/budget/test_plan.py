@@ -51,7 +51,7 @@ def test_a_trial_alone_is_flown_by_its_command(scenario):
     [
         ({}, 0, "seeds: expected a whole number"),
         ({}, True, "seeds: expected a whole number"),
-        ({"seed": 4294967295}, 2, "seed: expected 4294967294 or less, for 2 seeds"),
+        ({"seed": 2147483647}, 2, "seed: expected 2147483646 or less, for 2 seeds"),
         (silence(present_flaws(override(load_scenario("hover"), HOVER))), 1, "with flaws"),
     ],
 )
