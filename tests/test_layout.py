@@ -29,7 +29,7 @@ ROOMS = (
     "mounting",
     "comparison",
     "sweeps",
-    "budget",
+    "budgets",
     "bench",
     "api",
     "commands",

@@ -8,7 +8,7 @@ from typing import Any
 from aerodrake.api.budget_result import BudgetResult
 from aerodrake.api.console import Console
 from aerodrake.api.study import Engine, run_study
-from aerodrake.budget.plan import BudgetPlan
+from aerodrake.budgets.plan import BudgetPlan
 from aerodrake.scenario import Scenario
 from aerodrake.scenario.load import resolve
 from aerodrake.support.arguments import checked
@@ -33,8 +33,8 @@ def budget(
         result = aerodrake.budget("clover_realistic", seeds=3)
         print(result)
 
-    Flaws are those of `aerodrake.budget.flaws`. Beside the errors stands the bound of
-    `aerodrake.budget.bound`, which no controller with the scenario's sensors can fall below.
+    Flaws are those of `aerodrake.budgets.flaws`. Beside the errors stands the bound of
+    `aerodrake.budgets.bound`, which no controller with the scenario's sensors can fall below.
 
     Args:
         scenario, overrides, keys: As for `aerodrake.fly`.

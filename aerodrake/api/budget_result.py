@@ -3,8 +3,8 @@
 from typing import Any
 
 from aerodrake.api.study_result import StudyResult
-from aerodrake.budget.plan import BudgetPlan
-from aerodrake.budget.report import budget_table, write_budget
+from aerodrake.budgets.plan import BudgetPlan
+from aerodrake.budgets.report import budget_table, write_budget
 from aerodrake.sweeps.folder import SweepFolder
 
 
@@ -12,7 +12,7 @@ class BudgetResult(StudyResult):
     """Results of an error budget. `print` shows its table, a notebook also its figure.
 
     Attributes:
-        summary: Content of `budget_summary.json`; `aerodrake.budget.report.summarize_budget` lists
+        summary: Content of `budget_summary.json`; `aerodrake.budgets.report.summarize_budget` lists
             its keys.
         folder: Folder of the budget.
     """

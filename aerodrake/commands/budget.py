@@ -32,7 +32,7 @@ def main(arguments: argparse.Namespace) -> int:
 
     from aerodrake.api.budget import budget
     from aerodrake.api.console import Console
-    from aerodrake.budget.plan import BudgetPlan
+    from aerodrake.budgets.plan import BudgetPlan
 
     target = arguments.out or options.new_folder(f"{scenario.name}-budget")
     try:

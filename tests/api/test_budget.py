@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 import aerodrake
-from aerodrake.budget.plan import BudgetPlan
+from aerodrake.budgets.plan import BudgetPlan
 from aerodrake.cli import main
 from aerodrake.sweeps import loop
 from tests.in_this_process import call_in_this_process

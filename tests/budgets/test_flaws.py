@@ -4,7 +4,7 @@ from collections import Counter
 
 import pytest
 
-from aerodrake.budget.flaws import FLAWS, SILENT, present_flaws, silence
+from aerodrake.budgets.flaws import FLAWS, SILENT, present_flaws, silence
 from aerodrake.scenario.load import load_scenario, override, packaged_scenarios
 from aerodrake.scenario.schema import as_mapping, flat
 

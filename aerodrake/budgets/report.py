@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from aerodrake.budget.bound import error_bound
-from aerodrake.budget.figure import plot_budget
-from aerodrake.budget.flaws import silence
-from aerodrake.budget.outcomes import BudgetOutcomes, Errors
-from aerodrake.budget.plan import BudgetPlan
+from aerodrake.budgets.bound import error_bound
+from aerodrake.budgets.figure import plot_budget
+from aerodrake.budgets.flaws import silence
+from aerodrake.budgets.outcomes import BudgetOutcomes, Errors
+from aerodrake.budgets.plan import BudgetPlan
 from aerodrake.flight.summary import HEADLINES, rounded, to_json
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.reports.drawing import drawing
@@ -50,7 +50,7 @@ def summarize_budget(outcomes: BudgetOutcomes, plan: BudgetPlan) -> dict[str, An
     Keys:
         seeds: Number of seeds.
         error: Key of the headline error in a row's `error`.
-        bound_m: m, bound of `aerodrake.budget.bound` for the scenario's sensors and gusts.
+        bound_m: m, bound of `aerodrake.budgets.bound` for the scenario's sensors and gusts.
         clean, all: Errors without flaws and with all: mean over the seeds in m, by seed, and the
             number of flights that were not completed.
         costs: For each flaw its keys, the errors `alone` and `without` it, and the differences

@@ -8,7 +8,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from aerodrake.budget.outcomes import BudgetOutcomes, Errors
+from aerodrake.budgets.outcomes import BudgetOutcomes, Errors
 from aerodrake.flight.summary import HEADLINES
 from aerodrake.reports.figures import ACCENT, EDGE, INK, STYLE, write_png
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple, Self
 
-from aerodrake.budget.flaws import Flaw, present_flaws, silence
+from aerodrake.budgets.flaws import Flaw, present_flaws, silence
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_closed_loop
 from aerodrake.support.arguments import check_whole

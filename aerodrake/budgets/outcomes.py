@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from aerodrake.budget.plan import BudgetPlan
+from aerodrake.budgets.plan import BudgetPlan
 from aerodrake.flight.summary import HEADLINES
 from aerodrake.sweeps.folder import read_rows
 

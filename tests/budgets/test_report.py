@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from aerodrake.budget.plan import BudgetPlan
-from aerodrake.budget.report import budget_table, write_budget
+from aerodrake.budgets.plan import BudgetPlan
+from aerodrake.budgets.report import budget_table, write_budget
 from aerodrake.scenario.load import load_scenario, override
 from aerodrake.sweeps.folder import sweep_folder
 

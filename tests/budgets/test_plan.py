@@ -2,8 +2,8 @@
 
 import pytest
 
-from aerodrake.budget.flaws import present_flaws, silence
-from aerodrake.budget.plan import BudgetPlan
+from aerodrake.budgets.flaws import present_flaws, silence
+from aerodrake.budgets.plan import BudgetPlan
 from aerodrake.scenario.load import load_scenario, override
 from aerodrake.support.errors import BadInput
 

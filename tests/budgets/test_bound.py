@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_discrete_are
 
-from aerodrake.budget.bound import (
+from aerodrake.budgets.bound import (
     error_bound,
     gust_accelerations,
     gust_chain,
