@@ -17,7 +17,7 @@ NODES = 24
 """Nodes of the Gauss-Hermite quadrature along each axis."""
 
 
-class Chain(NamedTuple):
+class GustChain(NamedTuple):
     """Motion of the base along one axis, with the gusts' acceleration: states p, v, a.
 
     Attributes:
@@ -111,7 +111,7 @@ def _normal_vectors(deviations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return grid * deviations, product / product.sum()
 
 
-def gust_chain(sigma: float, correlation_s: float, dt: float) -> Chain:
+def gust_chain(sigma: float, correlation_s: float, dt: float) -> GustChain:
     """Returns the chain p' = v, v' = a, a' = -a / T + white noise, discretised exactly.
 
     Args:
@@ -124,4 +124,4 @@ def gust_chain(sigma: float, correlation_s: float, dt: float) -> Chain:
     # Van Loan, Computing integrals involving the matrix exponential, IEEE TAC 23 (1978).
     block = expm(np.block([[-A, Q], [np.zeros((3, 3)), A.T]]) * dt)
     F = block[3:, 3:].T
-    return Chain(F, F @ block[:3, 3:])
+    return GustChain(F, F @ block[:3, 3:])
