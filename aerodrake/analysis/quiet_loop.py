@@ -70,6 +70,7 @@ class QuietLoop:
     It differs from the scenario's:
 
     - samples have no noise, and the wind no gusts;
+    - the only flaw of the sensors is their known delay, and the filter uses no accelerometer;
     - rotors rise and fall with the mean of both time constants. In an oscillation about a constant
       mean, a rotor spends the same time rising as falling, and its first harmonic is that of this
       lag up to 2 %;
@@ -97,6 +98,8 @@ class QuietLoop:
         self.scenario = scenario = replace(
             scenario,
             settle_s=max(scenario.settle_s, settle_s),
+            sensors=scenario.sensors.without_flaws,
+            filter=replace(scenario.filter, accelerometer_noise_m_s2=0.0),
             vehicle=replace(scenario.vehicle, rotor=rotor),
             wind=replace(wind, gust_m_s=(0.0,) * len(wind.gust_m_s)),
             residual=replace(scenario.residual, learning_rate=0.0),

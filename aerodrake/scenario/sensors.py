@@ -1,7 +1,8 @@
 """Sensor section of a scenario: noise, delay and flaws of each sensor; all exact by default."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 from aerodrake.scenario.schema import Section, choice, quantity
 
@@ -105,6 +106,11 @@ class Sensors(Section):
         """The sections of the single sensors, by name."""
         names = ("position", "attitude", "joints", "accelerometer", "tool")
         return {name: getattr(self, name) for name in names}
+
+    @property
+    def without_flaws(self) -> Self:
+        """The same noise and delay, with none of the flaws of single sensors."""
+        return replace(self, **{name: type(sensor)() for name, sensor in self.each.items()})
 
     @property
     def times(self) -> dict[str, float]:

@@ -2,10 +2,11 @@
 
 `RATES` lists the periodic events of the systems that only some flaws need. If a flaw gives a sensor
 a period of its own, it is also that of its events in `sampler`. `sensor_noise`, `sensor_draws` and
-`inertial_noise` then have the greatest common divisor of all sensors' periods.
+`inertial_noise` then have the greatest common divisor of the periods of the sensors they serve.
 """
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from pydrake.common import RandomDistribution
@@ -17,7 +18,7 @@ from pydrake.systems.primitives import (
 )
 
 from aerodrake.model.sensing.latency import DRAWS, Delivery
-from aerodrake.model.sensing.sample import INERTIAL_NOISE, noise_size
+from aerodrake.model.sensing.sample import GROUPS, INERTIAL_NOISE, noise_size
 from aerodrake.model.sensing.state_filter import StateFilter
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
@@ -40,6 +41,9 @@ RATES = (
     Rate(("tool_noise",), "sensors.tool.period_s", kind="unrestricted"),
 )
 """Periodic updates of the systems of flaws; periods are dotted keys of a scenario."""
+
+INERTIAL = ("attitude", "accelerometer")
+"""Sensors that `inertial_noise` serves."""
 
 WIRING = Wiring(
     connections=(
@@ -141,7 +145,9 @@ def make_sensors(
     joints, config = len(split_state(trim_state).q), scenario.sensors
     period, step = scenario.rates.sensor_period_s, scenario.rates.plant_step_s
     builder = (replacements or Replacements()).builder()
-    noise = RandomSource(RandomDistribution.kGaussian, noise_size(joints), _noise_period(scenario))
+    noise = RandomSource(
+        RandomDistribution.kGaussian, noise_size(joints), _common_period(scenario, GROUPS)
+    )
     builder.AddNamedSystem("sensor_noise", noise)
     delivery = Delivery.make(config, step)
     has_history = needs_history(config)
@@ -166,7 +172,7 @@ def make_sensors(
     if config.attitude.rate_drift_rad_s2 > 0:
         wiring += DRIFT
     if config.accelerometer.period_s > 0 or config.attitude.rate_drift_rad_s2 > 0:
-        draws = RandomDistribution.kGaussian, INERTIAL_NOISE, _noise_period(scenario)
+        draws = RandomDistribution.kGaussian, INERTIAL_NOISE, _common_period(scenario, INERTIAL)
         builder.AddNamedSystem("inertial_noise", RandomSource(*draws))
     if config.tool.period_s > 0:
         plant = (vehicle or VehicleModel.load(scenario)).plant
@@ -220,7 +226,9 @@ def _add_history(
     """Adds past states, and the draws of their latencies."""
     period_steps = round(scenario.sensors.accelerometer.period_s / delivery.step)
     builder.AddNamedSystem("state_history", StateHistory(delivery, period_steps, trim_state))
-    draws = RandomSource(RandomDistribution.kUniform, DRAWS, _noise_period(scenario))
+    draws = RandomSource(
+        RandomDistribution.kUniform, DRAWS, _common_period(scenario, scenario.sensors.each)
+    )
     builder.AddNamedSystem("sensor_draws", draws)
     return PAST
 
@@ -238,10 +246,10 @@ def _add_accelerometer(
     return ACCELEROMETER + FUSED if is_used else ACCELEROMETER
 
 
-def _noise_period(scenario: Scenario) -> float:
-    """Returns the greatest common divisor of the periods of the sensors, in s."""
+def _common_period(scenario: Scenario, names: Iterable[str]) -> float:
+    """Returns the greatest common divisor in s of the periods of some sensors and `rates`' own."""
     rates = scenario.rates
-    periods = [sensor.period_s for sensor in scenario.sensors.each.values() if sensor.period_s]
+    periods = [period for name in names if (period := scenario.sensors.each[name].period_s)]
     steps = [round(period / rates.plant_step_s) for period in (rates.sensor_period_s, *periods)]
     divisor = math.gcd(*steps)
     return rates.sensor_period_s if divisor == steps[0] else divisor * rates.plant_step_s
