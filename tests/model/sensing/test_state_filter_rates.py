@@ -22,7 +22,7 @@ def errors(config: Filter, sensors: Sensors, samples: int, attitude: Rotation) -
     """
     quaternion = attitude.as_quat(scalar_first=True)
     gains, start = StateFilter.make(config, sensors, DT), rest(quaternion=quaternion)
-    state, stamps = FilterState.at_rest(gains, start.to_vector(), np.zeros(6)), np.zeros(3)
+    state, stamps = FilterState.at_rest(gains, start.to_vector(), np.zeros(6)), np.full(3, -DT)
     force = attitude.inv().apply(D + [0, 0, 9.81]) if len(gains.accelerometer) else NO_FORCE
     sample, off = start, []
     for k in range(1, samples + 1):
