@@ -17,6 +17,7 @@ from aerodrake.comparison.compare import (
     make_variants,
     own_variant,
 )
+from aerodrake.comparison.engines import DRAKE, engine_variants
 from aerodrake.comparison.equal import equal_variants, share_margins, share_results
 from aerodrake.comparison.margins import find_margins
 from aerodrake.comparison.page import Comparison
@@ -28,6 +29,7 @@ from aerodrake.scenario import Scenario
 from aerodrake.scenario.inputs import frozen
 from aerodrake.scenario.load import resolve
 from aerodrake.support.arguments import checked
+from aerodrake.support.errors import BadInput
 from aerodrake.support.scratch import temporary_folder
 
 
@@ -39,6 +41,7 @@ def compare(
     variants: str | Sequence[str] = (),
     baseline: str | os.PathLike[str] | None = None,
     margins: bool = False,
+    engines: bool = False,
     jobs: int | None = None,
     quiet: bool = False,
     **keys: Any,
@@ -56,21 +59,31 @@ def compare(
             the scenario's name, or the default weights.
         margins: True to search the delay, rotor thrust and payload at which the error of each
             variant doubles, and at which its flight is not completed.
+        engines: True to fly the scenario itself in both physics engines instead, as `drake` and
+            `mujoco`.
         jobs: Number of concurrent processes; None for the number of cores.
         quiet: True to print no notes and show no progress.
 
     Raises:
-        BadInput: if the scenario, a name or the baseline is invalid, or a variant cannot be flown.
+        BadInput: if the scenario, a name or the baseline is invalid, a variant cannot be flown, or
+            engines are to be compared with variants or a baseline, or without MuJoCo.
     """
     console, jobs = Console(quiet), checked_jobs(jobs)
     scenario = resolve(scenario, overrides, **keys)
     file = None if baseline is None else Path(baseline)
     names = [variants] if isinstance(variants, str) else variants
+    if engines and (names or file):
+        given = "variants" if names else "baseline"
+        raise BadInput("engines", "", f"expected no {given} with it, since the scenario is flown")
     with ExitStack() as stack:
         flown = stack.enter_context(frozen(scenario))
         folder = stack.enter_context(temporary_folder())
-        chosen = make_variants(flown, names, load_baseline(flown, file))
-        console.note([*scenario_notes(flown), *comparison_notes(flown)])
+        if engines:
+            chosen, notes = engine_variants(flown), []
+        else:
+            chosen = make_variants(flown, names, load_baseline(flown, file))
+            notes = comparison_notes(flown)
+        console.note([*scenario_notes(flown), *notes])
         equal = equal_variants(chosen)
         distinct = {name: variant for name, variant in chosen.items() if name not in equal}
         with console.bar(flown.name, len(distinct), "variant") as bar:
@@ -87,7 +100,8 @@ def compare(
             with console.bar(f"{flown.name} margins", None, "flight") as bar:
                 searched = find_margins(distinct, summaries, headline(summaries), jobs, bar.update)
             searched = share_margins(searched, equal, chosen)
-        comparison = Comparison(flown, chosen, own_variant(flown), summaries, logs, searched)
+        own = DRAKE if engines else own_variant(flown)
+        comparison = Comparison(flown, chosen, own, summaries, logs, searched)
         result = ComparisonResult(comparison, scenario, file, folder)
         weakref.finalize(result, stack.pop_all().close)  # Removes the folder of the flights.
     return result

@@ -8,6 +8,12 @@ from pathlib import Path
 
 from aerodrake.api.flight_result import FlightResult, load_run
 from aerodrake.comparison.compare import result_notes
+from aerodrake.comparison.engines import (
+    Differences,
+    are_engines,
+    difference_table,
+    engine_differences,
+)
 from aerodrake.comparison.folder import PAGE, draw_comparison
 from aerodrake.comparison.margins import Margins
 from aerodrake.comparison.margins_report import margins_table, write_margins
@@ -52,6 +58,11 @@ class ComparisonResult:
         return self.comparison.margins
 
     @property
+    def differences(self) -> Differences:
+        """Differences between the flights in both engines, of `engines=True`; empty otherwise."""
+        return engine_differences(self.comparison.logs)
+
+    @property
     def failed(self) -> bool:
         """True if the process of a flight failed; a lost vehicle is a result."""
         margins = self.margins
@@ -86,6 +97,8 @@ class ComparisonResult:
         flown, name = self.comparison.scenario, self.scenario.name
         with run_folder(Path(folder), RESULTS) as new:
             figures = {"scenario": name, "variants": self.summaries}
+            if self.differences:
+                figures["differences"] = self.differences
             (new / "comparison.json").write_text(to_json(figures), encoding="utf-8")
             save_scenario(flown, new)
             for variant in self.comparison.logs:
@@ -113,7 +126,9 @@ class ComparisonResult:
 
     def _commands(self, folder: Path) -> list[str]:
         """Returns the command that repeats the comparison, and those of the variants' flights."""
-        words = [f"--variant={name}" for name in self.comparison.variants]
+        variants = self.comparison.variants
+        named = [f"--variant={name}" for name in variants]
+        words = ["--engines"] if are_engines(variants) else named
         words += [f"--baseline={self._baseline}"] if self._baseline else []
         words += ["--margins"] if self.margins else []
         again = ["aerodrake", "compare", str(folder / "scenario.yaml"), *words]
@@ -125,6 +140,7 @@ class ComparisonResult:
 
     def __str__(self) -> str:
         parts = [comparison_table(self.summaries, self.scenario.reference.kind)]
+        parts += [f"\n{difference_table(self.differences)}"] if self.differences else []
         parts += [f"note: {note}" for note in result_notes(self.summaries)]
         parts += [f"\n{margins_table(self.margins)}"] if self.margins else []
         return "\n".join(parts)

@@ -34,6 +34,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="YAML file with the weights of integral_best; default: the packaged file of the "
         "scenario's name, or the default weights",
     )
+    command.add_argument(
+        "--engines",
+        action="store_true",
+        help="instead fly the scenario in both physics engines, and show how the flights differ",
+    )
     options.add_jobs(command)
     options.add_output(command, "runs/SCENARIO-comparison-TIME; replaces earlier results in it")
 
@@ -53,6 +58,7 @@ def main(arguments: argparse.Namespace) -> int:
         variants=arguments.variant,
         baseline=arguments.baseline,
         margins=arguments.margins,
+        engines=arguments.engines,
         jobs=arguments.jobs,
         quiet=arguments.quiet,
     )

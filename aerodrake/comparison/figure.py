@@ -46,6 +46,8 @@ COLORS = {
     "no_feedforward": "#0c8599",
     "short_horizon": "#c2255c",
     "no_filter": "#862e9c",
+    "drake": "#1864ab",
+    "mujoco": ACCENT,
 }
 PANEL_RATIO = 0.85
 """Ratio of height to width of a panel with a path."""

@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from aerodrake.comparison import margins_report
+from aerodrake.comparison.engines import are_engines, difference_rows, engine_differences
 from aerodrake.comparison.equal import EQUAL_TO
 from aerodrake.comparison.figure import COLORS, View, draw_distances, draw_errors, draw_path
 from aerodrake.comparison.margins import Margins
@@ -77,11 +78,13 @@ def comparison_page(
         scenario=scenario,
         own=own,
         colors=COLORS,
-        titles=comparison_titles(key),
+        titles=comparison_titles(summaries),
         rows=comparison_rows(summaries),
         papers=paper_rows(kind, key),
         pictures=list(_pictures(distinct, own, shown)),
         changes={name: changes(scenario, variant) for name, variant in variants.items()},
+        is_of_engines=are_engines(variants),
+        differences=difference_rows(engine_differences(logs)),
         margins=margins and _margins(margins),
         resolved=resolved,
         commands=commands,

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from aerodrake.comparison.engines import DRAKE, are_engines
 from aerodrake.comparison.equal import EQUAL_TO
 from aerodrake.comparison.margin_search import LEAST_ERROR_M
 from aerodrake.flight.summary import HEADLINES, Summaries, headline, millimetres
@@ -13,16 +14,18 @@ from aerodrake.reports.flight_table import PAPER
 WIDTHS = (18, 11, 9, 10, 12, 12, 10, 7, 7)
 
 
-def comparison_titles(key: str) -> list[tuple[str, str, str]]:
-    """Returns a title of three lines, the last a unit, of each column but the exit reason.
+def compared_with(summaries: Summaries) -> str:
+    """Returns the variant whose error those of the others are compared with."""
+    return DRAKE if are_engines(summaries) else "integral"
 
-    `key` is that of the headline error.
-    """
+
+def comparison_titles(summaries: Summaries) -> list[tuple[str, str, str]]:
+    """Returns a title of three lines, the last a unit, of each column but the exit reason."""
     return [
         ("", "", "variant"),
-        ("error", HEADLINES[key], "mm"),
+        ("error", HEADLINES[headline(summaries)], "mm"),
         ("error", "max", "mm"),
-        ("error", "against", "integral"),
+        ("error", "against", compared_with(summaries)),
         ("first", "within d_h", "s"),
         ("prediction", "error rms", "mm/s"),
         ("largest", "d_o", "mm"),
@@ -33,10 +36,10 @@ def comparison_titles(key: str) -> list[tuple[str, str, str]]:
 
 def comparison_rows(summaries: Summaries) -> list[list[str]]:
     """Returns one row per variant: a cell per title of `comparison_titles`, and the exit reason."""
-    key = headline(summaries)
-    integral = summaries.get("integral", {}).get("error", {}).get(key)
+    key, first = headline(summaries), compared_with(summaries)
+    compared = summaries.get(first, {}).get("error", {}).get(key)
     return [
-        _row(name, summary, key, None if name == "integral" else integral)
+        _row(name, summary, key, None if name == first else compared)
         for name, summary in summaries.items()
     ]
 
@@ -44,13 +47,13 @@ def comparison_rows(summaries: Summaries) -> list[list[str]]:
 def comparison_table(summaries: Summaries, kind: str) -> str:
     """Returns the table as text; below are the paper's results for `kind` of reference, if any."""
     key = headline(summaries)
-    lines = [_line(list(titles)) for titles in zip(*comparison_titles(key), strict=True)]
+    lines = [_line(list(titles)) for titles in zip(*comparison_titles(summaries), strict=True)]
     lines += map(_line, comparison_rows(summaries))
     papers = paper_rows(kind, key)
     return "\n".join([*lines, *[""] * bool(papers), *map(_line, papers)])
 
 
-def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None) -> list[str]:
+def _row(name: str, summary: Mapping[str, Any], key: str, compared: float | None) -> list[str]:
     ending = summary["exit_reason"]
     if summary["exit_cause"]:
         ending += f": {summary['exit_cause']}"
@@ -61,8 +64,8 @@ def _row(name: str, summary: Mapping[str, Any], key: str, integral: float | None
     error, arm = summary["error"], summary["arm"]
     rmse = summary["residual"]["prediction_rmse_m_s"]["with_network"]
     change = ""
-    if error[key] is not None and integral is not None and integral > LEAST_ERROR_M:
-        change = f"{100 * (error[key] / integral - 1):+.1f} %"
+    if error[key] is not None and compared is not None and compared > LEAST_ERROR_M:
+        change = f"{100 * (error[key] / compared - 1):+.1f} %"
     return [
         name,
         _length(error[key]),

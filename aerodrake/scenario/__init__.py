@@ -4,7 +4,7 @@ The package exports every section, every kind of reference, orientation and faul
 """
 
 from aerodrake.scenario.actuation import Actuation
-from aerodrake.scenario.environment import Air, Mismatch, Payload, Wind
+from aerodrake.scenario.environment import Air, Mismatch, Payload, Physics, Wind
 from aerodrake.scenario.faults import (
     SAMPLE_GROUPS,
     AnyFault,

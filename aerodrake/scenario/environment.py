@@ -1,8 +1,19 @@
-"""Environment sections of a scenario: wind, air, payload and model mismatch."""
+"""Environment sections of a scenario: physics, wind, air, payload and model mismatch."""
 
 from dataclasses import dataclass
 
-from aerodrake.scenario.schema import Section, quantity
+from aerodrake.scenario.schema import Section, choice, quantity
+
+
+@dataclass(frozen=True)
+class Physics(Section):
+    """Physics engine of the plant, which has the same vehicle in each."""
+
+    # mujoco expects the extra [mujoco].
+    engine: str = choice("drake", "mujoco")
+    # Integrator of MuJoCo, and number of its time steps in a step of the plant.
+    integrator: str = choice("implicitfast", "euler", "rk4")
+    substeps: int = quantity(1, "1", 1, 100)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from aerodrake.scenario.actuation import Actuation
-from aerodrake.scenario.environment import Air, Mismatch, Payload, Wind
+from aerodrake.scenario.environment import Air, Mismatch, Payload, Physics, Wind
 from aerodrake.scenario.faults import SAMPLE_GROUPS, AnyFault, MpcFault
 from aerodrake.scenario.references import (
     SHORTEST_AXIS,
@@ -72,6 +72,7 @@ class Scenario(Section):
     # Desired direction of the tool's axis, which is -z of the frame `tool`.
     orientation: Orientation = OrientationOff()
     vehicle: Vehicle = Vehicle()
+    physics: Physics = Physics()
     sensors: Sensors = Sensors()
     filter: Filter = Filter()
     wind: Wind = Wind()
@@ -187,6 +188,17 @@ def _setpoint_link(scenario: Scenario) -> Iterator[Violation]:
         yield "actuation.setpoint_latency_s", f"{expected}, got [{low:g}, {high:g}]"
 
 
+def _physics(scenario: Scenario) -> Iterator[Violation]:
+    """Yields keys of MuJoCo that a scenario with Drake sets."""
+    physics, default = scenario.physics, Physics()
+    if physics.engine == "mujoco":
+        return
+    for key in ("integrator", "substeps"):
+        if (got := getattr(physics, key)) != (only := getattr(default, key)):
+            expected = f"expected {only} with physics.engine {physics.engine}"
+            yield f"physics.{key}", f"{expected}; others are of engine mujoco; got {got}"
+
+
 def _model(scenario: Scenario) -> Iterator[Violation]:
     interface = scenario.flight.interface
     if scenario.model.kind == "velocity_aware" and interface != "trajectory":
@@ -233,6 +245,6 @@ def _allocation(scenario: Scenario) -> Iterator[Violation]:
 
 
 RULES = (
-    *(_rates, _sensors, _name, _reference, _rotor, _air, _setpoint_link, _model, _clik),
-    *(_supervisor, _allocation),
+    *(_rates, _sensors, _name, _reference, _rotor, _physics, _air, _setpoint_link, _model),
+    *(_clik, _supervisor, _allocation),
 )

@@ -1,7 +1,8 @@
 """Wiring of the plant: rigid bodies, their contact geometry, and propellers."""
 
+from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Diagram
+from pydrake.systems.framework import System
 
 from aerodrake.model.vehicle.robot import (
     BASE_FRAME,
@@ -13,7 +14,7 @@ from aerodrake.model.vehicle.robot import (
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Scenario
 from aerodrake.support.arguments import checked
-from aerodrake.support.errors import file_at
+from aerodrake.support.errors import ScenarioError, file_at
 from aerodrake.systems.rotors import make_propellers
 from aerodrake.wiring.replacements import Replacements
 from aerodrake.wiring.table import Wiring, outputs
@@ -41,11 +42,13 @@ CONTACT = Wiring(
 @checked
 def make_plant(
     scenario: Scenario, vehicle: VehicleModel, replacements: Replacements | None = None
-) -> Diagram:
+) -> System:
     """Makes the plant of the scenario's vehicle, payload and mismatch, in trim by default.
 
-    Its `scene_graph` has collision geometry alone, since nothing is drawn from it, and is absent
-    if the robot has none. A system with these ports can replace it, by the name `plant`.
+    With `physics.engine` drake it is a diagram of `multibody_plant`, `propellers` and a
+    `scene_graph`, which has collision geometry alone, since nothing is drawn from it, and is absent
+    if the robot has none. With mujoco it is a `MujocoPlant`. A system with these ports can replace
+    it, by the name `plant`.
 
     Inputs: `thrust` (k) N, as it acts; `joint_torque` (n) N m, as it acts, limited by the joints'
     effort limits; `generalized_force` (6 + n) on the velocities [omega_W, v_B, q'].
@@ -54,15 +57,36 @@ def make_plant(
     world's first, then those of the robot's links, and a payload's last.
 
     Args:
-        scenario: Payload, mismatch and rotors; its `rates.plant_step_s` is the discrete step.
+        scenario: Engine, payload, mismatch and rotors; its `rates.plant_step_s` is the discrete
+            step.
         vehicle: The scenario's vehicle.
         replacements: Replacements of its systems; None for none.
 
     Raises:
-        BadInput: if Drake cannot parse the robot, or a replacement does not fit.
+        BadInput: if Drake cannot parse the robot, a replacement does not fit, or MuJoCo is not
+            installed.
     """
-    builder = (replacements or Replacements()).builder()
-    plant, wiring = MultibodyPlant(scenario.rates.plant_step_s), WIRING
+    plant, scene_graph = _make_bodies(scenario, vehicle)
+    if scenario.physics.engine == "mujoco":
+        return _make_mujoco_plant(scenario, vehicle, plant, scene_graph)
+    builder, wiring = (replacements or Replacements()).builder(), WIRING
+    base = plant.GetBodyByName(BASE_FRAME).index()
+    builder.AddSystem(plant)
+    if scene_graph is not None:
+        builder.AddNamedSystem("scene_graph", scene_graph)
+        wiring += CONTACT
+    builder.AddNamedSystem(
+        "propellers", make_propellers(scenario.vehicle.rotor, vehicle.rotors, base)
+    )
+    return wiring.build(builder, "plant")
+
+
+def _make_bodies(
+    scenario: Scenario, vehicle: VehicleModel
+) -> tuple[MultibodyPlant, SceneGraph | None]:
+    """Makes a finalised plant of vehicle, payload and ground, and the SceneGraph of their collision
+    geometry; None if the robot has none."""
+    plant = MultibodyPlant(scenario.rates.plant_step_s)
     plant.set_name("multibody_plant")  # A SceneGraph names its port after it.
     scene_graph = make_scene_graph() if vehicle.description.has_collision_geometry else None
     if scene_graph is not None:
@@ -75,12 +99,31 @@ def make_plant(
     plant.SetUseSampledOutputPorts(False)  # True would make a step an unrestricted update.
     plant.Finalize()
     plant.SetDefaultPositions(vehicle.trim_state[: plant.num_positions()])
-    base = plant.GetBodyByName(BASE_FRAME).index()
-    builder.AddSystem(plant)
-    if scene_graph is not None:
-        builder.AddNamedSystem("scene_graph", scene_graph)
-        wiring += CONTACT
-    builder.AddNamedSystem(
-        "propellers", make_propellers(scenario.vehicle.rotor, vehicle.rotors, base)
-    )
-    return wiring.build(builder, "plant")
+    return plant, scene_graph
+
+
+def _make_mujoco_plant(
+    scenario: Scenario,
+    vehicle: VehicleModel,
+    plant: MultibodyPlant,
+    scene_graph: SceneGraph | None,
+) -> System:
+    """Makes the plant in MuJoCo from that in Drake.
+
+    Raises:
+        ScenarioError: if MuJoCo is not installed.
+    """
+    try:
+        from aerodrake.model.mujoco.engine import MujocoEngine
+        from aerodrake.model.mujoco.model import body_numbers, make_mujoco_model
+        from aerodrake.systems.mujoco_plant import MujocoPlant
+    except ImportError:
+        expected = "mujoco expects the extra [mujoco]: pip install 'aerodrake[mujoco]'"
+        raise ScenarioError(scenario.source, "physics.engine", expected) from None
+    physics, period = scenario.physics, scenario.rates.plant_step_s
+    ratio = scenario.vehicle.rotor.torque_ratio_m
+    model = make_mujoco_model(plant, scene_graph, vehicle.rotors, ratio)
+    engine = MujocoEngine(model, period, physics.integrator, physics.substeps)
+    system = MujocoPlant(engine, body_numbers(model, plant), vehicle.trim_state, period)
+    system.set_name("plant")
+    return system
