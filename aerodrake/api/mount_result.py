@@ -1,5 +1,6 @@
 """Result of mounting an arm."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -44,9 +45,16 @@ class MountResult:
             "chosen:",
             *(f"  {sentence}" for sentence in self.choices),
             f"analysis: {self.analysis.sentence}",
+            *self._delay_margin(),
             f"hover: {self.hover.exit_reason}{moved}",
         ]
         return "\n".join(lines)
+
+    def _delay_margin(self) -> Iterator[str]:
+        margin = self.analysis.margins.get("base_delay")
+        if margin is not None and (upper := margin.upper) is not None:
+            ms = f"{1000 * upper.value:.3g} ms"
+            yield f"delay margin: unstable with {ms} of delay of the base's measurements"
 
     def __repr__(self) -> str:
         return f"<MountResult {self.scenario}: {self.analysis.sentence}>"

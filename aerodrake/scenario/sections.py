@@ -134,10 +134,11 @@ class Flight(Section):
     attitude_eso_rad_s: float = quantity(15.0, "rad/s", 0.1, 100.0)
     # Time constant of the low-pass filter of omega_d, the desired attitude's angular velocity.
     rate_filter_s: float = quantity(0.03, "s", 0.0, 1.0)
-    # Inverse dynamics of the arm's commanded motion: its torque, with filtered accelerations;
-    # torque and force, with unfiltered ones (whole_body); or none: the observers estimate them. The
-    # force tilts the base and accelerations turn it, which closes a loop through the MPC:
-    # whole_body is unstable for long or heavy arms, and with noise and unknown delay.
+    # Inverse dynamics of the arm's commanded motion: its torque, with filtered accelerations, and
+    # its force in the base's modelled acceleration alone; torque and force, with unfiltered ones
+    # (whole_body); or none: the observers estimate them. The force tilts the base and accelerations
+    # turn it, which closes a loop through the MPC: whole_body is unstable for long or heavy arms,
+    # and with noise and unknown delay. none is unstable for arms nearly as heavy as the base.
     feedforward: str = choice("torque", "whole_body", "none")
     # Largest tilt of the desired attitude.
     max_tilt_rad: float = quantity(0.6, "rad", 0.05, 1.2)

@@ -20,6 +20,14 @@ FEEDFORWARD_FILTER_S = 0.05
 Without the filter, vehicles with arms as heavy as the base are unstable with delay.
 """
 
+ROTATION_SHARE = 0.5
+"""Share of the base's angular acceleration in the modelled acceleration of its origin.
+
+The equivalent model of the MPC does not have this effect: with all of it, the damping of vehicles
+whose arm is heavy and hangs low is a third of that with half of it. Without it, noise causes larger
+errors.
+"""
+
 
 class FlightController(LeafSystem):
     """ESO-based position and attitude control of the base.
@@ -33,11 +41,11 @@ class FlightController(LeafSystem):
         out `thrust_command` (k): N, per rotor.
         out `acceleration` (6): modelled acceleration of the base from this command until
             the next, without disturbances: of its origin, m/s^2 in the world, and
-            angular, rad/s^2 in the base frame.
+            angular, rad/s^2 in the base frame. With feedforward it includes the arm's reaction.
         out `specific_thrust` (1): m/s^2, collective thrust over mass at the next sample, modelled
             by rotors whose lag is the mean of rise and fall.
-        out `reaction` (3): m/s^2, by which the arm's motion reduces the base's acceleration; zero
-            unless `feedforward` is whole_body.
+        out `reaction` (3): m/s^2, by which the arm's motion reduces the base's acceleration, and
+            which thrust compensates; zero unless `feedforward` is whole_body.
         out `disturbance` (6): estimated acceleration by other forces than thrust and gravity,
             m/s^2 in the world: h of the position ESO, less `reaction`. And h of the
             attitude ESO, rad/s^2 in the base frame.
@@ -63,9 +71,12 @@ class FlightController(LeafSystem):
     mean of the command; otherwise the surplus would count twice in its sum with the disturbance.
 
     With `feedforward` torque, inverse dynamics give the torque of the arm's commanded motion, with
-    its accelerations filtered by `FEEDFORWARD_FILTER_S`. With whole_body they are not filtered, and
-    give the force as well, which tilts the base. Without them the controller's model is a rigid
-    body with its mass at the origin, and the observers estimate the rest.
+    its accelerations filtered by `FEEDFORWARD_FILTER_S`. Thrust does not compensate the force of
+    this motion, but the modelled acceleration of the base includes it. Estimated as a disturbance,
+    it would be late, and the MPC would predict that it lasts and move the arm against it: with arms
+    nearly as heavy as the base, that loop is unstable. With whole_body the accelerations are not
+    filtered, and give the force as well, which tilts the base. Without feedforward the controller's
+    model is a rigid body with its mass at the origin, and the observers estimate the rest.
 
     Attributes:
         trim_acceleration: (6,) `acceleration` in trim. Without feedforward it is not
@@ -128,6 +139,8 @@ class FlightController(LeafSystem):
         position = outer_loop(self._outer, last, state, self._setpoint.Eval(context))
         effort = self._effort(context, last, state, position.a_B)
         loops, outputs = inner_loop(self._inner, last, state, position, effort)
+        if self._feedforward == "torque":
+            loops = loops._replace(acceleration=self._with_arm(context, state, loops))
         self._loops.write(discrete, loops)
         self._outputs.write(discrete, outputs)
 
@@ -143,3 +156,17 @@ class FlightController(LeafSystem):
             return self._whole_body.effort(x, vdot)
         vdot[BASE_VELOCITIES:] = last.joint_acceleration
         return np.concatenate((self._whole_body.effort(x, vdot)[:3], rigid_body[3:6]))
+
+    def _with_arm(self, context: Context, state: np.ndarray, loops: FlightState) -> np.ndarray:
+        """Returns the modelled acceleration (6,) of a base that carries the moving arm.
+
+        Thrust accelerates the common centre of mass as `loops` has it. Its position r_C relative to
+        the base changes with the commanded motion of the arm and, by `ROTATION_SHARE`, the rotation
+        of the base. The acceleration of the base is less by r_C''.
+        """
+        x, vdot = commanded_motion(state, self._joint_setpoint.Eval(context), np.zeros(3))
+        acceleration = loops.acceleration.copy()
+        angular = acceleration[3:] + loops.attitude_observer[-1]
+        vdot[:3] = ROTATION_SHARE * (split_state(state).R_B @ angular)
+        acceleration[:3] -= self._whole_body.centre_acceleration(x, vdot)
+        return acceleration

@@ -43,8 +43,9 @@ class StateFilterSystem(LeafSystem):
             the accelerometer. Only a filter that uses one has these ports.
         out `state` (13 + 2 n): the estimated present `VehicleState`; the last sample if
             samples are exact.
-        out `external_acceleration` (3): m/s^2 in the world, acceleration of the base by
-            other forces than thrust and gravity, the arm's reaction included.
+        out `external_acceleration` (3): m/s^2 in the world, acceleration of the base beyond
+            `acceleration`, by external forces; if thrust compensates the arm's reaction,
+            that is included.
         out `sample_health` (6): by group, s since the last accepted sample (0 if this one is
             accepted), and the `Verdict`.
         out `joint_oscillation` (n): rad/s, amplitude with which each joint oscillates.

@@ -24,7 +24,7 @@ def test_a_mounted_arm_hovers(arm, tmp_path, capsys, monkeypatch):
     shown = capsys.readouterr().out
     assert "tool: link tcp" in shown and "2 kg, 6 rotors" in shown
     assert "hover: completed; a push of 1.4 N moves the tool by" in shown
-    assert "analysis: stable" in shown
+    assert "analysis: stable" in shown and "delay margin: unstable with 2" in shown
     assert "missing acceleration limits are set" in shown
     names = sorted(path.name for path in out.iterdir())
     assert names == ["desk_arm.urdf", "desk_arm.yaml", "mounting.json"]
@@ -33,7 +33,7 @@ def test_a_mounted_arm_hovers(arm, tmp_path, capsys, monkeypatch):
     scenario = aerodrake.load_scenario(out / "desk_arm.yaml")
     assert scenario.reference.kind == "clover" and scenario.vehicle.base_position_m[2] >= 1.5
 
-    result = SimpleNamespace(is_stable=False, sentence="unstable")
+    result = SimpleNamespace(is_stable=False, sentence="unstable", margins={})
     monkeypatch.setattr(aerodrake.api.mount, "analyze", lambda *_, **__: result)
     (out / "of_before.txt").touch()
     assert main(["mount", str(arm), "--out", str(out), "--quiet"]) == 1

@@ -21,6 +21,7 @@ class WholeBody:
         self._plant = plant
         self._context = plant.CreateDefaultContext()
         self._gravity = MultibodyForces(plant)  # And the joints' damping.
+        self._mass = plant.CalcTotalMass(self._context)
 
     def effort(self, x: np.ndarray, vdot: np.ndarray) -> np.ndarray:
         """Returns the generalized force (6 + n,) for given accelerations: inverse dynamics.
@@ -37,6 +38,15 @@ class WholeBody:
         plant.SetPositionsAndVelocities(context, x)
         plant.CalcForceElementsContribution(context, self._gravity)
         return plant.CalcInverseDynamics(context, vdot, self._gravity)
+
+    def centre_acceleration(self, x: np.ndarray, vdot: np.ndarray) -> np.ndarray:
+        """Returns the acceleration (3,) m/s^2 of the centre of mass, in the world.
+
+        Args:
+            x: (13 + 2 n,) state of the vehicle.
+            vdot: (6 + n,) accelerations, as for `effort`.
+        """
+        return self.effort(x, vdot)[3:6] / self._mass - GRAVITY * UP
 
     def momentum(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Returns the momentum about the centre of mass, and the centre of mass, in the world.

@@ -8,6 +8,7 @@ from pydrake.multibody.plant import (
     ExternallyAppliedSpatialForce,
     MultibodyPlant,
 )
+from pydrake.multibody.tree import JacobianWrtVariable
 from scipy.spatial.transform import Rotation
 
 from aerodrake.model.vehicle.robot import BASE_FRAME, add_robot
@@ -129,6 +130,20 @@ def test_forward_dynamics_under_the_effort_give_the_accelerations(whole_body, pl
     a_B, qddot = rng.normal(size=3), rng.normal(size=vehicle.joints)
     vdot = accelerations(plant, state, *effort_of(whole_body, state, a_B, qddot))
     np.testing.assert_allclose(vdot, [0, 0, 0, *a_B, *qddot], atol=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_acceleration_of_the_centre_of_mass_is_that_of_its_jacobian(
+    whole_body, plant, vehicle, seed
+):
+    state, vdot = moving(vehicle, seed), np.random.default_rng(seed).normal(size=6 + vehicle.joints)
+    context, frame = plant.CreateDefaultContext(), plant.world_frame()
+    plant.SetPositionsAndVelocities(context, state.to_vector())
+    kind = JacobianWrtVariable.kV
+    J = plant.CalcJacobianCenterOfMassTranslationalVelocity(context, kind, frame, frame)
+    bias = plant.CalcBiasCenterOfMassTranslationalAcceleration(context, kind, frame, frame)
+    a_C = whole_body.centre_acceleration(state.to_vector(), vdot)
+    np.testing.assert_allclose(a_C, J @ vdot + bias, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(3))
