@@ -14,6 +14,7 @@ offsets make the order of events independent of rounding. The coordinator theref
 outputs of the low-level controllers one sample late.
 """
 
+import math
 from collections.abc import Iterator
 
 from pydrake.common import RandomGenerator
@@ -170,6 +171,7 @@ def make_station(
         trim_thrust(vehicle, rotor),
         scenario.filter.delay_s,
         rates.sensor_period_s,
+        math.lcm(*scenario.sensors.ticks(rates.sensor_period_s)),
     )
     builder.AddNamedSystem("rotor_monitor", RotorMonitorSystem(monitor, vehicle))
     wiring = add_joint_actuation(builder, scenario, vehicle, WIRING)

@@ -112,6 +112,12 @@ class Sensors(Section):
         """The same noise and delay, with none of the flaws of single sensors."""
         return replace(self, **{name: type(sensor)() for name, sensor in self.each.items()})
 
+    def ticks(self, dt: float) -> tuple[int, ...]:
+        """Returns how many periods of `dt` s there are between samples of position, attitude and
+        joints: one if they are sampled more often."""
+        sensors = (self.position, self.attitude, self.joints)
+        return tuple(max(1, round(sensor.period_s / dt)) for sensor in sensors)
+
     @property
     def times(self) -> dict[str, float]:
         """The times in s that are multiples of the plant's step, by dotted key."""

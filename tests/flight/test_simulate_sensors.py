@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydrake.systems.analysis import Simulator
 from scipy.spatial.transform import Rotation
 
 from aerodrake.flight.log import FlightLog
@@ -20,6 +21,7 @@ from aerodrake.scenario import (
     Sensors,
     ToolSensor,
 )
+from aerodrake.station import make_closed_loop, make_context
 
 BESIDE = Sensors(
     accelerometer=Accelerometer(period_s=0.01), tool=ToolSensor(period_s=0.02, delay_s=0.02)
@@ -98,3 +100,17 @@ def test_a_flight_with_flaws_is_the_same_again(field):
     for key in field:
         if not key.endswith("_ms"):
             np.testing.assert_array_equal(field[key], again[key], err_msg=key)
+
+
+def test_a_cloned_context_continues_alike():
+    scenario = replace(BASE, sensors=replace(FIELD, tool=BESIDE.tool), filter=FILTER)
+    loop = make_closed_loop(scenario)
+    simulator = Simulator(loop, make_context(loop, 0))
+    simulator.AdvanceTo(0.1037)
+    other = Simulator(loop, simulator.get_context().Clone())
+    other.Initialize()
+    for each in (simulator, other):
+        each.AdvanceTo(0.2)
+    for name in ("true_state", "state", "sample", "specific_force", "tool_position"):
+        a, b = (loop.GetOutputPort(name).Eval(each.get_context()) for each in (simulator, other))
+        np.testing.assert_array_equal(a, b, err_msg=name)

@@ -17,7 +17,6 @@ from aerodrake.model.sensing.estimate import (
 from aerodrake.model.sensing.joint_oscillation import JointOscillation, track
 from aerodrake.model.sensing.sample import (
     ATTITUDE,
-    GROUPS,
     JOINTS,
     POSITION,
     Sample,
@@ -88,7 +87,7 @@ class StateFilter(NamedTuple):
         The actual noise and flaws of `sensors` only widen the bounds of the sample check, but for
         the periods of its groups; dt in s.
         """
-        ticks = [max(1, round(sensors.each[group].period_s / dt)) for group in GROUPS]
+        ticks = sensors.ticks(dt)
         base = Chain(config.position_noise_m, config.velocity_noise_m_s, config.disturbance_m_s3)
         turn = Chain(config.attitude_noise_rad, config.rate_noise_rad_s, config.disturbance_rad_s3)
         translation, accelerometer = base.gain(dt, ticks[POSITION]), np.empty((0, 3))

@@ -8,7 +8,7 @@ from aerodrake.model.low_level.rotor_lag import RotorLag, advance
 from aerodrake.model.vehicle.rotation import rotation_matrix
 from aerodrake.model.vehicle.vehicle import GRAVITY, VehicleModel
 from aerodrake.scenario import Rotor
-from aerodrake.support.arguments import Duration, Period, Vector, checked
+from aerodrake.support.arguments import Count, Duration, Period, Vector, checked
 from aerodrake.support.compiled import compiled
 
 FAST_S, SLOW_S, BASELINE_S = 0.035, 0.33, 3.0
@@ -52,7 +52,8 @@ class RotorMonitor(NamedTuple):
         mass: kg.
         lever: m, root mean square distance of the rotors from the base's z axis.
         delay_samples: Assumed delay of the base's samples.
-        filter_gains: (2, 1) weights of a new sample in the fast and in the slow filter.
+        filter_gains: (m, 2, 1) weights of a new sample in the fast and in the slow filter, by the
+            sample periods since the last one. After more than m the last one is not used.
     """
 
     p_B: np.ndarray
@@ -67,7 +68,13 @@ class RotorMonitor(NamedTuple):
     @classmethod
     @checked
     def make(
-        cls, vehicle: VehicleModel, rotor: Rotor, trim: Vector, delay_s: Duration, dt: Period
+        cls,
+        vehicle: VehicleModel,
+        rotor: Rotor,
+        trim: Vector,
+        delay_s: Duration,
+        dt: Period,
+        samples: Count = 1,
     ) -> Self:
         """Returns the monitor of a vehicle.
 
@@ -77,7 +84,9 @@ class RotorMonitor(NamedTuple):
             trim: (k,) N, thrusts in trim.
             delay_s: s, assumed delay of the base's samples.
             dt: s, sample period.
+            samples: Number of sample periods after which all groups have new samples.
         """
+        times = dt * np.arange(1, samples + 1)[:, np.newaxis, np.newaxis]
         x, y, _ = vehicle.rotors.p_B.T
         return cls(
             p_B=np.ascontiguousarray(vehicle.rotors.p_B),
@@ -87,7 +96,7 @@ class RotorMonitor(NamedTuple):
             mass=vehicle.mass,
             lever=float(np.sqrt(np.mean(x**2 + y**2))),
             delay_samples=round(delay_s / dt),
-            filter_gains=-np.expm1(-dt / np.array([[FAST_S], [SLOW_S]])),
+            filter_gains=-np.expm1(-times / np.array([[FAST_S], [SLOW_S]])),
         )
 
 
@@ -122,8 +131,10 @@ class RotorMonitorState(NamedTuple):
         delayed_thrust: (D, k) N, mean thrusts of the last D = `delay_samples`, oldest first.
         loss: (k,) in [0, 1], reported loss of each rotor as a fraction of its thrust.
         detections: (k,) consecutive samples in which a large loss of each rotor was detected.
-        last: The last sample.
+        last: The last valid sample, or one that is not valid.
         baseline_s: s, time constant of the baseline now.
+        waited: Number of sample periods since `last`.
+        waited_thrust: (k,) N, sum of the mean thrusts in them.
     """
 
     baseline: np.ndarray
@@ -134,6 +145,8 @@ class RotorMonitorState(NamedTuple):
     detections: np.ndarray
     last: MomentumSample
     baseline_s: float
+    waited: float
+    waited_thrust: np.ndarray
 
     @classmethod
     def initial(cls, monitor: RotorMonitor) -> Self:
@@ -141,7 +154,8 @@ class RotorMonitorState(NamedTuple):
         trim, no_rotor, zero = monitor.trim, np.zeros(len(monitor.trim)), np.zeros(6)
         filtered = np.tile(np.concatenate([zero, trim]), (2, 1))
         delayed = np.tile(trim, (monitor.delay_samples, 1))
-        return cls(zero, filtered, trim, delayed, no_rotor, no_rotor, NO_SAMPLE, BASELINE_START_S)
+        start = no_rotor, no_rotor, NO_SAMPLE, BASELINE_START_S, 0.0, no_rotor
+        return cls(zero, filtered, trim, delayed, *start)
 
 
 @compiled
@@ -159,16 +173,19 @@ def update_monitor(
         command: (k,) N, thrust commands since the sample before.
         sample: Momentum and attitude now. If rejected, only the thrust estimate is updated.
     """
-    k, dt = len(monitor.trim), monitor.lag.dt
+    k, waited = len(monitor.trim), state.waited + 1.0
+    dt, last = waited * monitor.lag.dt, state.last
     loss, detections = state.loss.copy(), state.detections
     baseline, baseline_s, filtered = state.baseline, state.baseline_s, state.filtered
     thrust, mean = advance(monitor.lag, state.thrust, command)
     thrusts = np.concatenate((state.delayed_thrust, mean.reshape(1, k)))
-    mean, delayed = thrusts[0], thrusts[1:]
-    if sample.is_valid and state.last.is_valid:
-        signatures, residual = residual_wrench(monitor, state.last, sample, mean)
+    total, delayed = state.waited_thrust + thrusts[0], thrusts[1:]
+    mean = total / waited
+    if sample.is_valid and last.is_valid:
+        signatures, residual = residual_wrench(monitor, last, sample, mean, dt)
         residual -= baseline
-        filtered = filtered + monitor.filter_gains * (np.concatenate((residual, mean)) - filtered)
+        gains = monitor.filter_gains[int(waited) - 1]
+        filtered = filtered + gains * (np.concatenate((residual, mean)) - filtered)
 
         rotor, lost, fit = isolate(monitor, signatures, filtered[FAST], loss)
         change = abs(lost - loss[rotor]) if fit > FAST_FIT else 0.0
@@ -190,14 +207,20 @@ def update_monitor(
         if not is_detected:
             baseline = baseline + dt / baseline_s * (residual - (mean * loss) @ signatures)
             baseline_s = min(baseline_s + dt, BASELINE_S)
+    if sample.is_valid or waited >= len(monitor.filter_gains):
+        last, waited, total = sample, 0.0, np.zeros(k)
     return RotorMonitorState(
-        baseline, filtered, thrust, delayed, loss, detections, sample, baseline_s
+        baseline, filtered, thrust, delayed, loss, detections, last, baseline_s, waited, total
     )
 
 
 @compiled
 def residual_wrench(
-    monitor: RotorMonitor, last: MomentumSample, sample: MomentumSample, thrust: np.ndarray
+    monitor: RotorMonitor,
+    last: MomentumSample,
+    sample: MomentumSample,
+    thrust: np.ndarray,
+    dt: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Returns the fault signatures per N of thrust lost, and the residual, in the base frame.
 
@@ -205,12 +228,13 @@ def residual_wrench(
         monitor: Its constants.
         last, sample: The sample before and this one.
         thrust: (k,) N, estimated mean thrusts between the two.
+        dt: s, time between them.
 
     Returns:
         (k, 6) and (6,): torque about the centre of mass over `lever`, and force, in N.
     """
     R = (rotation_matrix(last.quaternion) + rotation_matrix(sample.quaternion)) / 2
-    change = (sample.momentum - last.momentum) / monitor.lag.dt
+    change = (sample.momentum - last.momentum) / dt
     change[5] += monitor.mass * GRAVITY
     r_BC = R.T @ ((last.r_BC + sample.r_BC) / 2)
     signatures, wrench = np.zeros((len(thrust), 6)), np.empty(6)

@@ -9,6 +9,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from aerodrake.model.low_level.rotor_lag import advance
 from aerodrake.model.low_level.thrust_allocation import ThrustAllocation, allocate
 from aerodrake.model.supervision.rotor_monitor import (
+    NO_SAMPLE,
     MomentumSample,
     RotorMonitor,
     RotorMonitorState,
@@ -107,7 +108,7 @@ def test_the_residual_is_zero_without_faults(monitor):
         last, thrust = body.sample, body.thrust
         command = monitor.trim + rng.normal(size=ROTORS)
         _, mean = advance(monitor.lag, thrust, command)
-        _, residual = residual_wrench(monitor, last, body.step(command), mean)
+        _, residual = residual_wrench(monitor, last, body.step(command), mean, DT)
         np.testing.assert_allclose(residual, 0, atol=0.02)
 
 
@@ -120,6 +121,7 @@ def test_the_residual_of_a_loss_is_the_fault_signature(rotor, remaining):
         body.sample,
         body.step(monitor.trim, effectiveness_with(rotor, remaining)),
         monitor.trim,
+        DT,
     )
     expected = (1 - remaining) * monitor.trim[rotor] * signatures[rotor]
     np.testing.assert_allclose(residual, expected, atol=0.02)
@@ -268,3 +270,18 @@ def test_momentum_agrees_with_the_mass_matrix(vehicle):
     np.testing.assert_allclose(
         momentum[:3] + np.cross(r_BC, momentum[3:]), about_base[:3], atol=1e-12
     )
+
+
+@pytest.mark.parametrize("every", [2, 4])
+def test_a_loss_is_reported_from_rare_samples(vehicle, trim, every):
+    """Samples in between are rejected, as those of a slow sensor are."""
+    monitor = RotorMonitor.make(vehicle, Rotor(), trim, 0.0, DT, every)
+    body, rng = Body(monitor), np.random.default_rng(0)
+    estimator = Estimator(monitor, body.sample)
+    for k in range(1, 400):
+        command = monitor.trim + rng.normal(size=ROTORS)
+        sample = body.step(command, effectiveness_with(2, 0.5) if k >= 200 else 1.0)
+        effectiveness = estimator.update(command, NO_SAMPLE if k % every else sample)
+        if k == 199:
+            np.testing.assert_array_equal(effectiveness, 1)
+    np.testing.assert_allclose(effectiveness, effectiveness_with(2, 0.5), atol=0.05)
