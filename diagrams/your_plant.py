@@ -50,7 +50,7 @@ class YourPlant(LeafSystem):
 
 
 def main() -> None:
-    scenario = aerodrake.load_scenario("clover", duration=3)
+    scenario = aerodrake.load_scenario("clover", duration=2, settle_s=0.5)
     vehicle, ratio = VehicleModel.load(scenario), scenario.vehicle.rotor.torque_ratio_m
     yours = {"plant": lambda packaged: YourPlant(vehicle, ratio, scenario.rates.plant_step_s)}
     for name, replaced in (("packaged", {}), ("yours", yours)):

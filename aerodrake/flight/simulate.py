@@ -213,7 +213,9 @@ class FlightSimulation:
         quaternion = signals["quaternion"]
         tool = np.array([self._kinematics.tool(q) for q in signals["q_rad"]])
         p_EB, t_B = tool[:, 0], tool[:, 1]
-        absent = dict.fromkeys(("tool_axis_d", "position_offset_m"), np.zeros_like(t_B))
+        absent = dict.fromkeys(
+            ("tool_axis_d", "position_offset_m", "wind_force_n"), np.zeros_like(t_B)
+        )
         joints = "torque_at_limit", "joint_oscillation_rad_s"
         absent |= dict.fromkeys(joints, np.zeros_like(signals["q_rad"]))
         if "p_Ed_m" not in signals:

@@ -64,16 +64,19 @@ class Replacements:
             raise BadInput("replacements", name, f"expected a system, got {type(theirs).__name__}")
         if theirs is not ours and theirs.GetSystemPathname().count("::") > 1:
             raise BadInput("replacements", name, "expected a new system, got one of a diagram")
+        known = _ports(ours, "input")
+        for port in _ports(theirs, "input"):
+            if port not in known:
+                problem = f"no signal for its input port '{port}'; {nearest(port, known)}"
+                raise BadInput("replacements", name, problem)
         for kind in ("input", "output"):
             have = _ports(theirs, kind)
             for port, expected in _ports(ours, kind).items():
                 is_absent = port not in have and (name, port) in OPTIONAL
                 if have.get(port) != expected and not is_absent:
-                    got = have.get(port) or ", ".join(have) or "none"
-                    problem = f"expected an {kind} port '{port}' of {expected}, got {got}"
-                    raise BadInput("replacements", name, problem)
-        for port in _ports(theirs, "input").keys() - _ports(ours, "input").keys():
-            raise BadInput("replacements", name, f"no signal for its input port '{port}'")
+                    problem = f"expected an {kind} port '{port}' of {expected}"
+                    got = f", got {have[port]}" if port in have else f"; {nearest(port, have)}"
+                    raise BadInput("replacements", name, problem + got)
         theirs.set_name(name)
         return theirs
 

@@ -31,7 +31,7 @@ OPTIONAL = frozenset(
         *((name, "torque_at_limit") for name in ("supervisor", "coordinator")),
         ("setpoint_integrator", "state"),
         *((name, "body_poses") for name in ("plant", "physics", "station")),
-        *((name, "wind_velocity") for name in ("wind", "physics", "station")),
+        *((name, "wind_velocity") for name in ("physics", "station")),
         *((name, "wind_force") for name in ("physics", "station")),
         *((name, "requested_reference") for name in ("guidance", "coordinator")),
     }

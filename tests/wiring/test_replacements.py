@@ -204,11 +204,11 @@ def test_a_diagram_around_the_default_system_flies_identically(name):
         ),
         (
             {"weight_allocator": lambda default: Fixed(wind=3)},
-            "weight_allocator: no signal for its input port 'wind'",
+            "weight_allocator: no signal for its input port 'wind'; valid: d_g, distances",
         ),
         (
             {"kinematics": lambda default: Fixed()},
-            "kinematics: expected an input port 'state' of size 25, got d_g, distances",
+            "kinematics: no signal for its input port 'd_g'; valid: reference, state",
         ),
     ],
 )
