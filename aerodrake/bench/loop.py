@@ -10,6 +10,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram
 
 from aerodrake.bench.bare_plant import make_bare_plant
+from aerodrake.bench.engines import engine_figures
 from aerodrake.bench.systems import timed_systems
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.flight.summary import rounded
@@ -33,6 +34,7 @@ def loop_figures(
             `closed_loop_over_plant_cpu` is the same for CPU time.
         real_time_factor: Simulated time over wall time of the flight, with monitor and logs.
         loop: Wall time in ms per simulated second of `plant`, `closed_loop` and `flight`;
+            `engines`, that of the plant in both physics engines, of `engine_figures`;
             fraction of monitor and logs in the flight; `systems`, the time of each Python
             system by its module, measured by a stopwatch around all its callbacks in
             separate simulations, with the MPC in two parts; and `framework`, the rest of
@@ -57,6 +59,8 @@ def loop_figures(
         flights.append(flight.fly().wall_s)
     (plant_s, plant_cpu_s), (loop_s, loop_cpu_s) = np.min(plants, axis=0), np.min(loops, axis=0)
     flight_s, per_second = min(flights), 1e3 / simulated_s
+    progress("plant in both engines")
+    engines = engine_figures(scenario, repeats)
     progress("time by system")
     systems, timed_ms, overhead_ms = _by_system(scenario, repeats)
     return {
@@ -66,6 +70,7 @@ def loop_figures(
         "mpc_overhead_ms": rounded(overhead_ms),
         "loop": {
             "plant_ms_per_s": rounded(plant_s * per_second),
+            "engines_ms_per_s": engines,
             "closed_loop_ms_per_s": rounded(loop_s * per_second),
             "flight_ms_per_s": rounded(flight_s * per_second),
             "monitor_and_log_share": rounded(1 - loop_s / flight_s),

@@ -99,6 +99,8 @@ def _loop(figures: Figures) -> list[str]:
         f"monitor and logs {100 * loop['monitor_and_log_share']:.1f} % of it",
         "ms of wall time per simulated second",
         *(_entry(name, loop[f"{key}_ms_per_s"]) for name, key in whole.items()),
+        "plant by physics engine, beside each other",
+        *(_entry(name, ms) for name, ms in loop["engines_ms_per_s"].items()),
         "parts of the closed loop, by a stopwatch around each Python system",
         *(_entry(name, ms) for name, ms in parts.items()),
     ]

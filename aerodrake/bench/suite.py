@@ -52,7 +52,7 @@ QUICK = Effort(
     clover_s=2.0,
     hover_s=20.0,
 )
-STEPS = 15
+STEPS = 16
 """Number of calls of `progress` by `bench`."""
 
 

@@ -68,8 +68,12 @@ class MujocoEngine:
             force: (6 + n,) generalized force on [omega_W, v_B, q'].
         """
         self.write(x, thrust, torque, force)
-        mujoco.mj_step(self.model, self.data, self._substeps)
+        self.advance(self._substeps)
         return state_of(self._qpos, self._qvel)
+
+    def advance(self, steps: int) -> None:
+        """Advances `data` by some of MuJoCo's time steps, with the forces in it."""
+        mujoco.mj_step(self.model, self.data, steps)
 
     def write(
         self, x: np.ndarray, thrust: np.ndarray, torque: np.ndarray, force: np.ndarray

@@ -10,7 +10,7 @@ from tests.mujoco_vehicles import BothEngines
 from tests.urdfs import DIAGRAMS
 
 CHANGES = {
-    "mismatch": Mismatch(mass_scale=1.3, inertia_scale=0.8),
+    "mismatch": Mismatch(mass_scale=1.3, inertia_scale=0.8, centre_of_mass_m=(0.01, -0.02, 0.005)),
     "payload": Payload(mass_kg=0.15),
 }
 

@@ -6,6 +6,7 @@ import pytest
 from pydrake.multibody.tree import BodyIndex
 
 from aerodrake.model.mujoco.model import body_numbers
+from aerodrake.scenario import Mismatch
 from tests.mujoco_vehicles import BothEngines, from_mujoco
 from tests.robots import at
 
@@ -111,7 +112,7 @@ def test_limits_damping_and_armature(both):
 
 def test_mujocos_own_reader_of_urdfs_gives_the_same_dynamics(packaged):
     """It reads no reflected inertias and no collision filters, and fixes the base."""
-    spec = mujoco.MjSpec.from_string(packaged.vehicle.description.invisible_urdf())
+    spec = mujoco.MjSpec.from_string(packaged.vehicle.description.invisible_urdf(Mismatch()))
     spec.compiler.fusestatic = False
     spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT
     spec.body("base").add_freejoint()
