@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from aerodrake.model.actuation.joint_transmission import JointTransmission, transmitted, twist
+from aerodrake.model.actuation.joint_transmission import JointTransmission, Turn, load, turn
 from aerodrake.model.vehicle.state import VehicleState, split_state
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.scenario import Actuation
@@ -18,9 +18,11 @@ class TransmissionState(NamedTuple):
 
     Attributes:
         twist: (n,) rad, angle of each motor relative to its link.
+        qdot: (n,) rad/s, rates of the links one step ago.
     """
 
     twist: np.ndarray
+    qdot: np.ndarray
 
 
 class JointTransmissionSystem(LeafSystem):
@@ -31,10 +33,9 @@ class JointTransmissionSystem(LeafSystem):
         in `true_state` (13 + 2 n): `VehicleState` of the plant.
         out `joint_torque` (n): N m, on the links until the next step; it feeds through.
         out `encoder_state` (13 + 2 n): the true state with the angles of the motors, which encoders
-            measure: those of the links plus the twist. The rates are the links', since that of a
-            motor without inertia would jump with its torque.
+            measure: those of the links plus the twist. The rates are the links'.
     State:
-        `twist` (n) rad, at first that of trim.
+        `twist` (n) rad, at first that of trim; `qdot` (n) rad/s, rates of the links one step ago.
     Rate:
         `period`, that of the plant, by a discrete update.
 
@@ -52,13 +53,8 @@ class JointTransmissionSystem(LeafSystem):
         self._motor_torque = self.DeclareVectorInputPort("motor_torque", n)
         self._true_state = self.DeclareVectorInputPort("true_state", VehicleState.size(n))
         initial = self._transmission.at_rest(vehicle.trim_torque)
-        self._last = NamedState(self, TransmissionState(initial))
-        self.DeclareVectorOutputPort(
-            "joint_torque",
-            n,
-            self._calc_torque,
-            {self.xd_ticket(), self._motor_torque.ticket()},
-        )
+        self._last = NamedState(self, TransmissionState(initial, np.zeros(n)))
+        self.DeclareVectorOutputPort("joint_torque", n, self._calc_torque)
         self.DeclareVectorOutputPort(
             "encoder_state",
             VehicleState.size(n),
@@ -67,9 +63,14 @@ class JointTransmissionSystem(LeafSystem):
         )
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
+    def _turn(self, context: Context) -> Turn:
+        """Returns the motion in this step."""
+        last, torque = self._last.read(context), self._motor_torque.Eval(context)
+        change = split_state(self._true_state.Eval(context)).qdot - last.qdot
+        return turn(self._transmission, last.twist, load(self._transmission, torque, change))
+
     def _calc_torque(self, context: Context, output: BasicVector) -> None:
-        last, torque = self._last.read(context).twist, self._motor_torque.Eval(context)
-        output.set_value(transmitted(self._transmission, last, torque))
+        output.set_value(self._turn(context).contact * self._motor_torque.Eval(context))
 
     def _calc_encoder_state(self, context: Context, output: BasicVector) -> None:
         output.set_value(self._true_state.Eval(context))
@@ -77,8 +78,8 @@ class JointTransmissionSystem(LeafSystem):
         angles += self._last.read(context).twist
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        last, torque = self._last.read(context).twist, self._motor_torque.Eval(context)
-        self._last.write(discrete, TransmissionState(twist(self._transmission, last, torque)))
+        qdot = split_state(self._true_state.Eval(context)).qdot
+        self._last.write(discrete, TransmissionState(self._turn(context).twist, qdot))
 
 
 def is_rigid(config: Actuation) -> bool:
