@@ -96,8 +96,8 @@ def test_every_scenario_flies(name):
     assert all(np.isfinite(log[key]).all() for key in log.signals)
     far = name.startswith("moving_target")
     assert (figures["error"]["max_m"] > 1.0) == far
-    if not far:
-        assert figures["error"]["max_m"] < 0.01
+    if not far:  # In the field scenarios more than the trim is unknown at the start.
+        assert figures["error"]["max_m"] < (0.02 if "field" in name else 0.01)
 
 
 def test_every_scenario_has_a_comment_on_its_purpose():

@@ -71,6 +71,8 @@ class QuietLoop:
 
     - samples have no noise, and the wind no gusts;
     - the only flaw of the sensors is their known delay, and the filter uses no accelerometer;
+    - actuators have no levels, Coulomb friction, backlash and sag, and messages with setpoints the
+      mean latency;
     - rotors rise and fall with the mean of both time constants. In an oscillation about a constant
       mean, a rotor spends the same time rising as falling, and its first harmonic is that of this
       lag up to 2 %;
@@ -100,6 +102,7 @@ class QuietLoop:
             settle_s=max(scenario.settle_s, settle_s),
             sensors=scenario.sensors.without_flaws,
             filter=replace(scenario.filter, accelerometer_noise_m_s2=0.0),
+            actuation=scenario.actuation.linear,
             vehicle=replace(scenario.vehicle, rotor=rotor),
             wind=replace(wind, gust_m_s=(0.0,) * len(wind.gust_m_s)),
             residual=replace(scenario.residual, learning_rate=0.0),
@@ -113,6 +116,8 @@ class QuietLoop:
         by_name = {"sensor_noise": _silent, "pushes": self._disturbed}
         if scenario.controller == "mpc":
             by_name["mpc"] = self._switched
+        if max(scenario.actuation.setpoint_latency_s) > 0:
+            by_name["setpoint_draws"] = _silent
         replacements = Replacements(by_name)
         ports = add_closed_loop(builder, scenario, replacements, None, self.vehicle)
         for name in OUTPUTS:

@@ -1,6 +1,7 @@
 """Actuation section of a scenario: flaws of rotors, joints and the setpoint link."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 from aerodrake.scenario.schema import Section, quantity
 
@@ -30,3 +31,18 @@ class Actuation(Section):
     # that it is lost. Setpoints start when they arrive.
     setpoint_latency_s: tuple[float, ...] = quantity((0.0, 0.0), "s", 0.0, 0.5, length=2)
     setpoint_loss: float = quantity(0.0, "1", 0.0, 1.0)
+
+    @property
+    def linear(self) -> Self:
+        """The same without what has no linearisation, or varies with time: levels, sag, Coulomb
+        friction and backlash. No message is lost, and each has the mean latency."""
+        mean = sum(self.setpoint_latency_s) / 2
+        return replace(
+            self,
+            rotor_levels=0,
+            sag=0.0,
+            coulomb_n_m=(0.0,),
+            backlash_rad=(0.0,),
+            setpoint_latency_s=(mean, mean),
+            setpoint_loss=0.0,
+        )
