@@ -12,6 +12,7 @@ from pydrake.systems.analysis import Simulator
 import aerodrake
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.scenario import Clover, Mismatch, Mpc, Payload, Residual, Scenario, Sensors, Wind
+from aerodrake.scenario.load import load_scenario
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.threads import single_thread
 from tests.robots import multibody_plant
@@ -159,3 +160,14 @@ def test_the_lengths_of_steps_of_the_simulator_do_not_matter(closed_loop):
     for times in (chunks, ticks):
         parts = advance(closed_loop, make_context(closed_loop, 7), *times, 0.5)
         np.testing.assert_array_equal(parts, whole)
+
+
+def test_all_flaws_at_once_are_repeatable_and_cloneable():
+    loop = make_closed_loop(load_scenario("clover_field_tool", {"settle_s": 0.0}))
+    context = make_context(loop, 7)
+    Simulator(loop, context).AdvanceTo(0.205)
+    clone = context.Clone()
+    ahead = advance(loop, context, 0.305)
+    np.testing.assert_array_equal(advance(loop, clone, 0.305), ahead)
+    np.testing.assert_array_equal(advance(loop, make_context(loop, 7), 0.205, 0.305), ahead)
+    assert np.any(advance(loop, make_context(loop, 8), 0.305) != ahead)

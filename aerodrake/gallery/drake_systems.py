@@ -103,6 +103,34 @@ Ports:
     out `y0` (13 + 2 n): the delayed true state.
 """
 
+COMMAND_DEVIATION = """
+Deviation of the thrust commands from trim, since a delay begins with zeros.
+
+Ports:
+    in `u0` (k): N, commanded thrusts.
+    out `y0` (k): N, the commands minus those in trim.
+"""
+
+COMMAND_DELAY = """
+Dead time of the rotors, `actuation.rotor_dead_time_s` of a scenario.
+
+Ports:
+    in `u` (k): N, deviation of the commands from trim.
+    out `delayed_u` (k): N, deviation before the dead time; zero at first.
+State:
+    `x`: the deviations of the last steps.
+Rate:
+    `rates.plant_step_s` of a scenario.
+"""
+
+LATE_COMMAND = """
+The delayed commands from their deviation.
+
+Ports:
+    in `u0` (k): N, delayed deviation of the commands from trim.
+    out `y0` (k): N, the delayed commands.
+"""
+
 BY_NAME: dict[str, object] = {
     "rotors": make_rotors,
     "propellers": make_propellers,
@@ -117,6 +145,9 @@ BY_NAME: dict[str, object] = {
     "deviation": DEVIATION,
     "base_delay": BASE_DELAY,
     "late_state": LATE_STATE,
+    "command_deviation": COMMAND_DEVIATION,
+    "command_delay": COMMAND_DELAY,
+    "late_command": LATE_COMMAND,
 }
 """Function that makes a system, or its description, by the system's name."""
 
