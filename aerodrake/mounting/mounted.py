@@ -54,6 +54,10 @@ def choices(mounted: Mounted, request: Request) -> Iterator[str]:
         f"{multirotor.max_thrust:g} N on a circle of {multirotor.radius:g} m; hover takes "
         f"{mounted.start.hover:.0%} of their thrust"
     )
+    yield (
+        f"base: moment of inertia {multirotor.inertia[0]:.3g} kg m^2 about a horizontal axis, the "
+        f"arm {working.inertia / multirotor.inertia[0]:.2g} times that"
+    )
     rise, fall = (f"{1000 * lag:.3g}" for lag in multirotor.lag)
     yield (
         f"rotors: {2 * multirotor.disc / INCH_M:.0f} inch, rising with {rise} ms and falling with "

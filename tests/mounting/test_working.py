@@ -51,6 +51,18 @@ def test_measures_are_those_of_the_vehicle(mounted):
     assert np.hypot(*posture.offset) * result.vehicle.arm.mass == pytest.approx(moment, abs=1e-6)
 
 
+def test_the_base_is_sized_for_the_inertia_of_the_arm(mounted):
+    result, vehicle = mounted
+    plant = vehicle.plant
+    context = plant.CreateDefaultContext()
+    plant.SetPositions(context, [1, 0, 0, 0, 0, 0, 0, *vehicle.working])
+    base = result.vehicle.multirotor.inertia
+    moments = plant.CalcMassMatrix(context)[:2, :2] - np.diag(base[:2])
+    inertia = np.linalg.eigvalsh(moments)[-1]
+    assert result.working.inertia == pytest.approx(inertia, rel=1e-3)
+    assert inertia < 2.02 * base[0]
+
+
 def test_it_can_land(mounted):
     _, vehicle = mounted
     heights = vehicle.ground_geometry.heights(vehicle.tucked)
