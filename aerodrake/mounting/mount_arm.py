@@ -13,11 +13,12 @@ from aerodrake.model.vehicle.robot import BASE_FRAME, RobotDescription, make_nom
 from aerodrake.model.vehicle.tucking import CLEARANCE_M, GroundGeometry, tuck
 from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.mounting.airframe import MOUNT_DEPTH
-from aerodrake.mounting.arm import ArmTree, Pose
+from aerodrake.mounting.arm import ArmTree
 from aerodrake.mounting.arm_urdf import read_arm
 from aerodrake.mounting.convert import convert
 from aerodrake.mounting.meshes import write_meshes
 from aerodrake.mounting.mounted import Mounted, choices
+from aerodrake.mounting.pose import Pose
 from aerodrake.mounting.posture import Postures
 from aerodrake.mounting.request import PLACE, Request
 from aerodrake.mounting.scenario_yaml import Start, scenario_yaml

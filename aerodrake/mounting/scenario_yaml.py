@@ -15,7 +15,7 @@ EDGE = 0.5
 LEAST_EDGE = 2.0
 """Smallest d_edge over d_h; with a smaller arm d_h and the learning space shrink."""
 TEMPLATE = """\
-# Vehicle of `aerodrake mount {name}.urdf`. Fly it: aerodrake run {name}.yaml
+# Vehicle of `{command}`. Fly it: aerodrake run {name}.yaml
 duration: 24.0 # s: smooth start, one lap, and some more
 vehicle:
   robot: {name}.urdf # relative to this file
@@ -80,6 +80,7 @@ def scenario_yaml(request: Request, multirotor: Multirotor, working: Working, st
         shrunk = np.array(Allocation.learning_space_m) * d_h / Allocation.d_h_m
         space = SPACE.format(d_h=round(d_h, 4), size=np.maximum(shrunk, 0.01).round(3).tolist())
     return TEMPLATE.format(
+        command=" ".join(request.command.splitlines()),
         name=request.name,
         clearance=start.clearance,
         height=start.height,

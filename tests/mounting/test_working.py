@@ -7,7 +7,7 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.mounting.mount_arm import mount_arm
 from aerodrake.mounting.request import Request
 from aerodrake.scenario.load import load_scenario
-from tests.serial_arms import serial_arm
+from tests.arm_urdfs import serial_arm
 
 ARMS = {
     "two": serial_arm("xx", 0.2),
