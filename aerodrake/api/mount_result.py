@@ -9,6 +9,9 @@ from aerodrake.api.analysis_result import AnalysisResult
 from aerodrake.api.flight_result import FlightResult
 from aerodrake.flight.summary import millimetres
 
+LEAST_DELAY_S = 0.015
+"""Delay margin below which a vehicle gets a caution; sensors often have 10 ms of delay."""
+
 
 @dataclass(frozen=True)
 class MountResult:
@@ -55,6 +58,9 @@ class MountResult:
         if margin is not None and (upper := margin.upper) is not None:
             ms = f"{1000 * upper.value:.3g} ms"
             yield f"delay margin: unstable with {ms} of delay of the base's measurements"
+            if upper.value < LEAST_DELAY_S:
+                least = f"{1000 * LEAST_DELAY_S:.3g} ms"
+                yield f"caution: less than {least}; a heavier and wider base mostly has more"
 
     def __repr__(self) -> str:
         return f"<MountResult {self.scenario}: {self.analysis.sentence}>"

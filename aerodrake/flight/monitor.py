@@ -23,6 +23,9 @@ LOST_TILT_RAD = math.radians(60)
 LOST_ERROR_M = 1.0
 """Distance from the reference, in safe modes from the setpoint, beyond which it is lost; the
 distance by which resets have moved the estimated position is added."""
+DIVERGED = 1e4
+"""Absolute value of a state, in m, rad, m/s or rad/s, above which the simulation diverges; attitude
+and distances overflow with larger ones."""
 
 REFUSALS = (BadInput, OSError, MemoryError)
 """Errors of the machine or of the remote coordinator, which never mean a lost vehicle."""
@@ -78,6 +81,8 @@ class Monitor:
         x, when = self._eval("true_state"), f"at {self.time():.2f} s"
         if not np.isfinite(x).all():
             return f"the state is not finite {when}"
+        if np.abs(x).max() > DIVERGED:
+            return f"the state diverges {when}"
         state = split_state(x)
         tilt = math.acos(np.clip(state.R_B[2, 2], -1.0, 1.0))
         if tilt > LOST_TILT_RAD:
@@ -118,6 +123,7 @@ class Monitor:
         if not cause:
             raise error
         message = re.sub(r"^Failure at \S+ in ", "", str(error)).partition("\n")[0]
+        message = message.partition(". ")[0].removesuffix(".")
         return f"{cause}; {message}"
 
     def _begin_approach(self, p_E: np.ndarray) -> None:

@@ -8,17 +8,7 @@ from xml.dom.minidom import Element
 
 from aerodrake.model.vehicle.urdf_links import only_child
 from aerodrake.model.vehicle.urdf_numbers import MOMENTS
-from aerodrake.mounting.arm import (
-    ArmJoint,
-    ArmLink,
-    ArmTree,
-    Converted,
-    Inertial,
-    Limits,
-    Mimic,
-    Motor,
-    Pose,
-)
+from aerodrake.mounting.arm import ArmTree, Converted
 from aerodrake.mounting.attributes import (
     read_limit,
     read_magnitude,
@@ -26,8 +16,11 @@ from aerodrake.mounting.attributes import (
     read_pose,
     refuse_macros,
 )
+from aerodrake.mounting.joint import ArmJoint, Limits, Mimic, Motor
+from aerodrake.mounting.link import ArmLink, Inertial
 from aerodrake.mounting.listed import listed
 from aerodrake.mounting.packages import find_mesh
+from aerodrake.mounting.pose import Pose
 from aerodrake.mounting.shapes import ShapeReader
 from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.urdf import read_document

@@ -4,7 +4,7 @@ import math
 from xml.dom.minidom import Element
 
 from aerodrake.model.vehicle.urdf_numbers import LARGEST
-from aerodrake.mounting.arm import Pose
+from aerodrake.mounting.pose import Pose
 from aerodrake.support.decimals import read_decimal
 from aerodrake.support.errors import BadInput
 from aerodrake.support.urdf_element import child, fault

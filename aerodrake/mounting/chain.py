@@ -2,7 +2,8 @@
 
 import math
 
-from aerodrake.mounting.arm import MOVING, ArmTree, Converted
+from aerodrake.mounting.arm import ArmTree, Converted
+from aerodrake.mounting.joint import MOVING
 from aerodrake.mounting.listed import listed, shown
 from aerodrake.support.errors import BadInput, nearest
 

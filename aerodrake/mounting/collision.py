@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Geometry, Pose
+from aerodrake.mounting.arm import ArmTree, Converted
+from aerodrake.mounting.link import ArmLink, Geometry
 from aerodrake.mounting.listed import shown
 from aerodrake.mounting.meshes import bounds
+from aerodrake.mounting.pose import Pose
 from aerodrake.support.errors import BadInput
 
 SIGNS = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(-1, 3)

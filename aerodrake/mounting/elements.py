@@ -4,7 +4,10 @@ from collections.abc import Iterable
 from xml.dom.minidom import Document, Element
 
 from aerodrake.model.vehicle.urdf_numbers import MOMENTS
-from aerodrake.mounting.arm import ArmJoint, ArmLink, ArmTree, Geometry, Limits, Pose
+from aerodrake.mounting.arm import ArmTree
+from aerodrake.mounting.joint import ArmJoint, Limits
+from aerodrake.mounting.link import ArmLink, Geometry
+from aerodrake.mounting.pose import Pose
 from aerodrake.mounting.shapes import ATTRIBUTES
 
 XML = Document()

@@ -3,7 +3,8 @@
 from collections.abc import Collection
 
 from aerodrake.model.vehicle.urdf_joints import SMALLEST
-from aerodrake.mounting.arm import ArmJoint, ArmTree, Converted
+from aerodrake.mounting.arm import ArmTree, Converted
+from aerodrake.mounting.joint import ArmJoint
 from aerodrake.mounting.listed import listed, shown
 from aerodrake.support.errors import BadInput
 

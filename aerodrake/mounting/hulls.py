@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from aerodrake.mounting.arm import ArmTree, Converted, Geometry, Inertial, Pose
+from aerodrake.mounting.arm import ArmTree, Converted
 from aerodrake.mounting.inertias import DENSITY_KG_M3, moments_of
+from aerodrake.mounting.link import Geometry, Inertial
 from aerodrake.mounting.listed import listed, shown
 from aerodrake.mounting.meshes import load_parts
+from aerodrake.mounting.pose import Pose
 
 if TYPE_CHECKING:
     import trimesh

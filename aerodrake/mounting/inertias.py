@@ -7,9 +7,11 @@ from pydrake.multibody.tree import RotationalInertia
 
 from aerodrake.model.vehicle.robot import ball_radius
 from aerodrake.model.vehicle.urdf_links import MARKER_KG, ROUNDING
-from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Inertial, Pose
+from aerodrake.mounting.arm import ArmTree, Converted
 from aerodrake.mounting.collision import LEAST_EDGE_M, bounding_points
+from aerodrake.mounting.link import ArmLink, Inertial
 from aerodrake.mounting.listed import listed, shown
+from aerodrake.mounting.pose import Pose
 from aerodrake.support.errors import BadInput
 
 DENSITY_KG_M3 = 1000.0

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 from aerodrake.model.vehicle.urdf_joints import SMALLEST
 from aerodrake.model.vehicle.urdf_numbers import LARGEST
-from aerodrake.mounting.arm import ArmJoint, ArmTree, Converted, Limits
+from aerodrake.mounting.arm import ArmTree, Converted
+from aerodrake.mounting.joint import ArmJoint, Limits
 from aerodrake.mounting.listed import listed, shown
 from aerodrake.mounting.loads import Load, joint_loads
 

@@ -5,8 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from aerodrake.model.vehicle.vehicle import GRAVITY
-from aerodrake.mounting.arm import ArmJoint, ArmTree
+from aerodrake.mounting.arm import ArmTree
 from aerodrake.mounting.inertias import inertia_matrix
+from aerodrake.mounting.joint import ArmJoint
 from aerodrake.mounting.spread import spread
 
 SAMPLES = 32

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from aerodrake.mounting.arm import ArmLink, ArmTree, Converted, Geometry
+from aerodrake.mounting.arm import ArmTree, Converted
+from aerodrake.mounting.link import ArmLink, Geometry
 from aerodrake.mounting.listed import listed
 from aerodrake.mounting.names import UNREADABLE
 from aerodrake.support.urdf import MAX_BYTES

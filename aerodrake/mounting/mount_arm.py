@@ -13,11 +13,12 @@ from aerodrake.model.vehicle.robot import BASE_FRAME, RobotDescription, make_nom
 from aerodrake.model.vehicle.tucking import CLEARANCE_M, GroundGeometry, tuck
 from aerodrake.model.vehicle.vehicle import GRAVITY
 from aerodrake.mounting.airframe import MOUNT_DEPTH
-from aerodrake.mounting.arm import Pose
+from aerodrake.mounting.arm import ArmTree
 from aerodrake.mounting.arm_urdf import read_arm
 from aerodrake.mounting.convert import convert
 from aerodrake.mounting.meshes import write_meshes
 from aerodrake.mounting.mounted import Mounted, choices
+from aerodrake.mounting.pose import Pose
 from aerodrake.mounting.posture import Postures
 from aerodrake.mounting.request import PLACE, Request
 from aerodrake.mounting.scenario_yaml import Start, scenario_yaml
@@ -55,10 +56,7 @@ def mount_arm(request: Request, folder: Path) -> Mounted:
     arm = replace(arm, name=request.name)
 
     path = folder / f"{request.name}{SUFFIX}"
-    multirotor = Multirotor.for_arm(arm.mass, arm.reach(tool.link), request.given)
-    _check_thrust(multirotor, arm.mass, request)
-    vehicle = VehicleDesign(arm, tool, multirotor, Pose(), is_filtered=False)
-    vehicle, working = _best(vehicle, request.mount, path)
+    vehicle, working = _sized(arm, tool, request, path)
     _check_torques(working, converted.joints, request.urdf)
     if len(request.mount) <= PLACE:
         vehicle = replace(vehicle, mount=_turned(vehicle.mount, working))
@@ -76,6 +74,23 @@ def _plant(vehicle: VehicleDesign, path: Path) -> tuple[MultibodyPlant, SceneGra
     """Writes a vehicle's URDF and returns the plant that is read from it, with its SceneGraph."""
     path.write_text(vehicle.urdf(), encoding="utf-8")
     return make_nominal_plant(RobotDescription.read(str(path)))
+
+
+def _sized(arm: ArmTree, tool: Tool, request: Request, path: Path) -> tuple[VehicleDesign, Working]:
+    """Returns the vehicle with its mount, and the working configuration.
+
+    The configuration is searched for again if the arm's inertia there needs another base.
+    """
+    size = arm.mass, arm.reach(tool.link), request.given
+    multirotor = Multirotor.for_arm(*size)
+    _check_thrust(multirotor, arm.mass, request)
+    vehicle = VehicleDesign(arm, tool, multirotor, Pose(), is_filtered=False)
+    mounted, working = _best(vehicle, request.mount, path)
+    sized = Multirotor.for_arm(*size, working.inertia)
+    if sized == multirotor:
+        return mounted, working
+    _check_thrust(sized, arm.mass, request)
+    return _best(replace(vehicle, multirotor=sized), request.mount, path)
 
 
 def _best(

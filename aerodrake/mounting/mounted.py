@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from aerodrake.model.vehicle.vehicle import GRAVITY
+from aerodrake.mounting.agility import cautions
 from aerodrake.mounting.listed import listed
 from aerodrake.mounting.request import PLACE, Request
 from aerodrake.mounting.scenario_yaml import Start
@@ -54,6 +55,10 @@ def choices(mounted: Mounted, request: Request) -> Iterator[str]:
         f"{multirotor.max_thrust:g} N on a circle of {multirotor.radius:g} m; hover takes "
         f"{mounted.start.hover:.0%} of their thrust"
     )
+    yield (
+        f"base: moment of inertia {multirotor.inertia[0]:.3g} kg m^2 about a horizontal axis, the "
+        f"arm {working.inertia / multirotor.inertia[0]:.2g} times that"
+    )
     rise, fall = (f"{1000 * lag:.3g}" for lag in multirotor.lag)
     yield (
         f"rotors: {2 * multirotor.disc / INCH_M:.0f} inch, rising with {rise} ms and falling with "
@@ -64,6 +69,8 @@ def choices(mounted: Mounted, request: Request) -> Iterator[str]:
     joint, ratio = mounted.joints[working.weakest[0]], working.weakest[1]
     if ratio > 1:
         yield f"caution: {joint} cannot hold the arm everywhere: up to {ratio:.0%} of its effort"
+    limits = [joint.limits for joint in vehicle.arm.moving(tool.link)]
+    yield from cautions(working.posture.jacobian, limits)
     if working.overlap:
         links = " and ".join(working.overlap.links)
         depth = f"{1000 * working.overlap.depth:.0f} mm"

@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from aerodrake.model.vehicle.robot import BASE_FRAME, PAYLOAD_BODY, TOOL_FRAME
-from aerodrake.mounting.arm import ArmJoint, ArmTree, Converted
+from aerodrake.mounting.arm import ArmTree, Converted
+from aerodrake.mounting.joint import ArmJoint
 from aerodrake.mounting.listed import listed
 
 RESERVED = (BASE_FRAME, TOOL_FRAME, PAYLOAD_BODY, "world")

@@ -85,3 +85,13 @@ class Postures:
                 for frame in self._moving
             ),
         )
+
+    def inertia(self, q: np.ndarray) -> float:
+        """Returns the arm's largest moment about a horizontal axis through the base's origin.
+
+        It is in kg m^2, at joint angles q (n,) rad.
+        """
+        self._plant.SetPositions(self._context, self.positions(q))
+        spatial = self._plant.CalcSpatialInertia(self._context, self._base, self._arm)
+        moments = spatial.CalcRotationalInertia().CopyToFullMatrix3()[:2, :2]
+        return float(np.linalg.eigvalsh(moments)[-1])

@@ -1,5 +1,6 @@
 """Request for a vehicle: an arm, and the choices that are given."""
 
+import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -81,6 +82,30 @@ class Request:
     def name(self) -> str:
         """Name of the vehicle: that of the file, as a plain word."""
         return UNREADABLE.sub("_", self.urdf.stem).strip(".") or "arm"
+
+    @property
+    def command(self) -> str:
+        """Command line with the same choices, without the folders above the arm's file."""
+        given = self.given
+        numbers = {
+            "--scale": self.scale if self.scale != (1.0,) else (),
+            "--mount": self.mount,
+            "--base-mass": (given.base_mass,),
+            "--rotors": (given.rotors,),
+            "--rotor-radius": (given.radius,),
+            "--max-thrust": (given.max_thrust,),
+        }
+        options = {
+            "--tool": [self.tool],
+            "--root": [self.root],
+            **{name: [f"{x:.10g}" for x in xs if x is not None] for name, xs in numbers.items()},
+        }
+        words = [self.urdf.name]
+        for name, values in options.items():
+            words += [name, *values] if any(values) else []
+        for path in self.packages:
+            words += ["--package-path", str(path)]
+        return shlex.join(["aerodrake", "mount", *words])
 
 
 def _shown(numbers: tuple[float, ...]) -> str:

@@ -2,8 +2,11 @@
 
 from dataclasses import replace
 
-from aerodrake.mounting.arm import ArmJoint, ArmLink, ArmTree, Converted, Geometry, Inertial, Pose
+from aerodrake.mounting.arm import ArmTree, Converted
+from aerodrake.mounting.joint import ArmJoint
+from aerodrake.mounting.link import ArmLink, Geometry, Inertial
 from aerodrake.mounting.listed import shown
+from aerodrake.mounting.pose import Pose
 
 
 def scale(arm: ArmTree, length: float = 1.0, mass: float = 1.0) -> Converted:

@@ -14,8 +14,10 @@ EDGE = 0.5
 """d_edge over the farthest reach from p_O, as in the packaged scenarios."""
 LEAST_EDGE = 2.0
 """Smallest d_edge over d_h; with a smaller arm d_h and the learning space shrink."""
+AMPLITUDE_M, LAP_S = 0.4, 18.0
+"""Amplitude of the clover, and time of a lap."""
 TEMPLATE = """\
-# Vehicle of `aerodrake mount {name}.urdf`. Fly it: aerodrake run {name}.yaml
+# Vehicle of `{command}`. Fly it: aerodrake run {name}.yaml
 duration: 24.0 # s: smooth start, one lap, and some more
 vehicle:
   robot: {name}.urdf # relative to this file
@@ -33,8 +35,8 @@ vehicle:
     lag_down_s: {fall:g}
 reference:
   kind: clover
-  amplitude_m: 0.4
-  lap_s: 18.0
+  amplitude_m: {amplitude}
+  lap_s: {lap}
   start_s: 3.0
 allocation:
   # Half of the tool's farthest reach from its place in the working configuration, {reach:.2f} m.
@@ -80,6 +82,7 @@ def scenario_yaml(request: Request, multirotor: Multirotor, working: Working, st
         shrunk = np.array(Allocation.learning_space_m) * d_h / Allocation.d_h_m
         space = SPACE.format(d_h=round(d_h, 4), size=np.maximum(shrunk, 0.01).round(3).tolist())
     return TEMPLATE.format(
+        command=" ".join(request.command.splitlines()),
         name=request.name,
         clearance=start.clearance,
         height=start.height,
@@ -91,6 +94,8 @@ def scenario_yaml(request: Request, multirotor: Multirotor, working: Working, st
         ratio=multirotor.torque_ratio,
         rise=multirotor.lag[0],
         fall=multirotor.lag[1],
+        amplitude=AMPLITUDE_M,
+        lap=LAP_S,
         reach=start.reach,
         edge=edge,
         space=space,

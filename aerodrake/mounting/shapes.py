@@ -6,8 +6,8 @@ from pathlib import Path
 from xml.dom.minidom import Element
 
 from aerodrake.model.vehicle.urdf_links import only_child
-from aerodrake.mounting.arm import Geometry
 from aerodrake.mounting.attributes import read_numbers, read_pose
+from aerodrake.mounting.link import Geometry
 from aerodrake.support.errors import BadInput
 from aerodrake.support.urdf_element import child, children, owner
 

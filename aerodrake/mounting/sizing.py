@@ -26,6 +26,10 @@ GAP = 1.2
 """Distance between neighbouring rotors over the diameter of their discs."""
 RADIUS_PER_REACH = 0.5
 """Smallest radius of the rotors' circle over the arm's reach."""
+MOST_INERTIA = 2.0
+"""Largest moment of inertia of the arm about a horizontal axis through the base's origin, over the
+base's. Above the bandwidth of the joints the arm does not turn with the base, and the gain of the
+attitude's loop grows by up to one plus this ratio."""
 
 
 @dataclass(frozen=True)
@@ -74,25 +78,41 @@ class Multirotor:
         return 0.05 * self.scale
 
     @classmethod
-    def for_arm(cls, mass: float, reach: float, given: "Given") -> Self:
+    def for_arm(cls, mass: float, reach: float, given: "Given", inertia: float = 0.0) -> Self:
         """Sizes a multirotor for an arm.
 
         Rotors are geometrically similar with equal tip speed: radius, torque over thrust and lag
-        grow with the cube root of the thrust. Smaller rotors get the packaged vehicle's lag.
+        grow with the cube root of the thrust. Smaller rotors get the packaged vehicle's lag. A
+        base whose moment of inertia is too small for the arm's grows, geometrically similar unless
+        some of its sizes are given.
 
         Args:
             mass: kg, of the arm.
             reach: m, length of the arm from its first joint to the tool.
             given: Sizes that are not to be chosen.
+            inertia: kg m^2, largest moment of the arm about a horizontal axis through the base's
+                origin.
         """
         base = given.base_mass or two_digits(BASE_PER_ARM * mass)
+        sized = cls._carrying(mass, base, RADIUS_PER_REACH * reach, given)
+        lack = inertia / (MOST_INERTIA * sized.inertia[0])
+        if lack <= 1:
+            return sized
+        heavier, wider = given.growth
+        if heavier:
+            base = two_digits(base * lack**heavier)
+        return cls._carrying(mass, base, sized.radius * lack**wider, given)
+
+    @classmethod
+    def _carrying(cls, mass: float, base: float, least_radius: float, given: "Given") -> Self:
+        """Returns a multirotor of a mass for an arm of a mass, with rotors that carry both."""
         total = mass + base
         rotors = given.rotors or min(n for n, most in MOST_KG.items() if total <= most)
         thrust = given.max_thrust or two_digits(total * GRAVITY / HOVER_SHARE / rotors)
         size = (thrust / Rotor.max_thrust_n) ** (1 / 3)  # Geometrically similar rotors.
         slower = max(size, 1.0)
         disc = PACKAGED_DISC_M * size
-        least = max(GAP * disc / math.sin(math.pi / rotors), RADIUS_PER_REACH * reach)
+        least = max(GAP * disc / math.sin(math.pi / rotors), least_radius)
         return cls(
             mass=base,
             rotors=rotors,
@@ -120,6 +140,18 @@ class Given:
     rotors: int | None = None
     radius: float | None = None
     max_thrust: float | None = None
+
+    @property
+    def growth(self) -> tuple[float, float]:
+        """Exponents of the base's inertia in the mass and radius of a base that grows with it.
+
+        Given rotors carry a given mass. Similar bodies have inertias with the fifth power of
+        their size.
+        """
+        has_mass, has_radius = bool(self.base_mass or self.max_thrust), bool(self.radius)
+        if has_mass:
+            return (0.0, 0.0) if has_radius else (0.0, 0.5)
+        return (1.0, 0.0) if has_radius else (0.6, 0.2)
 
 
 def two_digits(value: float) -> float:

@@ -9,8 +9,9 @@ from typing import Self
 
 import numpy as np
 
-from aerodrake.mounting.arm import ArmJoint, ArmTree
+from aerodrake.mounting.arm import ArmTree
 from aerodrake.mounting.collision import bounding_points
+from aerodrake.mounting.joint import ArmJoint
 from aerodrake.support.errors import BadInput, nearest
 
 FINGER = re.compile(r"finger|jaw|claw|thumb|knuckle|index|pinky", re.IGNORECASE)

@@ -8,7 +8,7 @@ from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from aerodrake.model.vehicle.robot import BASE_FRAME, TOOL_AXIS, TOOL_FRAME
 from aerodrake.mounting.airframe import base_urdf
-from aerodrake.mounting.arm import ArmJoint, ArmTree, Pose
+from aerodrake.mounting.arm import ArmTree
 from aerodrake.mounting.elements import (
     arm_elements,
     decimals,
@@ -16,7 +16,9 @@ from aerodrake.mounting.elements import (
     filter_element,
     joint_element,
 )
+from aerodrake.mounting.joint import ArmJoint
 from aerodrake.mounting.names import MOUNT
+from aerodrake.mounting.pose import Pose
 from aerodrake.mounting.sizing import Multirotor
 from aerodrake.mounting.tool import Tool
 

@@ -43,6 +43,8 @@ class Working:
     Attributes:
         q: (n,) rad.
         posture: The posture there.
+        inertia: kg m^2, largest moment of the arm about a horizontal axis through the base's
+            origin.
         dexterity: Smallest singular value of the position's Jacobian over the largest one that
             the arm has in any of the sampled configurations.
         margin: Smallest distance of a joint from its limits, in rad.
@@ -54,6 +56,7 @@ class Working:
 
     q: np.ndarray
     posture: Posture
+    inertia: float
     dexterity: float
     margin: float
     torques: np.ndarray
@@ -174,6 +177,7 @@ class WorkingSearch:
         return Working(
             q=q,
             posture=posture,
+            inertia=self._postures.inertia(q),
             dexterity=self._dexterity(posture),
             margin=float(np.minimum(q - self._lower, self._upper - q).min()),
             torques=np.abs(posture.torque) / effort,

@@ -12,7 +12,7 @@ from aerodrake.bench.robots import ARMS, PACKAGE, RobotArm, installed_urdf
 from aerodrake.bench.robots_report import robots_table
 from aerodrake.cli import main
 from aerodrake.support.errors import BadInput
-from tests.serial_arms import frame_link, serial_arm
+from tests.arm_urdfs import frame_link, serial_arm
 
 LIMIT = StabilityLimit(0.0214, 3.0)
 

@@ -8,7 +8,7 @@ import pytest
 import aerodrake
 import aerodrake.api.mount
 from aerodrake.cli import main
-from tests.serial_arms import frame_link, serial_arm
+from tests.arm_urdfs import frame_link, serial_arm
 
 
 @pytest.fixture(scope="module")

@@ -133,9 +133,9 @@ def test_lost_by_tilt():
     assert f"tilt of {tilt:.0f} deg" in log.exit_cause
 
 
-@pytest.mark.parametrize("number", [np.nan, np.inf])
+@pytest.mark.parametrize("number", [np.nan, np.inf, 1e200])
 @pytest.mark.parametrize("part", ["positions", "velocities"])
-def test_lost_by_a_state_that_is_not_finite(number, part, monkeypatch):
+def test_lost_by_a_state_that_is_not_finite_or_too_large(number, part, monkeypatch):
     scenario = Scenario(settle_s=0, duration=1)
     flight = FlightSimulation(scenario)
     contexts = []
@@ -156,7 +156,8 @@ def test_lost_by_a_state_that_is_not_finite(number, part, monkeypatch):
 
     log = flight.fly(progress=poison)
     assert log.exit_reason == "lost"
-    assert log.exit_cause.startswith("the state is not finite") and "\n" not in log.exit_cause
+    verb = "diverges" if number == 1e200 else "is not finite"
+    assert log.exit_cause.startswith(f"the state {verb} at 0.") and "\n" not in log.exit_cause
     assert 0.2 <= log.time_s[-1] <= 0.3
     assert to_json(summarize(scenario, log))
 

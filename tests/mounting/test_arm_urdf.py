@@ -2,8 +2,8 @@
 
 import pytest
 
-from aerodrake.mounting.arm import Limits, Motor
 from aerodrake.mounting.arm_urdf import read_arm
+from aerodrake.mounting.joint import Limits, Motor
 from aerodrake.support.errors import BadInput
 from tests.arm_urdfs import ARM, joint, link, read, robot
 

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from aerodrake.mounting.arm import ArmLink, ArmTree, Geometry, Pose
+from aerodrake.mounting.arm import ArmTree
 from aerodrake.mounting.collision import box_links, check_meshes, corners
+from aerodrake.mounting.link import ArmLink, Geometry
+from aerodrake.mounting.pose import Pose
 from aerodrake.support.errors import BadInput
 
 

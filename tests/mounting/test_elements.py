@@ -4,8 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aerodrake.mounting.arm import ArmJoint, ArmLink, ArmTree, Limits, Motor
+from aerodrake.mounting.arm import ArmTree
 from aerodrake.mounting.elements import arm_elements, decimals, filter_element
+from aerodrake.mounting.joint import ArmJoint, Limits, Motor
+from aerodrake.mounting.link import ArmLink
 
 
 @given(st.lists(st.floats(-1e9, 1e9), min_size=1))

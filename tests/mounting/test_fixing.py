@@ -2,8 +2,8 @@
 
 import pytest
 
-from aerodrake.mounting.arm import ArmJoint, Limits, Mimic
 from aerodrake.mounting.fixing import fix_joints, has_room, rest
+from aerodrake.mounting.joint import ArmJoint, Limits, Mimic
 from aerodrake.support.errors import BadInput
 from tests.arm_urdfs import joint, link, read, robot
 

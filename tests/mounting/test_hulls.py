@@ -7,8 +7,11 @@ import pytest
 import trimesh
 from pydrake.multibody.tree import SpatialInertia
 
-from aerodrake.mounting.arm import ArmJoint, ArmLink, ArmTree, Geometry, Inertial, Pose
+from aerodrake.mounting.arm import ArmTree
 from aerodrake.mounting.hulls import estimate_masses
+from aerodrake.mounting.joint import ArmJoint
+from aerodrake.mounting.link import ArmLink, Geometry, Inertial
+from aerodrake.mounting.pose import Pose
 
 BOX = Geometry(Pose((1, 2, 3), (0, 0, math.pi / 2)), "box", (0.1, 0.2, 0.4))
 

@@ -6,8 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.multibody.tree import RotationalInertia
 
-from aerodrake.mounting.arm import ArmLink, ArmTree, Geometry, Inertial, Pose
+from aerodrake.mounting.arm import ArmTree
 from aerodrake.mounting.inertias import correct_inertias, physical
+from aerodrake.mounting.link import ArmLink, Geometry, Inertial
+from aerodrake.mounting.pose import Pose
 from aerodrake.support.errors import BadInput
 from tests.arm_urdfs import joint, link, read, robot
 

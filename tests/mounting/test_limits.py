@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from aerodrake.mounting.arm import Limits
+from aerodrake.mounting.joint import Limits
 from aerodrake.mounting.limits import complete_limits
 from aerodrake.mounting.loads import joint_loads
 from tests.arm_urdfs import joint, link, read, robot

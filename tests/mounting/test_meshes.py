@@ -8,8 +8,10 @@ import trimesh
 from PIL import Image
 from pydrake.geometry import Mesh
 
-from aerodrake.mounting.arm import ArmLink, ArmTree, Geometry, Pose
+from aerodrake.mounting.arm import ArmTree
+from aerodrake.mounting.link import ArmLink, Geometry
 from aerodrake.mounting.meshes import bounds, load_parts, write_meshes
+from aerodrake.mounting.pose import Pose
 
 BOX = np.array([[-0.05, -0.1, 0.2], [0.15, 0.3, 0.8]])
 """Corners of a box without symmetry."""

@@ -1,5 +1,7 @@
 """Vehicles of mounted arms: scaled, given and repeated."""
 
+import shlex
+from argparse import ArgumentParser
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,13 +9,14 @@ import numpy as np
 import pytest
 from pydrake.math import RollPitchYaw
 
+from aerodrake.commands.mount import add_arguments
 from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.mounting.folder import write_vehicle
 from aerodrake.mounting.request import Request
 from aerodrake.mounting.sizing import Given, Multirotor
 from aerodrake.scenario.load import load_scenario
 from aerodrake.support.errors import BadInput
-from tests.serial_arms import serial_arm
+from tests.arm_urdfs import serial_arm
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +58,20 @@ def test_the_same_arm_gives_the_same_files(request_, full, tmp_path):
     write_vehicle(request_, tmp_path / "again")
     for name in ("arm.urdf", "arm.yaml", "mounting.json"):
         assert (tmp_path / "again" / name).read_bytes() == (full[0] / name).read_bytes()
+
+
+def test_the_scenario_names_its_command():
+    given = Given(base_mass=3.0, rotors=8)
+    request = Request(
+        Path("a/my arm.urdf"), "tcp", scale=(0.5, 1.0), mount=(0, 0, -0.1), given=given
+    )
+    expected = "'my arm.urdf' --tool tcp --scale 0.5 1 --mount 0 0 -0.1 --base-mass 3 --rotors 8"
+    assert request.command == f"aerodrake mount {expected}"
+    parser = ArgumentParser()
+    add_arguments(parser)
+    parsed = parser.parse_args(shlex.split(request.command)[2:])
+    assert (parsed.tool, parsed.scale, parsed.mount) == ("tcp", [0.5, 1], [0, 0, -0.1])
+    assert Request(Path("arm.urdf")).command == "aerodrake mount arm.urdf"
 
 
 def test_given_choices_are_followed(request_, tmp_path):

@@ -4,7 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aerodrake.mounting.arm import ArmJoint, ArmLink, ArmTree
+from aerodrake.mounting.arm import ArmTree
+from aerodrake.mounting.joint import ArmJoint
+from aerodrake.mounting.link import ArmLink
 from aerodrake.mounting.names import rename, renamed_link
 
 

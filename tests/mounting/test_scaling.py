@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aerodrake.mounting.arm import ArmTree, Limits, Motor
+from aerodrake.mounting.arm import ArmTree
+from aerodrake.mounting.joint import Limits, Motor
 from aerodrake.mounting.scaling import scale
 from tests.arm_urdfs import joint, link, read, robot
 

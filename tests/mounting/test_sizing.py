@@ -46,6 +46,33 @@ def test_laws_of_the_sizes(mass, reach):
     assert np.all(np.linalg.norm(feet[:, :2], axis=1) < sized.radius)
 
 
+@given(MASSES, REACHES, st.floats(0, 20), st.tuples(*[st.booleans()] * 3))
+def test_the_base_grows_with_the_inertia_of_the_arm(mass, reach, ratio, kept):
+    """It does unless mass, or thrust, and radius are given; and no more than is needed."""
+    plain = Multirotor.for_arm(mass, reach, Given())
+    values = plain.mass, plain.radius, plain.max_thrust
+    base_mass, radius, thrust = (
+        x if is_kept else None for x, is_kept in zip(values, kept, strict=True)
+    )
+    sizes = Given(base_mass, plain.rotors, radius, thrust)
+    sized = Multirotor.for_arm(mass, reach, sizes, ratio * plain.inertia[0])
+    growth = sized.inertia[0] / plain.inertia[0]
+    has_mass, has_radius, has_thrust = kept
+    if ratio <= 2 or (has_radius and (has_mass or has_thrust)):
+        assert growth == pytest.approx(1)
+    else:
+        assert ratio / 2 * (1 - 1e-9) <= growth
+        if has_mass or has_radius:
+            assert growth < 1.3 * ratio / 2
+    for name, value, is_kept in zip(("mass", "radius", "max_thrust"), values, kept, strict=True):
+        assert getattr(sized, name) == value if is_kept else getattr(sized, name) >= value
+
+
+def test_a_base_grows_in_proportion():
+    plain, grown = (Multirotor.for_arm(1.0, 0.5, Given(), inertia) for inertia in (0.0, 0.5))
+    assert grown.mass / plain.mass == pytest.approx((grown.radius / plain.radius) ** 3, rel=0.1)
+
+
 def test_larger_rotors_are_slower():
     small, large = (
         Multirotor.for_arm(mass, 0.5, Given(max_thrust=n)) for mass, n in ((1, 2.5), (9, 160))

@@ -7,8 +7,7 @@ import pytest
 
 from aerodrake.mounting.tool import Tool
 from aerodrake.support.errors import BadInput
-from tests.arm_urdfs import read
-from tests.serial_arms import frame_link, serial_arm
+from tests.arm_urdfs import frame_link, read, serial_arm
 
 
 def tool(end: str, folder, wanted: str = "", axes: str = "zxx") -> Tool:

@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 from pydrake.math import RollPitchYaw
 
 from aerodrake.model.vehicle.robot import TOOL_AXIS
-from aerodrake.mounting.arm import ArmLink, ArmTree, Pose
+from aerodrake.mounting.arm import ArmTree
+from aerodrake.mounting.link import ArmLink
+from aerodrake.mounting.pose import Pose
 from aerodrake.mounting.sizing import Given, Multirotor
 from aerodrake.mounting.tool import Tool
 from aerodrake.mounting.vehicle_urdf import VehicleDesign

@@ -7,7 +7,7 @@ from aerodrake.model.vehicle.vehicle import VehicleModel
 from aerodrake.mounting.mount_arm import mount_arm
 from aerodrake.mounting.request import Request
 from aerodrake.scenario.load import load_scenario
-from tests.serial_arms import serial_arm
+from tests.arm_urdfs import serial_arm
 
 ARMS = {
     "two": serial_arm("xx", 0.2),
@@ -49,6 +49,18 @@ def test_measures_are_those_of_the_vehicle(mounted):
     assert result.working.torques == pytest.approx(torques, abs=1e-6)
     moment = np.hypot(*vehicle.trim_wrench[1:3]) / 9.81
     assert np.hypot(*posture.offset) * result.vehicle.arm.mass == pytest.approx(moment, abs=1e-6)
+
+
+def test_the_base_is_sized_for_the_inertia_of_the_arm(mounted):
+    result, vehicle = mounted
+    plant = vehicle.plant
+    context = plant.CreateDefaultContext()
+    plant.SetPositions(context, [1, 0, 0, 0, 0, 0, 0, *vehicle.working])
+    base = result.vehicle.multirotor.inertia
+    moments = plant.CalcMassMatrix(context)[:2, :2] - np.diag(base[:2])
+    inertia = np.linalg.eigvalsh(moments)[-1]
+    assert result.working.inertia == pytest.approx(inertia, rel=1e-3)
+    assert inertia < 2.02 * base[0]
 
 
 def test_it_can_land(mounted):
