@@ -46,5 +46,5 @@ def cautions(jacobian: np.ndarray, limits: list[Limits]) -> Iterator[str]:
             yield (
                 f"caution: limits of joint {kind} give the tool {most:.2g} {unit} in its weakest "
                 f"horizontal direction, the reference has up to {needed:.2g}: the base moves it "
-                "instead, and errors can be large with noise"
+                "instead, and pushes and noise move it further"
             )
