@@ -8,36 +8,20 @@ from collections.abc import Collection, Iterable, Mapping
 from os import PathLike
 from pathlib import Path
 
-from pydrake.lcm import DrakeLcm
-from pydrake.systems.framework import Diagram, System
+from pydrake.systems.framework import System
 
 from aerodrake.gallery.dot import to_dot
 from aerodrake.gallery.graph import label, systems_by_name
+from aerodrake.gallery.loops import every_loop
 from aerodrake.gallery.mermaid import to_mermaid
 from aerodrake.gallery.n2_chart import n2_svg
 from aerodrake.gallery.ports import opens
 from aerodrake.gallery.system_page import system_page
-from aerodrake.model.vehicle.vehicle import VehicleModel
-from aerodrake.scenario import (
-    FixedAxis,
-    JointDegraded,
-    LearnerPoisoned,
-    MpcMissed,
-    Push,
-    ReferenceNan,
-    Residual,
-    RotorDegraded,
-    SampleNan,
-    Scenario,
-    Sensors,
-)
-from aerodrake.station import make_closed_loop
 from aerodrake.support.arguments import check_whole
 from aerodrake.support.errors import BadInput, nearest
 from aerodrake.support.files import write_atomically
 from aerodrake.support.limits import DEPTH
 from aerodrake.support.run_folder import existing_folder
-from aerodrake.wire.remote_coordinator import make_remote_coordinator, make_station_link
 
 DOT_TIMEOUT_S = 60.0
 """Time limit of Graphviz, which needs less than a second for the closed loop."""
@@ -116,14 +100,13 @@ def texts(name: str, system: System, depth: int, pages: Collection[str] = ()) ->
 def gallery(names: Collection[str] = ()) -> dict[str, System]:
     """Returns all diagrams and systems by name, from the default scenario if it has them.
 
-    Other scenarios have the systems of the orientation task, of delays, of faults and of CLIK,
-    and the station's end of the link. They are built if one of `names` is missing, or if `names`
+    Other loops of `every_loop` have the others. They are built if one of `names` is missing, or if `names`
     is empty. A system of the package that replaces another one of the same name has the name of its
     class, such as `faulty_mpc`.
     """
     systems: dict[str, System] = {}
-    for make in (_default_loop, _all_tasks, _clik_loop, _station_end):
-        for name, inner in systems_by_name(make()).items():
+    for loop in every_loop():
+        for name, inner in systems_by_name(loop).items():
             known = systems.get(name)
             is_drakes = type(inner).__module__.startswith("pydrake")
             if known is not None and type(known) is not type(inner) and not is_drakes:
@@ -132,30 +115,6 @@ def gallery(names: Collection[str] = ()) -> dict[str, System]:
         if names and systems.keys() >= set(names):
             break
     return systems
-
-
-def _default_loop() -> Diagram:
-    return make_closed_loop(Scenario())
-
-
-def _all_tasks() -> Diagram:
-    in_station = (SampleNan(), RotorDegraded(), JointDegraded(), Push())
-    faults = (*in_station, MpcMissed(), LearnerPoisoned(), ReferenceNan())
-    residual, sensors = Residual(mode="online"), Sensors(base_delay_s=0.01)
-    tasks = {"orientation": FixedAxis(), "residual": residual, "sensors": sensors}
-    return make_closed_loop(Scenario(faults=faults, **tasks))
-
-
-def _clik_loop() -> Diagram:
-    return make_closed_loop(Scenario(controller="clik"))
-
-
-def _station_end() -> Diagram:
-    scenario = Scenario()
-    link = make_station_link(scenario, DrakeLcm("memq://"))
-    remote = make_remote_coordinator(scenario, VehicleModel.load(scenario), link)
-    remote.set_name("remote_coordinator")
-    return remote
 
 
 def _chosen(systems: Shown | Iterable[Shown] | None) -> dict[str, System]:

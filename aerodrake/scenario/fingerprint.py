@@ -16,7 +16,8 @@ PLANT_SECTIONS = ("vehicle", "flight", "arm", "rates", "model")
 """Sections that determine the residual, except for noise, wind and model mismatch."""
 
 STATION_SECTIONS = (
-    *("duration", "sensors", "filter", "wind", "air", "actuation", "payload", "mismatch", "arm"),
+    *("duration", "physics", "sensors", "filter", "wind", "air", "actuation", "payload"),
+    *("mismatch", "arm"),
 )
 """Sections that the coordinator does not read."""
 

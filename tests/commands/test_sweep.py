@@ -73,7 +73,7 @@ def test_bad_input_prints_one_line_and_writes_nothing(
     options, expected, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("aerodrake.api.sweep.fly_trials", lambda *_: pytest.fail("flown"))
+    monkeypatch.setattr("aerodrake.api.study.fly_trials", lambda *_: pytest.fail("flown"))
     (tmp_path / "file").write_text("precious")
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / ROWS).write_text("precious")

@@ -11,12 +11,28 @@ from pydrake.systems.analysis import Simulator
 from aerodrake.flight.log import DELTA, DERIVED, PORTS, ROWS_PER_WRITE, FlightLog, key_columns
 from aerodrake.flight.simulate import FlightSimulation
 from aerodrake.model.supervision.conditions import conditions
-from aerodrake.scenario import FixedAxis, Hover, Model, Mpc, Scenario, Supervisor
+from aerodrake.scenario import (
+    Accelerometer,
+    FixedAxis,
+    Hover,
+    Model,
+    Mpc,
+    Scenario,
+    Sensors,
+    Supervisor,
+    ToolSensor,
+)
 from aerodrake.station import make_closed_loop, make_context
 from aerodrake.support.threads import single_thread
 
 KEYS = ["delta_m_s2" if key == DELTA else key for parts in PORTS.values() for key, _ in parts]
 """Keys in the flight model."""
+
+OF_SENSORS = {"measured_specific_force_m_s2", "specific_force_stamp_s", "measured_p_E_m",
+              "tool_stamp_s"}  # fmt: skip
+"""Keys of flights with accelerometer and tool sensor alone."""
+
+SENSORS = Sensors(accelerometer=Accelerometer(period_s=0.01), tool=ToolSensor(period_s=0.02))
 
 DIMENSIONLESS = {"estimated_quaternion", 
     "quaternion", "measured_quaternion", "gamma", "mode", "w_q", "w_m", "w_d",
@@ -29,7 +45,7 @@ DIMENSIONLESS = {"estimated_quaternion",
 
 @pytest.mark.parametrize("horizon", [3, 15])
 def test_parts_cover_their_ports_exactly(vehicle, horizon):
-    scenario = Scenario(mpc=Mpc(horizon=horizon), orientation=FixedAxis())
+    scenario = Scenario(mpc=Mpc(horizon=horizon), orientation=FixedAxis(), sensors=SENSORS)
     closed_loop = make_closed_loop(scenario)
     beside = {"segment": 1}  # Its time, which is not logged.
     sizes = {"1": 1, "3": 3, "4": 4, "n": vehicle.joints, "k": len(vehicle.rotors.names),
@@ -47,15 +63,16 @@ def test_parts_cover_their_ports_exactly(vehicle, horizon):
 
 
 def test_every_vector_of_the_closed_loop_is_logged(vehicle):
-    closed_loop = make_closed_loop(Scenario(orientation=FixedAxis()))
+    closed_loop = make_closed_loop(Scenario(orientation=FixedAxis(), sensors=SENSORS))
     ports = {
         port.get_name()
         for port in map(closed_loop.get_output_port, range(closed_loop.num_output_ports()))
         if port.size()
     }
     # The segments contain the setpoints and u; plan and horizons are as large as all other signals
-    # together, and the next ticks show them.
+    # together, and the next ticks show them. The wind's force shows its velocity.
     not_logged = {"u", "plan", "horizon", "tool_axis_horizon", "base_setpoint", "joint_setpoint"}
+    not_logged |= {"wind_velocity"}
     assert ports == {*PORTS, *not_logged}
 
 
@@ -71,7 +88,7 @@ def test_names_end_in_units(key):
 
 def test_a_flight_has_all_of_them_and_no_other(short_flight):
     _, log = short_flight
-    assert set(log.signals) == {*KEYS, *DERIVED}
+    assert set(log.signals) == {*KEYS, *DERIVED} - OF_SENSORS
     assert [key for key in log.signals if key.endswith("_ms")] == ["tick_ms"]
 
 
@@ -80,7 +97,7 @@ def test_delta_is_a_velocity_in_the_models_with_k_b_alone(kind):
     log = FlightSimulation(
         Scenario(duration=0.05, settle_s=0.0, model=Model(kind=kind), reference=Hover())
     ).fly()
-    assert set(log.signals) == {*KEYS, *DERIVED, "delta_m_s"} - {"delta_m_s2"}
+    assert set(log.signals) == {*KEYS, *DERIVED, "delta_m_s"} - {"delta_m_s2", *OF_SENSORS}
     assert log["delta_m_s"].shape == (len(log.time_s), 3)
 
 

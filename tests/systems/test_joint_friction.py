@@ -8,6 +8,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
 from aerodrake.model.vehicle.drake_parser import parse_urdf
+from aerodrake.model.vehicle.robot import EXACT
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Actuation
 from aerodrake.systems.joint_friction import make_joint_friction
@@ -21,7 +22,7 @@ class FloatingArm:
     def __init__(self, vehicle, config: Actuation):
         builder = DiagramBuilder()
         plant = builder.AddNamedSystem("plant", MultibodyPlant(STEP))
-        parse_urdf(plant, vehicle.description.invisible_urdf(), vehicle.robot)
+        parse_urdf(plant, vehicle.description.invisible_urdf(EXACT), vehicle.robot)
         plant.mutable_gravity_field().set_gravity_vector(np.zeros(3))
         plant.SetUseSampledOutputPorts(False)
         plant.Finalize()
