@@ -22,7 +22,7 @@ class StateHistory(LeafSystem):
 
     Ports:
         in `true_state` (13 + 2 n): `VehicleState` of the plant.
-        in `encoder_state` (13 + 2 n): the same with the angles and rates that encoders measure.
+        in `encoder_state` (13 + 2 n): true state with the angles and rates that encoders measure.
         in `draws` (10): uniform, new for each sample: latencies of the sensors, then losses.
         out `sampled_state` (13 + 2 n): position, attitude and joints, each of its own time.
         out `accelerometer_states` (26 + 4 n): true states at both ends of its period.

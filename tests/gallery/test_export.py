@@ -9,6 +9,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Gain
 
 from aerodrake.gallery import export as gallery
+from aerodrake.gallery import loops
 from aerodrake.gallery.export import export, graph, texts
 from aerodrake.scenario import Scenario
 from aerodrake.station import make_closed_loop
@@ -72,19 +73,26 @@ def test_arguments_of_the_wrong_kind(arguments, expected, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("names", "loops"),
-    [(["mpc"], 1), (["mpc", "pointing"], 2), (["clik"], 3), (["receiver"], 3), (["staton"], 3)],
+    ("names", "count"),
+    [
+        (["mpc"], 1),
+        (["mpc", "pointing"], 2),
+        (["setpoint_link"], 3),
+        (["clik"], 4),
+        (["receiver"], 5),
+        (["staton"], 5),
+    ],
 )
-def test_no_more_is_built_than_needed(names, loops, monkeypatch):
+def test_no_more_is_built_than_needed(names, count, monkeypatch):
     built = []
 
     def make(scenario):
         built.append(scenario)
         return make_closed_loop(scenario)
 
-    monkeypatch.setattr(gallery, "make_closed_loop", make)
+    monkeypatch.setattr(loops, "make_closed_loop", make)
     systems = gallery.gallery(names)
-    assert len(built) == loops
+    assert len(built) == count
     assert all(name in systems for name in names) == (names != ["staton"])
 
 
