@@ -101,8 +101,8 @@ def gallery(names: Collection[str] = ()) -> dict[str, System]:
     """Returns all diagrams and systems by name, from the default scenario if it has them.
 
     Other loops of `every_loop` have the others. They are built if one of `names` is missing, or if
-    `names` is empty. A system of the package that replaces another one of the same name has the name of its
-    class, such as `faulty_mpc`.
+    `names` is empty. A system of the package that replaces another one of the same name has the
+    name of its class, such as `faulty_mpc`.
     """
     systems: dict[str, System] = {}
     for loop in every_loop():
