@@ -210,7 +210,7 @@ def test_the_link_over_lcm_is_an_option():
         if any(module.startswith("aerodrake.wire.") for module in imports(path))
     }
     users = {user for user in users if not user.startswith("wire/")}
-    gallery = {"gallery/export.py", "gallery/system_page.py"}
+    gallery = {"gallery/loops.py", "gallery/system_page.py"}
     assert users == {"flight/simulate.py", "api/fly.py", "commands/coordinator.py"} | gallery
 
 
