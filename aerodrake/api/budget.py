@@ -33,8 +33,8 @@ def budget(
         result = aerodrake.budget("clover_realistic", seeds=3)
         print(result)
 
-    Flaws are those of `aerodrake.budgets.flaws`. Beside the errors stands the bound of
-    `aerodrake.budgets.bound`, which no controller with the scenario's sensors can fall below.
+    Flaws are those of `aerodrake.budgets.flaws`. The summary also has the bound of
+    `aerodrake.budgets.bound`, below which no controller with the scenario's sensors can be.
 
     Args:
         scenario, overrides, keys: As for `aerodrake.fly`.

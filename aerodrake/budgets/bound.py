@@ -38,7 +38,8 @@ def error_bound(scenario: Scenario, vehicle: VehicleModel) -> float:
     whose mean slope replaces it (statistical linearisation). The filter has samples of the base's
     position and velocity, and the accelerometer's if there is one, each at its own period. They
     arrive with the known delay and the least latency, over which the filter predicts. Attitude and
-    joints are known: nothing random acts on them. Without noise or without gusts the bound is zero.
+    joints are known: nothing random acts on them. A tool sensor is left out: with one, the bound is
+    that of controllers that do not use it. Without noise or without gusts the bound is zero.
     """
     sensors = scenario.sensors
     noise = sensors.position_noise_m, sensors.velocity_noise_m_s

@@ -56,10 +56,9 @@ def _draw_waterfall(axes: Axes, outcomes: BudgetOutcomes, bound_m: float) -> Non
         _label(axes, row, level, cost.added, "+")
     last = len(outcomes.costs) + 2
     total = _mm(outcomes.all.mean_m)
-    reached = _draw_step(axes, last - 1, level, total - level)
-    _text(
-        axes, last - 1, max(level, reached), f"{total - level:+.3g}" if np.isfinite(total) else ""
-    )
+    if np.isfinite(outcomes.all.mean_m):  # A flight with all flaws was completed.
+        reached = _draw_step(axes, last - 1, level, total - level)
+        _text(axes, last - 1, max(level, reached), f"{total - level:+.3g}")
     axes.barh(last, total, BAR, color=TOTAL)
     _label(axes, last, total, outcomes.all)
     if bound_m:
@@ -94,8 +93,6 @@ def _draw_savings(axes: Axes, outcomes: BudgetOutcomes) -> None:
 
 def _draw_step(axes: Axes, row: int, level: float, step: float) -> float:
     """Draws a floating bar from a level by a step, joined to the row above; returns its end."""
-    if not np.isfinite(step):
-        return level
     axes.barh(row, step, BAR, left=level, color=COST if step >= 0 else GAIN)
     axes.plot([level, level], [row - 1 + BAR / 2, row - BAR / 2], color=EDGE, linewidth=0.8)
     return level + step
@@ -120,4 +117,5 @@ def _text(axes: Axes, row: int, place: float, text: str) -> None:
 
 
 def _mm(length_m: float) -> float:
+    """Returns a length in mm; 0 for NaN, which has no bar."""
     return 1e3 * float(np.nan_to_num(length_m))

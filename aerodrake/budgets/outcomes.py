@@ -83,13 +83,13 @@ class BudgetOutcomes:
         keys = (key for key in HEADLINES if all(error[key] is not None for error in completed))
         key = next(keys, "mean_m")
         by_case = dict(zip(plan.cases, _by_seed(rows, plan, key), strict=True))
-        found = {(case.kind, case.flaw): Errors(errors) for case, errors in by_case.items()}
-        clean, full = found["clean", None], found["all", None]
+        errors = {(case.kind, case.flaw): Errors(by_seed) for case, by_seed in by_case.items()}
+        clean, full = errors["clean", None], errors["all", None]
         costs = [
             FlawCost(
                 name=case.flaw.name,
-                alone=(alone := found["alone", case.flaw]),
-                without=(without := found["without", case.flaw]),
+                alone=(alone := errors["alone", case.flaw]),
+                without=(without := errors["without", case.flaw]),
                 added=alone.beyond(clean),
                 saved=full.beyond(without),
             )
@@ -101,7 +101,7 @@ class BudgetOutcomes:
 
 
 def _by_seed(rows: Mapping[int, Any], plan: BudgetPlan, key: str) -> Sequence[np.ndarray]:
-    """Returns (S,) m for each case."""
+    """Returns the errors (S,) m of each case, in the order of `plan.cases`."""
     errors = np.full((len(plan.cases), plan.seeds), np.nan)
     for trial, (case, seed) in enumerate(plan.flights):
         row = rows[trial]

@@ -9,13 +9,10 @@ from aerodrake.scenario import Scenario
 from aerodrake.station import make_closed_loop
 from aerodrake.support.arguments import check_whole
 from aerodrake.support.errors import BadInput
-from aerodrake.support.limits import SEED
+from aerodrake.support.limits import SEED, SEEDS
 from aerodrake.sweeps.plan import Plan
 from aerodrake.sweeps.study_files import StudyFiles
 from aerodrake.sweeps.trial import Trial
-
-SEEDS = (1, 1000)
-"""Range of the number of seeds."""
 
 
 class Case(NamedTuple):

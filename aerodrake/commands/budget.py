@@ -4,6 +4,7 @@ import argparse
 
 from aerodrake.commands import options, study_options
 from aerodrake.support.errors import ProcessDied
+from aerodrake.support.limits import SEEDS
 
 HELP = "find what each flaw of sensors, actuators and environment costs"
 
@@ -14,7 +15,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     options.add_short_forms(command)
     command.add_argument(
         "--seeds",
-        type=options.whole_number(1, 1000),
+        type=options.whole_number(*SEEDS),
         default=5,
         metavar="N",
         help="number of seeds, which count up from the scenario's; default: 5",

@@ -34,8 +34,8 @@ class Actuation(Section):
 
     @property
     def linear(self) -> Self:
-        """The same without what has no linearisation, or varies with time: levels, sag, Coulomb
-        friction and backlash. No message is lost, and each has the mean latency."""
+        """Copy that can be linearised: without levels, Coulomb friction and backlash, and without
+        sag, which varies with time. No message is lost, and each has the mean latency."""
         mean = sum(self.setpoint_latency_s) / 2
         return replace(
             self,

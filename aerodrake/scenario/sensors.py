@@ -11,8 +11,8 @@ from aerodrake.scenario.schema import Section, choice, quantity
 class Sampling(Section):
     """Rate, latency and loss of one sensor's samples.
 
-    A sample is delivered at each multiple of the period. It contains the state of its known delay
-    and its latency before.
+    A sample is delivered at each multiple of the period. It contains the state at an earlier time:
+    earlier by the sensor's known delay plus the sample's latency.
     """
 
     # Period; 0 for that of the sensors (of accelerometer and tool: the vehicle has none).
@@ -109,7 +109,7 @@ class Sensors(Section):
 
     @property
     def without_flaws(self) -> Self:
-        """The same noise and delay, with none of the flaws of single sensors."""
+        """Copy with the same noise and known delay, without the flaws of single sensors."""
         return replace(self, **{name: type(sensor)() for name, sensor in self.each.items()})
 
     def ticks(self, dt: float) -> tuple[int, ...]:

@@ -6,6 +6,9 @@ JOBS = 1, 1000
 TRIALS = 1, 100_000
 """Number of flights of a sweep."""
 
+SEEDS = 1, 1000
+"""Number of seeds of an error budget."""
+
 DEPTH = 0, 100
 """Number of levels of diagrams to open."""
 

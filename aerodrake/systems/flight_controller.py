@@ -20,12 +20,14 @@ FEEDFORWARD_FILTER_S = 0.05
 Without the filter, vehicles with arms as heavy as the base are unstable with delay.
 """
 
-ROTATION_SHARE = 0.5
-"""Share of the base's angular acceleration in the modelled acceleration of its origin.
+ROTATION_FACTOR = 0.5
+"""Factor on the tangential acceleration in the modelled acceleration of the base's origin.
 
-The equivalent model of the MPC does not have this effect: with all of it, the damping of vehicles
-whose arm is heavy and hangs low is a third of that with half of it. Without it, noise causes larger
-errors.
+Thrust accelerates the common centre of mass of base and arm. If the base also rotates, its origin
+has the additional acceleration alpha x r, since it is at the distance r from that centre. The MPC's
+equivalent model does not contain this term. The factor is a compromise between two effects. With 1,
+vehicles with heavy arms that hang low have a third of the damping that they have with 0.5. With 0,
+the term is estimated as a disturbance, and noise causes larger errors.
 """
 
 
@@ -158,15 +160,16 @@ class FlightController(LeafSystem):
         return np.concatenate((self._whole_body.effort(x, vdot)[:3], rigid_body[3:6]))
 
     def _with_arm(self, context: Context, state: np.ndarray, loops: FlightState) -> np.ndarray:
-        """Returns the modelled acceleration (6,) of a base that carries the moving arm.
+        """Returns the modelled acceleration (6,) of the base, with the arm's motion.
 
-        Thrust accelerates the common centre of mass as `loops` has it. Its position r_C relative to
-        the base changes with the commanded motion of the arm and, by `ROTATION_SHARE`, the rotation
-        of the base. The acceleration of the base is less by r_C''.
+        `loops.acceleration` is that of the common centre of mass, by thrust and gravity. The
+        acceleration of the base's origin is less by r_C'', where r_C is the centre's position
+        relative to the origin. It changes by the commanded motion of the arm, and by the rotation
+        of the base, to which `ROTATION_FACTOR` applies.
         """
         x, vdot = commanded_motion(state, self._joint_setpoint.Eval(context), np.zeros(3))
         acceleration = loops.acceleration.copy()
         angular = acceleration[3:] + loops.attitude_observer[-1]
-        vdot[:3] = ROTATION_SHARE * (split_state(state).R_B @ angular)
+        vdot[:3] = ROTATION_FACTOR * (split_state(state).R_B @ angular)
         acceleration[:3] -= self._whole_body.centre_acceleration(x, vdot)
         return acceleration

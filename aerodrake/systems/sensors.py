@@ -34,7 +34,7 @@ from aerodrake.systems.named_state import NamedState
 def is_exact(config: Sensors) -> bool:
     """Returns True if samples have neither noise nor the resolution of encoders.
 
-    They may be delayed, and have flaws that nobody knows, such as biases.
+    They may be delayed, and have constant errors, such as biases.
     """
     return not any(Deviations.make(config)) and Encoder.make(config.joints) == Encoder.exact()
 
@@ -78,9 +78,9 @@ class SensorSystem(LeafSystem):
     State:
         the fields of a `SensorState`, a group each.
     Rate:
-        `period`, or that of its own for a group, after `period - lead`, by discrete updates. And
-        when a Simulator is initialised, before the first of them, by an unrestricted update, so
-        that a Context may start in any state.
+        `period`, or a group's own period, by discrete updates, each as long before a multiple of
+        the period as `offset` is before `period`. And when a Simulator is initialised, before the
+        first of them, by an unrestricted update, so that a Context may start in any state.
 
     Args:
         config: Standard deviations of the noise, and flaws.

@@ -21,7 +21,7 @@ class SetpointLinkState(NamedTuple):
     """State of the setpoint link.
 
     Attributes:
-        messages: (1 + K, 3 (3 + n) + 1) messages before the current one, as `sent` has them.
+        messages: (1 + K, 3 (3 + n) + 1) messages before the current one, in the layout of `sent`.
         latency_s: s, latency of the current message.
         is_sending: True from the first message on, which arrives at once.
     """
@@ -44,7 +44,7 @@ class SetpointLink(LeafSystem):
         out `base_setpoint` (9): p_d, v_d, a_d in m, m/s, m/s^2, world frame.
         out `joint_setpoint` (3 n): q_d, q_d', q_d'' in rad, rad/s, rad/s^2.
     State:
-        groups of a `SetpointLinkState`.
+        the fields of a `SetpointLinkState`, a group each.
     Rate:
         `timing.period`, with that of the coordinator's ticks, by a discrete update; between them
         the outputs are polynomials in time.

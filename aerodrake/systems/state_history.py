@@ -16,7 +16,7 @@ from aerodrake.support.arguments import StateVector, checked
 
 
 class StateHistory(LeafSystem):
-    """Outputs the states of each sensor's delay and latency before.
+    """Outputs past states: for each sensor that of its delay plus latency ago.
 
     Before the simulation starts, the base is assumed to have moved at its initial velocity.
 

@@ -58,7 +58,7 @@ class ToolSensorSystem(LeafSystem):
         super().__init__()
         self._config, self._delivery = config, delivery
         self._mounting, self._kinematics = np.array(config.mounting_m), Kinematics(plant)
-        self._least_down = np.cos(config.visible_rad) - 1e-9  # Rounding hides no tool.
+        self._least_down = np.cos(config.visible_rad) - 1e-9  # Tolerates rounding.
         self._state = self.DeclareVectorInputPort("state", len(initial))
         self._noise = self.DeclareVectorInputPort("noise", 3)
         self._draws = self.DeclareVectorInputPort("draws", DRAWS)

@@ -50,8 +50,8 @@ def make_plant(
     if the robot has none. With mujoco it is a `MujocoPlant`. A system with these ports can replace
     it, by the name `plant`.
 
-    Inputs: `thrust` (k) N, as it acts; `joint_torque` (n) N m, as it acts, limited by the joints'
-    effort limits; `generalized_force` (6 + n) on the velocities [omega_W, v_B, q'].
+    Inputs: `thrust` (k) N, as it acts; `joint_torque` (n) N m, which Drake, but not MuJoCo, limits
+    by the joints' effort limits; `generalized_force` (6 + n) on the velocities [omega_W, v_B, q'].
     Outputs: `state` (13 + 2 n), a `VehicleState`; `body_poses` (abstract, optional), a list of
     the poses (`RigidTransform`) in the world of the bodies in the order of `vehicle.plant`: the
     world's first, then those of the robot's links, and a payload's last.

@@ -149,7 +149,7 @@ class Rate(NamedTuple):
 
     Attributes:
         systems: Their names; a scenario may have only some of them.
-        period: Key of the scenario's `rates`.
+        period: Key of the scenario, in its section `rates` if the name has no dot.
         offset_steps: Offset from the multiples of the period, in steps of the plant.
         kind: `discrete` or `unrestricted`; at one instant Drake runs unrestricted updates first.
     """

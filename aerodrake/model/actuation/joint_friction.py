@@ -23,12 +23,12 @@ class JointFriction(NamedTuple):
     bearings and gears in presliding (Dupont et al. 2002, "Single state elastoplastic friction
     models"). The deflection of the spring is bounded by the Coulomb torque: a sliding joint has
     exactly this torque, a stuck one the torque that holds it, without drift. Stiffness and damping
-    are the largest for which an explicit step is stable.
+    are as large as the stability of an explicit step permits, with a margin (`STIFFNESS`).
 
     Attributes:
         coulomb: (n,) N m.
         stiffness: (n,) N m/rad, of a stuck joint.
-        damping: (n,) N m s/rad, likewise.
+        damping: (n,) N m s/rad, of a stuck joint.
         viscous: (n,) N m s/rad, mean over a step in which viscous friction alone acts.
         dt: s.
     """

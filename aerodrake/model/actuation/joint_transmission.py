@@ -19,9 +19,9 @@ class JointTransmission(NamedTuple):
         T = (s - s_g) / flexibility, where s_g is s limited to +- backlash / 2,
 
     and the motor turns relative to the link by damping s' = load - T. The load is the motor's
-    torque less that which accelerates the motor itself, as fast as the link. Damping is the slope
+    torque less that which gives the motor itself the link's acceleration. Damping is the slope
     of the motor's torque-speed line between its limits: torque over velocity. At rest,
-    s = flexibility torque +- backlash / 2.
+    s = flexibility * torque +- backlash / 2.
 
     The link gets the motor's torque while the motor is not in the gap, since the plant's links
     contain the inertia of their motors.
