@@ -21,7 +21,8 @@ class SetpointLinkState(NamedTuple):
     """State of the setpoint link.
 
     Attributes:
-        messages: (1 + K, 3 (3 + n) + 1) messages before the current one, in the layout of `sent`.
+        messages: (1 + K, S) messages before the current one, as `sent` returns them; each is a
+            `Segment` of S = 3 (3 + n) + 1 values.
         latency_s: s, latency of the current message.
         is_sending: True from the first message on, which arrives at once.
     """
