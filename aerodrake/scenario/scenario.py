@@ -137,7 +137,10 @@ def _rates(scenario: Scenario) -> Iterator[Violation]:
 def _sensors(scenario: Scenario) -> Iterator[Violation]:
     """Yields inconsistent values, and samples too rare for the supervisor or for the filter."""
     sensors, supervisor = scenario.sensors, scenario.supervisor
-    yield from sensors.violations()
+    joints = sensors.joints
+    if joints.rate == "exact" and joints.rate_filter_s > 0:
+        expected = "expected 0 s, since sensors.joints.rate is exact"
+        yield "sensors.joints.rate_filter_s", f"{expected}; got {joints.rate_filter_s:g} s"
     for group in SAMPLE_GROUPS:
         outage_s, period_s = getattr(supervisor, f"{group}_outage_s"), sensors.each[group].period_s
         if period_s >= outage_s:
@@ -181,11 +184,21 @@ def _air(scenario: Scenario) -> Iterator[Violation]:
         yield "air.rotor_radius_m", f"{expected}, got 0 m"
 
 
-def _setpoint_link(scenario: Scenario) -> Iterator[Violation]:
-    low, high = scenario.actuation.setpoint_latency_s
-    if low > high:
-        expected = "expected the lowest latency, then the highest one, in s"
-        yield "actuation.setpoint_latency_s", f"{expected}, got [{low:g}, {high:g}]"
+def _wind(scenario: Scenario) -> Iterator[Violation]:
+    wind = scenario.wind
+    if any(wind.wave_m_s) and not any(wind.wave_rad_m):
+        expected = f"wind.wave_m_s ({list(wind.wave_m_s)} m/s) expects a wave number other than 0"
+        yield "wind.wave_rad_m", f"{expected}, got {list(wind.wave_rad_m)} rad/m"
+
+
+def _latencies(scenario: Scenario) -> Iterator[Violation]:
+    sensors = scenario.sensors.each
+    bounds = {f"sensors.{name}.latency_s": sensor.latency_s for name, sensor in sensors.items()}
+    bounds["actuation.setpoint_latency_s"] = scenario.actuation.setpoint_latency_s
+    for key, (low, high) in bounds.items():
+        if low > high:
+            expected = "expected the least latency, then the largest, in s"
+            yield key, f"{expected}, got [{low:g}, {high:g}]"
 
 
 def _physics(scenario: Scenario) -> Iterator[Violation]:
@@ -245,6 +258,6 @@ def _allocation(scenario: Scenario) -> Iterator[Violation]:
 
 
 RULES = (
-    *(_rates, _sensors, _name, _reference, _rotor, _physics, _air, _setpoint_link, _model),
-    *(_clik, _supervisor, _allocation),
+    *(_rates, _sensors, _latencies, _name, _reference, _rotor, _physics, _wind, _air),
+    *(_model, _clik, _supervisor, _allocation),
 )

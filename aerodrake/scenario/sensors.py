@@ -1,6 +1,5 @@
 """Sensor section of a scenario: noise, delay and flaws of each sensor; all exact by default."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -130,15 +129,3 @@ class Sensors(Section):
             for i, latency_s in enumerate(sensor.latency_s):
                 times[f"sensors.{name}.latency_s[{i}]"] = latency_s
         return times
-
-    def violations(self) -> Iterator[tuple[str, str]]:
-        """Yields the dotted keys of inconsistent values, with what was expected."""
-        for name, sensor in self.each.items():
-            low, high = sensor.latency_s
-            if low > high:
-                expected = f"expected the least latency before the largest, got {low:g} s"
-                yield f"sensors.{name}.latency_s", f"{expected} before {high:g} s"
-        joints = self.joints
-        if joints.rate == "exact" and joints.rate_filter_s > 0:
-            expected = "expected 0 s, since sensors.joints.rate is exact"
-            yield "sensors.joints.rate_filter_s", f"{expected}; got {joints.rate_filter_s:g} s"

@@ -63,8 +63,13 @@ def hover_with(changes: dict[str, object]) -> Scenario:
         ),
         (
             {"actuation.setpoint_latency_s": [0.02, 0.01]},
-            "actuation.setpoint_latency_s: expected the lowest latency, then the highest one, in "
-            "s, got [0.02, 0.01]",
+            "actuation.setpoint_latency_s: expected the least latency, then the largest, in s, "
+            "got [0.02, 0.01]",
+        ),
+        (
+            {"wind.wave_m_s": [0.0, 1.0, 0.0]},
+            "wind.wave_rad_m: wind.wave_m_s ([0.0, 1.0, 0.0] m/s) expects a wave number other "
+            "than 0, got [0.0, 0.0, 0.0] rad/m",
         ),
         (
             {"air.ceiling_m": 2.0},

@@ -12,7 +12,7 @@ from aerodrake.support.errors import ScenarioError
     [
         ("position.period_s", 0.0155, "expected a multiple of rates.plant_step_s"),
         ("tool.delay_s", 0.0155, "expected a multiple of rates.plant_step_s"),
-        ("position.latency_s", [0.02, 0.01], "expected the least latency before the largest"),
+        ("position.latency_s", [0.02, 0.01], "expected the least latency, then the largest"),
         ("position.latency_s", [0.0, 0.0001], "expected a multiple of rates.plant_step_s"),
         ("joints.period_s", 0.2, "expected less than supervisor.joints_outage_s"),
         ("joints.rate_filter_s", 0.01, "expected 0 s, since sensors.joints.rate is exact"),
