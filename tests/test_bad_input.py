@@ -120,6 +120,7 @@ RUNS = {
     ),
     "joint_weights": (set_("mpc.w_3_joints=[1, 2]"), "mpc.w_3_joints: expected 1 value, or 6"),
     "no_joint_weights": (set_("mpc.w_2_joints=[]"), "mpc.w_2_joints: expected 1 value, or 6"),
+    "no_backlash": (set_("actuation.backlash_rad=[]"), "actuation.backlash_rad: expected 1 value"),
     "half_a_step": (set_("rates.arm_period_s=0.0055"), "rates.arm_period_s: ", "0.001 s"),
     "mpc_between_samples": (set_("rates.mpc_period_s=0.025"), "rates.mpc_period_s: ", "0.01 s"),
     "mpc_faster_than_flight": (

@@ -25,8 +25,8 @@ WIRING = Wiring(
 def make_bare_plant(scenario: Scenario) -> Diagram:
     """Makes a diagram of plant and rotors at the constant trim input.
 
-    It has no Python systems and no controllers: the vehicle drifts slowly by rounding
-    errors. Outputs: `thrust` (k) N, `true_state` (13 + 2 n; a `VehicleState`).
+    It has no controllers: the vehicle drifts slowly by rounding errors. With Drake's plant it has
+    no Python systems. Outputs: `thrust` (k) N, `true_state` (13 + 2 n; a `VehicleState`).
     """
     vehicle, rotor = VehicleModel.load(scenario), scenario.vehicle.rotor
     trim = trim_thrust(vehicle, rotor)

@@ -33,8 +33,8 @@ def error_bound(scenario: Scenario, vehicle: VehicleModel) -> float:
     """Returns the mean distance in m by which the best estimate misses the base's position.
 
     No controller that has only the scenario's sensors has a smaller mean error. The optimal
-    estimator of a linear Gaussian system is the Kalman filter, in steady state. It knows the model
-    exactly: only the gusts are random. Their Ornstein-Uhlenbeck process acts through the drag,
+    estimator of a linear Gaussian system is the Kalman filter, in steady state. Its model is
+    exact: only the gusts are random. Their Ornstein-Uhlenbeck process acts through the drag,
     whose mean slope replaces it (statistical linearisation). The filter has samples of the base's
     position and velocity, and the accelerometer's if there is one, each at its own period. They
     arrive with the known delay and the least latency, over which the filter predicts. Attitude and

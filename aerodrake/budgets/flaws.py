@@ -17,8 +17,8 @@ class Flaw:
 
     Attributes:
         name: Name in tables.
-        keys: Its dotted keys; with their defaults it is silent. Those of `filter` are what the
-            filter assumes of it.
+        keys: Dotted keys of the scenario; the flaw is silent if they have their defaults. A key of
+            `filter` is the value that the filter assumes.
         is_random: True if the flaw differs from seed to seed.
     """
 

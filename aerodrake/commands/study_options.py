@@ -16,7 +16,7 @@ def add_study(command: argparse.ArgumentParser, kind: str, items: str) -> None:
     Args:
         command: Parser of the command.
         kind: `sweep` or `budget`.
-        items: What can be added to a study: its trials or seeds.
+        items: `trials` or `seeds`, which can be added to a study.
     """
     engine = command.add_mutually_exclusive_group()
     options.add_jobs(engine)

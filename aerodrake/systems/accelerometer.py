@@ -32,7 +32,7 @@ class AccelerometerSystem(LeafSystem):
 
     Ports:
         in `states` (26 + 4 n): true states at both ends of the period that a sample covers.
-        in `noise` (9): standard normal draws, as `split_inertial_noise` has them.
+        in `noise` (9): standard normal draws, in the order of `InertialNoise`.
         in `draws` (10): uniform, for latency and loss.
         out `specific_force` (3): m/s^2 in the base frame, mean of the last `samples` samples.
         out `specific_force_stamp` (1): s, time stamp of the newest of them.

@@ -70,7 +70,7 @@ class SensorSystem(LeafSystem):
         in `late_state` (13 + 2 n): the plant's state, possibly delayed; its base is sampled.
         in `noise` (12 + n): standard normal draws, new at each sample.
         in `draws` (10): uniform, for latency and loss. Without either there is no such port.
-        in `inertial_noise` (9): standard normal draws, as `split_inertial_noise` has them. Without
+        in `inertial_noise` (9): standard normal draws, in the order of `InertialNoise`. Without
             drift there is no such port.
         out `state` (13 + 2 n): the last sample.
         out `stamps` (3): s, when position, attitude and joints were sampled, without the delay; or

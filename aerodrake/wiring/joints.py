@@ -14,6 +14,9 @@ from aerodrake.wiring.table import Wiring
 SYMBOLIC, MOTOR = ("u0", "y0"), ("motor_torque", "joint_torque")
 """Input and output port of the systems."""
 
+JOINT_KEYS = ("coulomb_n_m", "viscous_n_m_s_rad", "backlash_rad", "flexibility_rad_n_m")
+"""Keys of the section `actuation` with one value for all joints, or one for each."""
+
 
 @checked
 def add_joint_actuation(
@@ -29,8 +32,13 @@ def add_joint_actuation(
 
     Returns:
         These rows with the systems inserted.
+
+    Raises:
+        ScenarioError: if a list of values has the wrong length.
     """
     config, step = scenario.actuation, scenario.rates.plant_step_s
+    for key in JOINT_KEYS:  # A list without friction, gap or compliance makes no system.
+        vehicle.per_joint(getattr(config, key), f"actuation.{key}")
     for name, system, ports in (  # From the links to the controller.
         ("joint_friction", make_joint_friction(config, vehicle, step), MOTOR),
         ("joint_transmission", make_joint_transmission(config, vehicle, step), MOTOR),

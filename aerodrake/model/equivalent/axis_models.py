@@ -154,8 +154,8 @@ def flight_axis(axis: int, flight: Flight, rotor: Rotor, period: float, dt: floa
     Args:
         axis: 0, 1 or 2.
         flight: Gains and interface.
-        rotor: Lag; the model takes the mean of rise and fall. What unequal lags add to the mean
-            thrust is part of d.
+        rotor: Lag; the model takes the mean of rise and fall. The surplus in the mean
+            thrust by unequal lags is part of d.
         period: s, of the flight controller; its zero-order hold delays thrust by half of it.
         dt: s.
     """

@@ -131,7 +131,7 @@ class RotorMonitorState(NamedTuple):
         delayed_thrust: (D, k) N, mean thrusts of the last D = `delay_samples`, oldest first.
         loss: (k,) in [0, 1], reported loss of each rotor as a fraction of its thrust.
         detections: (k,) consecutive samples in which a large loss of each rotor was detected.
-        last: The last valid sample, or one that is not valid.
+        last: The last valid sample; after m sample periods without one, a sample that is not valid.
         baseline_s: s, time constant of the baseline now.
         waited: Number of sample periods since `last`.
         waited_thrust: (k,) N, sum of the mean thrusts in them.

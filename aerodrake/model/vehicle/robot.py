@@ -131,10 +131,11 @@ def add_robot(
     Args:
         plant: The plant.
         description: The robot.
-        mismatch: Factors of its links' masses and inertias.
+        mismatch: Factors of its links' masses and inertias, and offset of the base's
+            centre of mass.
 
     Raises:
-        BadInput: if Drake cannot parse it.
+        BadInput: if Drake cannot parse it, or a base without mass has a centre of mass to move.
     """
     parse_urdf(plant, description.invisible_urdf(mismatch), description.robot)
 
