@@ -49,6 +49,7 @@ Sum of the forces on the vehicle, as generalized forces on the plant's velocitie
 Ports:
     in `u0` (6 + n): force of the wind.
     in `u1` (6 + n): external force, such as pushes.
+    in `u2` (6 + n): drag of the rotors, only with effects of the air on them.
     out `sum` (6 + n): their sum, in N and N m.
 """
 
