@@ -37,7 +37,7 @@ def add_joint_actuation(
         ScenarioError: if a list of values has the wrong length.
     """
     config, step = scenario.actuation, scenario.rates.plant_step_s
-    for key in JOINT_KEYS:  # A list without friction, gap or compliance makes no system.
+    for key in JOINT_KEYS:  # Also lists that add no system, such as empty ones.
         vehicle.per_joint(getattr(config, key), f"actuation.{key}")
     for name, system, ports in (  # From the links to the controller.
         ("joint_friction", make_joint_friction(config, vehicle, step), MOTOR),
