@@ -27,7 +27,7 @@ GENERATED = sorted((ROOT / "diagrams" / "graphs").glob("*.md"))
 """Pages whose content is tested with their generator."""
 
 SHORT = ["--set", "duration=0.2", "--set", "settle_s=0.1"]
-SLOW = {"analyze", "compare", "identify", "train", "bench", "sweep", "mount"}
+SLOW = {"analyze", "budget", "compare", "identify", "train", "bench", "sweep", "mount"}
 """Commands that take minutes and have their own tests."""
 NOT_ALONE = {"coordinator", "--lcm", "--scheduler"}
 """Commands and options that need a second process; they have their own tests."""
