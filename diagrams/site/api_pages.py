@@ -17,6 +17,7 @@ LOGGER = getLogger(__name__)
 STOREYS = {
     "5 · Commands": ("commands", "api"),
     "4 · Studies and reports": (
+        "budgets",
         "sweeps",
         "comparison",
         "bench",
@@ -33,11 +34,13 @@ STOREYS = {
     "2 · Systems": ("systems", "systems.faults"),
     "1 · Equations": (
         "model.vehicle",
+        "model.mujoco",
         "model.reference",
         "model.sensing",
         "model.low_level",
         "model.equivalent",
         "model.setpoint",
+        "model.actuation",
         "model.mpc",
         "model.qp",
         "model.residual",

@@ -30,7 +30,7 @@ def specific_force(before: np.ndarray, now: np.ndarray, dt: float) -> np.ndarray
 def walked(bias: np.ndarray, drift: float, noise: np.ndarray, dt: float) -> np.ndarray:
     """Returns a bias (3,) after a step of its random walk.
 
-    Its variance grows by `drift`^2 each second.
+    Its variance grows by drift^2 each second.
 
     Args:
         bias: (3,) before.
