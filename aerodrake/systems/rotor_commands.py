@@ -3,10 +3,11 @@
 import numpy as np
 from pydrake.symbolic import Variable, floor
 from pydrake.systems.framework import Diagram, DiagramBuilder
-from pydrake.systems.primitives import AffineSystem, DiscreteTimeDelay, SymbolicVectorSystem
+from pydrake.systems.primitives import SymbolicVectorSystem
 
 from aerodrake.scenario import Actuation, Rotor
 from aerodrake.support.arguments import Count, Period, Vector, checked
+from aerodrake.systems.delay import make_delay
 
 
 @checked
@@ -43,14 +44,11 @@ def make_rotor_dead_time(config: Actuation, trim: Vector, period: Period) -> Dia
     steps = round(config.rotor_dead_time_s / period)
     if steps == 0:
         return None
-    builder, identity = DiagramBuilder(), np.eye(len(trim))
-    # The deviation from trim is delayed, since a delay's initial values are zeros.
-    deviation = builder.AddNamedSystem(
-        "command_deviation", AffineSystem(D=identity, y0=-np.asarray(trim))
-    )
-    # Its update stores the command before the update, which is one step of the delay.
-    delay = builder.AddNamedSystem("command_delay", DiscreteTimeDelay(period, steps - 1, len(trim)))
-    late = builder.AddNamedSystem("late_command", AffineSystem(D=identity, y0=trim))
+    builder = DiagramBuilder()
+    deviation, delay, late = make_delay(trim, steps, period)
+    builder.AddNamedSystem("command_deviation", deviation)
+    builder.AddNamedSystem("command_delay", delay)
+    builder.AddNamedSystem("late_command", late)
     builder.Connect(deviation.get_output_port(), delay.get_input_port())
     builder.Connect(delay.get_output_port(), late.get_input_port())
     builder.ExportInput(deviation.get_input_port(), "u0")

@@ -11,11 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 from pydrake.common import RandomDistribution
 from pydrake.systems.framework import Diagram, DiagramBuilder
-from pydrake.systems.primitives import (
-    AffineSystem,
-    DiscreteTimeDelay,
-    RandomSource,
-)
+from pydrake.systems.primitives import RandomSource
 
 from aerodrake.model.sensing.latency import DRAWS, Delivery
 from aerodrake.model.sensing.sample import GROUPS, INERTIAL_NOISE, noise_size
@@ -26,6 +22,7 @@ from aerodrake.scenario import SampleFault, Scenario, Sensors
 from aerodrake.support.arguments import StateVector, Vector6, checked
 from aerodrake.support.errors import sourced
 from aerodrake.systems.accelerometer import AccelerometerSystem
+from aerodrake.systems.delay import make_delay
 from aerodrake.systems.faults.samples import SampleFaultSystem
 from aerodrake.systems.sensors import SensorSystem, is_exact
 from aerodrake.systems.state_filter import StateFilterSystem
@@ -208,12 +205,10 @@ def _add_delay(builder: DiagramBuilder, scenario: Scenario, trim_state: np.ndarr
     delay_steps = round(scenario.sensors.base_delay_s / step)
     if not delay_steps:
         return PROMPT
-    # The deviation from trim is delayed, since a delay's initial values are zeros.
-    size, identity = len(trim_state), np.eye(len(trim_state))
-    builder.AddNamedSystem("deviation", AffineSystem(D=identity, y0=-trim_state))
-    # Its update stores the state before the update, which is one step of the delay.
-    builder.AddNamedSystem("base_delay", DiscreteTimeDelay(step, delay_steps - 1, size))
-    builder.AddNamedSystem("late_state", AffineSystem(D=identity, y0=trim_state))
+    deviation, delay, late = make_delay(trim_state, delay_steps, step)
+    builder.AddNamedSystem("deviation", deviation)
+    builder.AddNamedSystem("base_delay", delay)
+    builder.AddNamedSystem("late_state", late)
     return DELAYED
 
 
