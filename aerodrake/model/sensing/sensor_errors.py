@@ -4,11 +4,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from aerodrake.model.vehicle.joint_values import per_joint
 from aerodrake.model.vehicle.rotation import apply, rotation_matrix, turned
 from aerodrake.model.vehicle.state import split_state
 from aerodrake.scenario import Sensors
 from aerodrake.support.compiled import compiled
-from aerodrake.support.errors import ScenarioError
 
 
 class SensorErrors(NamedTuple):
@@ -31,12 +31,9 @@ class SensorErrors(NamedTuple):
         Raises:
             ScenarioError: if the number of zeros is neither 1 nor n.
         """
-        zeros = np.array(config.joints.zero_rad)
-        if len(zeros) not in (1, joints):
-            expected = f"expected 1 value, or {joints}, one for each joint, got {len(zeros)}"
-            raise ScenarioError("", "sensors.joints.zero_rad", expected)
+        zeros = per_joint(config.joints.zero_rad, joints, "", "sensors.joints.zero_rad")
         position, attitude = np.array(config.position.bias_m), np.array(config.attitude.bias_rad)
-        return cls(position, attitude, np.broadcast_to(zeros, joints).copy())
+        return cls(position, attitude, zeros.copy())
 
 
 @compiled

@@ -10,6 +10,7 @@ from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 
 from aerodrake.model.vehicle.arm_inertia import reduced_inertia
+from aerodrake.model.vehicle.joint_values import per_joint
 from aerodrake.model.vehicle.overlap import deepest_overlap
 from aerodrake.model.vehicle.robot import (
     BASE_FRAME,
@@ -123,10 +124,7 @@ class VehicleModel:
         Raises:
             ScenarioError: if the list has another length.
         """
-        if len(values) not in (1, self.joints):
-            problem = f"expected 1 value, or {self.joints}, one for each joint, got {len(values)}"
-            raise ScenarioError(self.source, key, problem)
-        return np.broadcast_to(np.array(values, dtype=float), self.joints)
+        return per_joint(values, self.joints, self.source, key)
 
     @classmethod
     @checked
