@@ -3,6 +3,7 @@
 import os
 import shlex
 import shutil
+from functools import cached_property
 from html import escape
 from pathlib import Path
 
@@ -57,7 +58,7 @@ class ComparisonResult:
         """Disturbances up to which each variant flies; None if they were not searched."""
         return self.comparison.margins
 
-    @property
+    @cached_property
     def differences(self) -> Differences:
         """Differences between the flights in both engines, of `engines=True`; empty otherwise."""
         return engine_differences(self.comparison.logs)

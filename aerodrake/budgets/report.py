@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from aerodrake.budgets.bound import error_bound
 from aerodrake.budgets.figure import plot_budget
 from aerodrake.budgets.flaws import silence
@@ -79,9 +77,10 @@ def summarize_budget(outcomes: BudgetOutcomes, plan: BudgetPlan) -> dict[str, An
 def budget_table(summary: Mapping[str, Any]) -> str:
     """Formats a summary, as from `summarize_budget`, for a terminal."""
     headline = HEADLINES[summary["error"]]
-    title = f"{summary['scenario']}: end-effector error, {headline}, in mm; mean of "
-    title += f"{summary['seeds']} seeds" if summary["seeds"] > 1 else f"seed {summary['seed']}"
-    lines = [title.replace("mean of seed", "seed"), "", _line(["flaw", *COLUMNS.values()])]
+    several, only = f"mean of {summary['seeds']} seeds", f"seed {summary['seed']}"
+    title = f"{summary['scenario']}: end-effector error, {headline}, in mm; "
+    title += several if summary["seeds"] > 1 else only
+    lines = [title, "", _line(["flaw", *COLUMNS.values()])]
     lines.append(_line(["none", _cell(summary["clean"]), "", "", ""]))
     for cost in summary["costs"]:
         lines.append(_line([cost["flaw"], *(_cell(cost[part]) for part in COLUMNS)]))
@@ -100,7 +99,7 @@ def _mapping(errors: Errors) -> dict[str, Any]:
 def _cell(errors: Mapping[str, Any]) -> str:
     """Returns the mean in mm, and in brackets the number of flights that were not completed."""
     mean_m, failed = errors["mean_m"], errors["not_completed"]
-    text = "" if mean_m is None else f"{np.sign(mean_m) * 1e3 * abs(mean_m):.3f}"
+    text = "" if mean_m is None else f"{1e3 * mean_m:.3f}"
     return f"{text} ({failed} lost)".strip() if failed else text
 
 

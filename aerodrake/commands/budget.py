@@ -3,7 +3,6 @@
 import argparse
 
 from aerodrake.commands import options, study_options
-from aerodrake.support.errors import ProcessDied
 from aerodrake.support.limits import SEEDS
 
 HELP = "find what each flaw of sensors, actuators and environment costs"
@@ -36,20 +35,9 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.budgets.plan import BudgetPlan
 
     target = arguments.out or options.new_folder(f"{scenario.name}-budget")
-    try:
-        result = budget(
-            scenario,
-            seeds=arguments.seeds,
-            out=target,
-            resume=arguments.resume,
-            jobs=arguments.jobs,
-            scheduler=arguments.scheduler,
-            quiet=arguments.quiet,
-        )
-    except (KeyboardInterrupt, ProcessDied):
-        own = ("seeds", "seed", "duration")
-        study_options.say_how_to_resume(arguments, "budget", target, own)
-        raise
+    shared = study_options.study_arguments(arguments, target)
+    with study_options.resumable(arguments, "budget", target, ("seeds", "seed", "duration")):
+        result = budget(scenario, seeds=arguments.seeds, **shared)
     files = ", ".join(BudgetPlan.files.all)
     Console(arguments.quiet).say(f"{result}\n\n{target}: {files}")
     return 0

@@ -4,10 +4,13 @@ import argparse
 import json
 import shlex
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from aerodrake.commands import options
-from aerodrake.support.errors import BadInput
+from aerodrake.support.errors import BadInput, ProcessDied
 
 
 def add_study(command: argparse.ArgumentParser, kind: str, items: str) -> None:
@@ -35,10 +38,17 @@ def check_resume(arguments: argparse.Namespace, kind: str) -> None:
         raise BadInput("resume", "", f"expected --out DIR with the folder of a {kind}")
 
 
-def say_how_to_resume(
+def study_arguments(arguments: argparse.Namespace, target: Path) -> dict[str, Any]:
+    """Returns the arguments that the functions of studies share; `target` is the folder."""
+    shared = {key: getattr(arguments, key) for key in ("resume", "jobs", "scheduler", "quiet")}
+    return {"out": target, **shared}
+
+
+@contextmanager
+def resumable(
     arguments: argparse.Namespace, kind: str, target: Path, own: tuple[str, ...]
-) -> None:
-    """Prints the number of recorded trials, and the command that continues the study.
+) -> Iterator[None]:
+    """Prints how to resume a study that does not end in this context, with the recorded trials.
 
     Args:
         arguments: Of the command.
@@ -46,6 +56,16 @@ def say_how_to_resume(
         target: Folder of the study.
         own: Names of its options with values, beside those that all studies have.
     """
+    try:
+        yield
+    except (KeyboardInterrupt, ProcessDied):
+        _say_how_to_resume(arguments, kind, target, own)
+        raise
+
+
+def _say_how_to_resume(
+    arguments: argparse.Namespace, kind: str, target: Path, own: tuple[str, ...]
+) -> None:
     from aerodrake.sweeps.folder import read_rows
     from aerodrake.sweeps.study_files import StudyFiles
 

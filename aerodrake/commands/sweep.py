@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Iterator
 
 from aerodrake.commands import options, study_options
-from aerodrake.support.errors import BadInput, ProcessDied
+from aerodrake.support.errors import BadInput
 from aerodrake.support.limits import TRIALS
 
 HELP = "fly a scenario many times with varied keys"
@@ -48,21 +48,9 @@ def main(arguments: argparse.Namespace) -> int:
     from aerodrake.sweeps.trial import FAILURES
 
     target = arguments.out or options.new_folder(f"{scenario.name}-sweep")
-    try:
-        result = sweep(
-            scenario,
-            vary=vary,
-            trials=arguments.trials,
-            out=target,
-            resume=arguments.resume,
-            jobs=arguments.jobs,
-            scheduler=arguments.scheduler,
-            quiet=arguments.quiet,
-        )
-    except (KeyboardInterrupt, ProcessDied):
-        own = ("vary", "trials", "seed")
-        study_options.say_how_to_resume(arguments, "sweep", target, own)
-        raise
+    shared = study_options.study_arguments(arguments, target)
+    with study_options.resumable(arguments, "sweep", target, ("vary", "trials", "seed")):
+        result = sweep(scenario, vary=vary, trials=arguments.trials, **shared)
     Console(arguments.quiet).say(f"{result}\n\n{target}: {', '.join(Plan.files.all)}")
     return 1 if any(result.summary["endings"].get(reason) for reason in FAILURES) else 0
 
