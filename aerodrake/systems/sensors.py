@@ -132,7 +132,8 @@ class SensorSystem(LeafSystem):
         self.DeclareInitializationUnrestrictedUpdateEvent(self._start)
         for own in sorted(set(self._periods)):
             groups = tuple(g for g, other in enumerate(self._periods) if other == own)
-            sample = partial(self._sample, groups)
+            is_all = len(groups) == len(GROUPS)
+            sample = self._sample if is_all else partial(self._sample_groups, groups)
             self.DeclarePeriodicDiscreteUpdateEvent(own, own - self._lead, sample)
 
     def _start(self, context: Context, state: State) -> EventStatus:
@@ -149,7 +150,12 @@ class SensorSystem(LeafSystem):
         self._last.write(state.get_mutable_discrete_state(), started)
         return EventStatus.Succeeded()
 
-    def _sample(self, groups: tuple[int, ...], context: Context, discrete: DiscreteValues) -> None:
+    def _sample(self, context: Context, discrete: DiscreteValues) -> None:
+        self._sample_groups(tuple(range(len(GROUPS))), context, discrete)
+
+    def _sample_groups(
+        self, groups: tuple[int, ...], context: Context, discrete: DiscreteValues
+    ) -> None:
         # Other groups may have been sampled at the same instant.
         time, last = context.get_time(), self._last.read(discrete)
         missing_s = self._delay_s - (time + self._lead - last.start_s)
